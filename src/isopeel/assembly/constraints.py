@@ -1,0 +1,104 @@
+"""Constraints: which degrees of freedom are held, which follow the drive, and the order of the unknowns."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from isopeel.arrays import FloatArray, IntArray
+from isopeel.errors import InputError
+from isopeel.problem import Drive, Problem
+from isopeel.splines.rows import RowSpace
+
+HELD = -1
+
+
+@dataclass(frozen=True, eq=False)
+class Constraints:
+    """The map u = T z + g(parameter) from unknowns z to the coefficients u of the displacement.
+
+    Each coefficient follows one unknown or none (T has one 1 in a row, or none), so that a condensation with T is
+    exact and costs nothing: `unknowns` (size, 2) is the number of the unknown, or HELD. The side that the
+    drive moves shares one unknown per free translation.
+    """
+
+    unknowns: IntArray
+    count: int
+    drive: Drive
+    driven: IntArray  # functions on the driven side
+    driven_points: FloatArray  # their reference control points
+
+    def displacement(self, unknown_values: FloatArray, parameter: float) -> FloatArray:
+        """Coefficients u (size, 2) of unknowns z (count,) at a value of the drive's parameter."""
+        # the number HELD = -1 reads the zero at the end
+        u: FloatArray = np.append(unknown_values, 0.0)[self.unknowns]
+        u[self.driven] += self.drive.prescribed(self.driven_points, parameter)
+        return u
+
+    def unknown_values(self, displacement: FloatArray, parameter: float) -> FloatArray:
+        """The unknowns z (count,) of coefficients u (size, 2) that satisfy the constraints."""
+        free = displacement.copy()
+        free[self.driven] -= self.drive.prescribed(self.driven_points, parameter)
+        z = np.empty(self.count + 1)
+        z[self.unknowns] = free
+        return z[:-1]
+
+    def condense(self, forces: FloatArray) -> FloatArray:
+        """T^T f (count,) of forces f (size, 2) that work on the coefficients."""
+        return np.bincount(self.unknowns.ravel() + 1, forces.ravel(), minlength=self.count + 1)[1:]
+
+    def reaction(self, forces: FloatArray, parameter: float) -> float:
+        """Generalised force that works on the drive's parameter."""
+        return float(np.sum(forces[self.driven] * self.drive.rate(self.driven_points, parameter)))
+
+
+def constrain(problem: Problem, space: RowSpace, elements: Sequence[IntArray]) -> Constraints:
+    """Collect a problem's constraints on a space, and number the unknowns for a narrow band.
+
+    `elements` are arrays (E, m) of the functions of each element, which are coupled with each other.
+
+    Raises InputError where a held component belongs to the driven side.
+    """
+    driven = space.side_functions(problem.drive.side)
+    # groups[function, component]: what shares one unknown has one group
+    groups = np.arange(2 * space.size).reshape(space.size, 2)
+    for component, free in enumerate(problem.drive.free_translations):
+        groups[driven, component] = groups[driven[0], component] if free else HELD
+    for fixed in problem.fixed:
+        held = space.side_functions(fixed.side)
+        for component in fixed.components:
+            if np.isin(held, driven).any():
+                raise InputError("fixed", fixed.side, f"the drive moves the side {problem.drive.side}")
+            groups[held, component] = HELD
+    numberings = [_number(groups, space.greville, axis) for axis in (0, 1)]
+    unknowns = min(numberings, key=lambda numbering: half_bandwidth(numbering, elements))
+    control_points = space.interpolate(problem.body.shape.evaluate)
+    return Constraints(unknowns, int(unknowns.max()) + 1, problem.drive, driven, control_points[driven])
+
+
+def _number(groups: IntArray, places: FloatArray, axis: int) -> IntArray:
+    """Number the groups by the place of their functions, along one axis first, then along the other."""
+    place = np.repeat(places, 2, axis=0)
+    component = np.tile([0, 1], len(places))
+    flat = groups.ravel()
+    order = np.lexsort((component, place[:, 1 - axis], place[:, axis]))
+    order = order[flat[order] != HELD]
+    # a group is numbered where its last member stands, next to the functions it is coupled with
+    last_first = order[::-1]
+    _, first = np.unique(flat[last_first], return_index=True)
+    members = np.sort(len(order) - 1 - first)
+    numbers = np.full(flat.size, HELD)
+    numbers[flat[order[members]]] = np.arange(len(members))
+    numbered: IntArray = np.where(flat == HELD, HELD, numbers[flat]).reshape(groups.shape)
+    return numbered
+
+
+def half_bandwidth(unknowns: IntArray, elements: Sequence[IntArray]) -> int:
+    """Largest distance of two unknowns of one element, for arrays (E, m) of the elements' functions."""
+    widest = 0
+    for functions in elements:
+        numbers = unknowns[functions].reshape(len(functions), -1)
+        highest = numbers.max(axis=1)
+        lowest = np.where(numbers == HELD, highest[:, None], numbers).min(axis=1)
+        widest = max(widest, int((highest - lowest).max()))
+    return widest

@@ -1,0 +1,144 @@
+"""The assembled system: a problem on a spline space, as the solver sees it."""
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from isopeel.arrays import FloatArray, IntArray
+from isopeel.assembly import kernels
+from isopeel.assembly.constraints import Constraints, constrain, half_bandwidth
+from isopeel.assembly.tables import ElementTable, SideTable, element_tables, side_table
+from isopeel.problem import Problem
+from isopeel.splines.rows import RowSpace
+
+#: Storage of a tangent: its lower half, or the whole band with room for the fill of a pivoted LU.
+Storage = Literal["symmetric", "general"]
+
+
+@dataclass(frozen=True, eq=False)
+class Equilibrium:
+    """Energies and forces of one state; forces are derivatives of the energy where there is one."""
+
+    stored_energy: float
+    adhesive_energy: float
+    forces: FloatArray  # (size, 2), on every coefficient
+    residual: FloatArray  # (count,), on every unknown
+
+
+@dataclass(frozen=True, eq=False)
+class BandMatrix:
+    """Tangent in LAPACK's band storage, transposed: row j of `entries` holds column j of the matrix.
+
+    symmetric: entries[j, i - j] = A_ij for i >= j (pbtrf, lower); general: entries[j, 2 b + i - j] with half-bandwidth
+    b, whose first b columns are left free for gbtrf.
+    """
+
+    entries: FloatArray
+    half_bandwidth: int
+    storage: Storage
+
+
+class System:
+    """Forces and tangents of a problem on a space. Tables are made once; the pattern never changes.
+
+    Tangents share one array per storage: each call of `linearize` overwrites the last one's.
+    """
+
+    def __init__(self, problem: Problem, space: RowSpace) -> None:
+        shape = problem.body.shape
+        adhesion = problem.adhesion
+        self.problem = problem
+        self.space = space.weighted(shape)
+        self.elements: tuple[ElementTable, ...] = element_tables(shape, self.space)
+        functions = [table.functions for table in self.elements]
+        self.constraints: Constraints = constrain(problem, self.space, functions)
+        self.half_bandwidth: int = half_bandwidth(self.constraints.unknowns, functions)
+        self.adhesive: SideTable = side_table(
+            shape, self.space, adhesion.side, adhesion.start, adhesion.end
+        )
+        self._unknowns: list[IntArray] = [self.constraints.unknowns[f] for f in functions]
+        self._adhesive_unknowns: IntArray = self.constraints.unknowns[self.adhesive.functions]
+        self._workspaces: dict[Storage, FloatArray] = {}
+
+    @property
+    def storage(self) -> Storage:
+        """Symmetric where all forces have a potential."""
+        return "symmetric" if self.problem.adhesion.traction == "reference" else "general"
+
+    @property
+    def energy_scale(self) -> float:
+        """Young's modulus times the area of the body: what energies are measured against."""
+        area = sum(float(table.weights.sum()) for table in self.elements)
+        return self.problem.body.material.youngs_modulus * area
+
+    def inverted_point(self, displacement: FloatArray) -> tuple[FloatArray, float] | None:
+        """Reference position (2,) and determinant of F at the most inverted quadrature point, if any is."""
+        worst: tuple[FloatArray, float] | None = None
+        for table in self.elements:
+            local = displacement[table.functions]
+            F = np.eye(2) + np.einsum("emi,eqJm->eqiJ", local, table.gradients)
+            determinant = np.linalg.det(F)
+            at = np.unravel_index(np.argmin(determinant), determinant.shape)
+            if determinant[at] <= 0 and (worst is None or determinant[at] < worst[1]):
+                worst = table.positions[at], float(determinant[at])
+        return worst
+
+    def equilibrium(self, displacement: FloatArray) -> Equilibrium:
+        """Energies, forces and residual of coefficients u (size, 2)."""
+        return self._assemble(displacement, None)
+
+    def linearize(
+        self, displacement: FloatArray, storage: Storage | None = None
+    ) -> tuple[Equilibrium, BandMatrix]:
+        """The same with the tangent dR/dz; `general` storage on request (for a tangent that is not positive definite)."""
+        storage = storage or self.storage
+        width = self.half_bandwidth + 1 if storage == "symmetric" else 3 * self.half_bandwidth + 1
+        if storage not in self._workspaces:
+            self._workspaces[storage] = np.empty((self.constraints.count, width))
+        band = self._workspaces[storage]
+        band.fill(0.0)
+        matrix = BandMatrix(band, self.half_bandwidth, storage)
+        return self._assemble(displacement, matrix), matrix
+
+    def _assemble(self, displacement: FloatArray, matrix: BandMatrix | None) -> Equilibrium:
+        band = np.empty((0, 0)) if matrix is None else matrix.entries
+        diagonal = 0 if matrix is None or matrix.storage == "symmetric" else 2 * self.half_bandwidth
+        material, adhesion = self.problem.body.material, self.problem.adhesion
+        forces = np.zeros_like(displacement)
+        stored = 0.0
+        for table, unknowns in zip(self.elements, self._unknowns, strict=True):
+            stored += kernels.bulk(
+                material.kernel,
+                material.parameters,
+                table.functions,
+                table.gradients,
+                table.weights,
+                unknowns,
+                displacement,
+                forces,
+                band,
+                diagonal,
+                matrix is not None,
+            )
+        side = self.adhesive
+        adhesive = kernels.adhesion(
+            adhesion.law.kernel,
+            adhesion.law.parameters,
+            adhesion.substrate.kernel,
+            adhesion.substrate.parameters,
+            side.functions,
+            side.values,
+            side.gradients,
+            side.weights,
+            side.positions,
+            side.normals,
+            self._adhesive_unknowns,
+            adhesion.traction == "projected",
+            displacement,
+            forces,
+            band,
+            diagonal,
+            matrix is not None,
+        )
+        return Equilibrium(stored, adhesive, forces, self.constraints.condense(forces))

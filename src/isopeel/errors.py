@@ -1,0 +1,14 @@
+"""What can go wrong, as a user meets it: one clear line each."""
+
+
+class InputError(ValueError):
+    """A value that the user gave and that cannot be used.
+
+    The message is one line that names the field, the value and what is allowed.
+    """
+
+    def __init__(self, field: str, value: object, allowed: str) -> None:
+        self.field = field
+        self.value = value
+        self.allowed = allowed
+        super().__init__(" ".join(f"{field}: {value!r} cannot be used; {allowed}".split()))

@@ -1,0 +1,30 @@
+"""The interface of an adhesion law."""
+
+from typing import Protocol
+
+from isopeel.arrays import FloatArray
+from isopeel.physics.batch import BatchFunction
+
+
+class AdhesionLaw(Protocol):
+    """What the assembly and the reading of curves ask of an adhesion law."""
+
+    @property
+    def parameters(self) -> FloatArray:
+        """Numbers handed to the kernel."""
+        ...
+
+    @property
+    def kernel(self) -> BatchFunction:
+        """Batch function of `ADHESION_SIGNATURE`: potential Phi, T = -dPhi/dr (repulsion positive), dT/dr."""
+        ...
+
+    @property
+    def equilibrium_gap(self) -> float:
+        """Gap (length) at which a flat substrate neither pulls nor pushes."""
+        ...
+
+    @property
+    def work_of_adhesion(self) -> float:
+        """Energy per area to take flat surfaces from the equilibrium gap to infinity."""
+        ...

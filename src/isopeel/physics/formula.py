@@ -1,0 +1,130 @@
+"""User-written formulas: a parser that admits formulas only, and their translation to batch functions.
+
+The text never reaches `eval`: Python's parser turns it into a tree, and only numbers, known names, the four operations,
+powers and the functions in `FUNCTIONS` are carried over into a SymPy expression.
+"""
+
+import ast
+import re
+from collections.abc import Mapping
+from functools import lru_cache
+from keyword import iskeyword
+
+import numpy as np
+import sympy
+from sympy.printing.pycode import pycode
+
+from isopeel.errors import InputError
+from isopeel.physics.batch import BatchFunction, compile_batch
+
+#: Functions a formula may use.
+FUNCTIONS = {
+    "exp": sympy.exp,
+    "log": sympy.log,
+    "sqrt": sympy.sqrt,
+    "sin": sympy.sin,
+    "cos": sympy.cos,
+    "tan": sympy.tan,
+    "atan": sympy.atan,
+    "sinh": sympy.sinh,
+    "cosh": sympy.cosh,
+    "tanh": sympy.tanh,
+}
+_OPERATIONS = {
+    ast.Add: lambda a, b: a + b,
+    ast.Sub: lambda a, b: a - b,
+    ast.Mult: lambda a, b: a * b,
+    ast.Div: lambda a, b: a / b,
+}
+_LONGEST = 2000  # characters: far more than any law of the literature, and little to parse
+_NAMESPACE = {name: getattr(np, name) for name in [*FUNCTIONS, "arctan", "pi"] if hasattr(np, name)}
+
+
+def parse_formula(field: str, text: str, names: tuple[str, ...]) -> sympy.Expr:
+    """Translate a formula of the given variable names to SymPy; InputError on anything that is not one."""
+    if len(text) > _LONGEST:
+        raise InputError(field, text[:40] + "...", f"a formula has at most {_LONGEST} characters")
+    allowed = (
+        f"a formula uses numbers, + - * / **, the names {', '.join([*names, 'pi'])} and the functions "
+        f"{', '.join(FUNCTIONS)}"
+    )
+    try:
+        tree = ast.parse(text.strip(), mode="eval").body
+        expression = _translate(tree, {name: sympy.Symbol(name, real=True) for name in names})
+    except (SyntaxError, ValueError, RecursionError, MemoryError, ZeroDivisionError, OverflowError) as error:
+        raise InputError(field, text, allowed) from error
+    if expression.has(sympy.zoo, sympy.nan, sympy.oo, -sympy.oo) or expression.has(sympy.I):
+        raise InputError(field, text, "a formula must have finite real numbers")
+    return expression
+
+
+def _translate(node: ast.expr, symbols: Mapping[str, sympy.Symbol]) -> sympy.Expr:
+    match node:
+        case ast.Constant(value=bool()):
+            raise ValueError("not a number")
+        case ast.Constant(value=int() as value):
+            # large whole numbers as floats: exact arithmetic with them could take forever
+            return sympy.Integer(value) if abs(value) <= 1000 else sympy.Float(value)
+        case ast.Constant(value=float() as value):
+            return sympy.Float(value)
+        case ast.Name(id="pi"):
+            return sympy.pi
+        case ast.Name(id=name) if name in symbols:
+            return symbols[name]
+        case ast.UnaryOp(op=ast.USub(), operand=operand):
+            return -_translate(operand, symbols)
+        case ast.UnaryOp(op=ast.UAdd(), operand=operand):
+            return _translate(operand, symbols)
+        case ast.BinOp(left=left, op=ast.Pow(), right=right):
+            base, exponent = _translate(left, symbols), _translate(right, symbols)
+            if base.is_number and exponent.is_number:
+                return sympy.Float(float(base) ** float(exponent))
+            return base**exponent
+        case ast.BinOp(left=left, op=op, right=right) if type(op) in _OPERATIONS:
+            return _OPERATIONS[type(op)](_translate(left, symbols), _translate(right, symbols))
+        case ast.Call(func=ast.Name(id=name), args=[argument], keywords=[]) if name in FUNCTIONS:
+            return FUNCTIONS[name](_translate(argument, symbols))
+    raise ValueError(f"{type(node).__name__} is not part of a formula")
+
+
+def check_constants(field: str, constants: Mapping[str, float], reserved: tuple[str, ...]) -> None:
+    """Raise InputError unless every constant has a usable name and a finite value."""
+    for name, value in constants.items():
+        usable = re.fullmatch(r"[A-Za-z][A-Za-z0-9_]*", name) and not iskeyword(name)
+        if not usable or name in (*reserved, *FUNCTIONS, "pi"):
+            raise InputError(field, name, f"a constant needs a name of its own, not {', '.join(reserved)}")
+        if not np.isfinite(value):
+            raise InputError(f"{field}.{name}", value, "it must be finite")
+
+
+def batch_source(
+    arguments: str, inputs: Mapping[str, str], constants: tuple[str, ...], outputs: Mapping[str, sympy.Expr]
+) -> str:
+    """Write a batch function: for every point n, read the inputs, and set each output to its expression.
+
+    `inputs` maps variable names to array entries, `outputs` array entries to expressions; common parts
+    of the expressions are computed once.
+    """
+    shared, reduced = sympy.cse(list(outputs.values()), symbols=sympy.numbered_symbols("shared_"))
+    lines = [f"def batch({arguments}):"]
+    lines += [f"    {name} = parameters[{k}]" for k, name in enumerate(constants)]
+    lines += ["    for n in range(count):"]
+    lines += [f"        {name} = {entry}" for name, entry in inputs.items()]
+    lines += [f"        {symbol} = {_code(expression)}" for symbol, expression in shared]
+    pairs = zip(outputs, reduced, strict=True)
+    lines += [f"        {entry} = {_code(expression)}" for entry, expression in pairs]
+    return "\n".join(lines) + "\n"
+
+
+def _code(expression: sympy.Expr) -> str:
+    # floats throughout: a whole number would give the array entry of an integer type
+    text: str = pycode(sympy.N(expression, 17), fully_qualified_modules=False)
+    return text
+
+
+@lru_cache(maxsize=64)
+def compile_source(source: str, signature: object) -> BatchFunction:
+    """Compile a source text from `batch_source`; the same text is compiled once per process."""
+    namespace = dict(_NAMESPACE)
+    exec(source, namespace)
+    return compile_batch(signature, namespace["batch"], cache=False)

@@ -1,0 +1,121 @@
+"""A material from one expression of its stored energy."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cache, cached_property
+from types import MappingProxyType
+
+import numpy as np
+import sympy
+
+from isopeel.arrays import FloatArray
+from isopeel.errors import InputError
+from isopeel.physics.batch import MATERIAL_SIGNATURE, BatchFunction
+from isopeel.physics.formula import batch_source, check_constants, compile_source, parse_formula
+
+_IN_PLANE = ("F11", "F12", "F21", "F22")
+_NAMES = (*_IN_PLANE, "F33", "I1", "I2", "J")
+
+
+@dataclass(frozen=True)
+class FormulaMaterial:
+    """Isotropic material whose stored energy is one expression of the deformation gradient.
+
+    `energy` may use the components F11 F12 F21 F22 F33, the three-dimensional invariants I1 = tr C,
+    I2 = ((tr C)^2 - tr C^2)/2 with C = F^T F, and J = det F, and the names in `constants` (with values in
+    the units of the problem). P = d psi/dF and dP/dF are derived by SymPy; F33 = 1 (plane strain) is set after
+    the derivatives. Raises InputError unless the state F = I is free of stress and stable.
+    """
+
+    energy: str
+    constants: Mapping[str, float] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        """Check the formula and its state of rest."""
+        check_constants("material.constants", self.constants, _NAMES)
+        object.__setattr__(self, "constants", MappingProxyType(dict(sorted(self.constants.items()))))
+        shear, lame_lambda, stress = self._at_rest
+        if not np.isfinite([shear, lame_lambda, stress]).all():
+            raise InputError("material.energy", self.energy, "its derivatives must be finite at F = I")
+        if shear <= 0 or lame_lambda + 2 / 3 * shear <= 0:
+            raise InputError("material.energy", self.energy, "its stiffness at F = I must be positive")
+        # differentiation is exact, so only the round-off of the evaluation may remain
+        if abs(stress) > 1e-10 * shear:
+            raise InputError("material.energy", self.energy, "its stress at F = I must vanish")
+
+    @cached_property
+    def _at_rest(self) -> tuple[float, float, float]:
+        """Shear modulus, Lame's lambda and the largest stress at F = I."""
+        _, stress = _derive(self.energy, tuple(self.constants))
+        values = {name: float(name in ("F11", "F22", "F33")) for name in _NAMES} | dict(self.constants)
+        at_rest = {sympy.Symbol(name, real=True): value for name, value in values.items()}
+        coupling = stress["F11"].diff(sympy.Symbol("F22", real=True))
+        shear = stress["F12"].diff(sympy.Symbol("F12", real=True))
+        largest = max((_number(term.subs(at_rest)) for term in stress.values()), key=abs)
+        return _number(shear.subs(at_rest)), _number(coupling.subs(at_rest)), largest
+
+    @property
+    def youngs_modulus(self) -> float:
+        """E = mu (3 lambda + 2 mu)/(lambda + mu) at F = I."""
+        shear, lame_lambda, _ = self._at_rest
+        return shear * (3 * lame_lambda + 2 * shear) / (lame_lambda + shear)
+
+    @property
+    def poissons_ratio(self) -> float:
+        """nu = lambda / (2 (lambda + mu)) at F = I."""
+        shear, lame_lambda, _ = self._at_rest
+        return lame_lambda / (2 * (lame_lambda + shear))
+
+    @property
+    def parameters(self) -> FloatArray:
+        """Values of the constants, in the alphabetic order of their names."""
+        return np.array(list(self.constants.values()), dtype=np.float64)
+
+    @property
+    def kernel(self) -> BatchFunction:
+        """Batch function of energy density, stress and tangent."""
+        return compile_source(_source(self.energy, tuple(self.constants)), MATERIAL_SIGNATURE)
+
+    def out_of_plane_stress(self, deformation_gradient: FloatArray) -> FloatArray:
+        """Cauchy stress sigma_33 = (1/J) d psi/dF33 (...) for F (..., 2, 2)."""
+        _, stress = _derive(self.energy, tuple(self.constants))
+        names = (*_IN_PLANE, *self.constants)
+        function = sympy.lambdify(names, stress["F33"].subs(sympy.Symbol("F33", real=True), 1), "numpy")
+        F = deformation_gradient
+        components = (F[..., 0, 0], F[..., 0, 1], F[..., 1, 0], F[..., 1, 1])
+        value: FloatArray = function(*components, *self.constants.values()) / np.linalg.det(F)
+        return value
+
+
+def _number(expression: sympy.Expr) -> float:
+    value = expression.evalf()
+    return float(value) if value.is_number and value.is_real else float("nan")
+
+
+@cache
+def _derive(energy: str, constants: tuple[str, ...]) -> tuple[sympy.Expr, dict[str, sympy.Expr]]:
+    """psi(F11, ..., F33) and its derivatives with respect to each component."""
+    psi = parse_formula("material.energy", energy, (*_NAMES, *constants))
+    symbol = {name: sympy.Symbol(name, real=True) for name in _NAMES}
+    F = sympy.Matrix(
+        [[symbol["F11"], symbol["F12"], 0], [symbol["F21"], symbol["F22"], 0], [0, 0, symbol["F33"]]]
+    )
+    C = F.T * F
+    invariants = {"I1": C.trace(), "I2": (C.trace() ** 2 - (C * C).trace()) / 2, "J": F.det()}
+    psi = psi.subs({symbol[name]: value for name, value in invariants.items()})
+    return psi, {name: psi.diff(symbol[name]) for name in (*_IN_PLANE, "F33")}
+
+
+@cache
+def _source(energy: str, constants: tuple[str, ...]) -> str:
+    psi, stress = _derive(energy, constants)
+    plane = {sympy.Symbol("F33", real=True): 1}
+    index = {name: f"{int(name[1]) - 1}, {int(name[2]) - 1}" for name in _IN_PLANE}
+    outputs = {"energy[n]": psi.subs(plane)}
+    for one in _IN_PLANE:
+        outputs[f"P[{index[one]}, n]"] = stress[one].subs(plane)
+        for other in _IN_PLANE:
+            derivative = stress[one].diff(sympy.Symbol(other, real=True)).subs(plane)
+            outputs[f"A[{index[one]}, {index[other]}, n]"] = derivative
+    inputs = {name: f"F[{index[name]}, n]" for name in _IN_PLANE}
+    return batch_source("F, parameters, count, energy, P, A", inputs, constants, outputs)

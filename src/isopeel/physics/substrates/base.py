@@ -1,0 +1,20 @@
+"""The interface of a substrate."""
+
+from typing import Protocol
+
+from isopeel.arrays import FloatArray
+from isopeel.physics.batch import BatchFunction
+
+
+class Substrate(Protocol):
+    """A rigid body that points are projected onto."""
+
+    @property
+    def parameters(self) -> FloatArray:
+        """Numbers handed to the kernel."""
+        ...
+
+    @property
+    def kernel(self) -> BatchFunction:
+        """Batch function of `SUBSTRATE_SIGNATURE`: gap, outward normal and curvature (convex positive)."""
+        ...

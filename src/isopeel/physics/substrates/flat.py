@@ -1,0 +1,52 @@
+"""A flat substrate."""
+
+from dataclasses import dataclass
+from functools import cache
+
+import numpy as np
+
+from isopeel.arrays import FloatArray
+from isopeel.errors import InputError
+from isopeel.physics.batch import SUBSTRATE_SIGNATURE, BatchFunction, compile_batch
+
+
+@dataclass(frozen=True)
+class Flat:
+    """Half space below the line y = `height` (length); its normal points along +y."""
+
+    height: float = 0.0
+
+    def __post_init__(self) -> None:
+        """Check the height."""
+        if not np.isfinite(self.height):
+            raise InputError("substrate.height", self.height, "it must be finite")
+
+    @property
+    def parameters(self) -> FloatArray:
+        """The height."""
+        return np.array([self.height])
+
+    @property
+    def kernel(self) -> BatchFunction:
+        """Batch function of gap, normal and curvature."""
+        return _compiled()
+
+
+@cache
+def _compiled() -> BatchFunction:
+    return compile_batch(SUBSTRATE_SIGNATURE, _flat)
+
+
+def _flat(
+    position: FloatArray,
+    parameters: FloatArray,
+    count: int,
+    gap: FloatArray,
+    normal: FloatArray,
+    curvature: FloatArray,
+) -> None:
+    for n in range(count):
+        gap[n] = position[1, n] - parameters[0]
+        normal[0, n] = 0.0
+        normal[1, n] = 1.0
+        curvature[n] = 0.0

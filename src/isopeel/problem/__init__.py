@@ -1,0 +1,17 @@
+"""What is peeled: a body, where it adheres to what, what is held, and how it is driven."""
+
+from isopeel.problem.drives import Column, Drive, RotatedSide
+from isopeel.problem.problem import AdhesiveSide, Body, FixedSide, Problem, Traction
+from isopeel.problem.strip import strip
+
+__all__ = [
+    "AdhesiveSide",
+    "Body",
+    "Column",
+    "Drive",
+    "FixedSide",
+    "Problem",
+    "RotatedSide",
+    "Traction",
+    "strip",
+]

@@ -1,0 +1,64 @@
+"""A peeling problem, as data."""
+
+from dataclasses import dataclass
+from typing import Literal
+
+from isopeel.errors import InputError
+from isopeel.physics.adhesion import AdhesionLaw
+from isopeel.physics.materials import Material
+from isopeel.physics.substrates import Substrate
+from isopeel.problem.drives import Drive
+from isopeel.splines.nurbs import NurbsSurface, Side
+
+#: Area that the adhesive traction acts on: the reference area, or its projection on the substrate.
+Traction = Literal["reference", "projected"]
+
+
+@dataclass(frozen=True)
+class Body:
+    """A solid in plane strain: one NURBS patch of a material."""
+
+    shape: NurbsSurface
+    material: Material
+
+
+@dataclass(frozen=True)
+class AdhesiveSide:
+    """The part of a side, from parameter `start` to `end` in [0, 1], that a substrate attracts.
+
+    Force on the body, F_c = -int N^T T n_o dA per reference area dA (`reference`; it has a potential), or the
+    same with dA projected on the substrate, times -n_o . F^-T N_o (`projected`; its tangent is not symmetric), with
+    the substrate's normal n_o and the outward normal N_o of the side (Sadhana 46:3, 2021, Eq. 19, read
+    in two ways).
+    """
+
+    side: Side
+    law: AdhesionLaw
+    substrate: Substrate
+    start: float = 0.0
+    end: float = 1.0
+    traction: Traction = "reference"
+
+    def __post_init__(self) -> None:
+        """Check the interval."""
+        if not 0 <= self.start < self.end <= 1:
+            raise InputError("adhesion", (self.start, self.end), "need 0 <= start < end <= 1 along the side")
+
+
+@dataclass(frozen=True)
+class FixedSide:
+    """A side whose displacement components (0: x, 1: y) are held at zero."""
+
+    side: Side
+    components: tuple[int, ...]
+
+
+@dataclass(frozen=True)
+class Problem:
+    """A body, where it adheres, what is held, and the drive. Any consistent units; width 1."""
+
+    name: str
+    body: Body
+    adhesion: AdhesiveSide
+    fixed: tuple[FixedSide, ...]
+    drive: Drive

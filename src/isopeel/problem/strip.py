@@ -1,0 +1,48 @@
+"""The strip of the literature: peeled from a flat substrate by a pure moment."""
+
+from isopeel.errors import InputError
+from isopeel.physics.adhesion import AdhesionLaw, VanDerWaals
+from isopeel.physics.materials import Material, NeoHooke
+from isopeel.physics.substrates import Flat
+from isopeel.problem.drives import RotatedSide
+from isopeel.problem.problem import AdhesiveSide, Body, FixedSide, Problem, Traction
+from isopeel.splines.nurbs import rectangle
+
+
+def strip(
+    *,
+    length: float = 200.0,
+    height: float = 10.0,
+    adhering_length: float = 150.0,
+    material: Material | None = None,
+    law: AdhesionLaw | None = None,
+    traction: Traction = "reference",
+) -> Problem:
+    """Strip on a flat rigid substrate at the equilibrium gap, its right face turned by a pure moment.
+
+    The lower face adheres for 0 <= x <= `adhering_length`; the left face keeps u_x = 0. Defaults: the strip
+    of Sauer (Int. J. Numer. Methods Eng. 87, 2011) and of Sadhana 46:3 (2021) in its units, lengths in
+    L0 = 1 nm and stresses in E0 = 2 GPa, so that moments come in E0 L0^3 for a width L0. Raises InputError for
+    lengths that make no strip.
+    """
+    for name, value in (("length", length), ("height", height)):
+        if not 0 < value < float("inf"):
+            raise InputError(f"body.{name}", value, "it must be positive")
+    if not 0 < adhering_length <= length:
+        raise InputError("adhesion.length", adhering_length, f"it must be positive and at most {length:g}")
+    material = material or NeoHooke(youngs_modulus=1.0, poissons_ratio=0.2)
+    law = law or VanDerWaals(hamaker_constant=0.05, equilibrium_distance=0.4)
+    adhesion = AdhesiveSide(
+        side="bottom",
+        law=law,
+        substrate=Flat(height=-law.equilibrium_gap),
+        end=adhering_length / length,
+        traction=traction,
+    )
+    return Problem(
+        name="strip",
+        body=Body(rectangle(length, height), material),
+        adhesion=adhesion,
+        fixed=(FixedSide("left", components=(0,)),),
+        drive=RotatedSide("right"),
+    )

@@ -1,0 +1,70 @@
+"""The reaction curve: one row per converged step."""
+
+import csv
+from collections.abc import Iterable
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from isopeel.arrays import FloatArray, IntArray, frozen
+from isopeel.problem import Column, Drive
+from isopeel.solve.trace import Step
+
+
+@dataclass(frozen=True, eq=False)
+class Curve:
+    """Reaction against the drive's parameter, both in the units of their columns.
+
+    Energies are per unit width in E0 L0^2, or in whatever consistent units the problem has.
+    """
+
+    parameter_column: Column
+    reaction_column: Column
+    parameter: FloatArray
+    reaction: FloatArray
+    iterations: IntArray
+    stored_energy: FloatArray
+    adhesive_energy: FloatArray
+    seconds: FloatArray
+
+    @classmethod
+    def of(cls, steps: Iterable[Step], drive: Drive) -> "Curve":
+        """Tabulate steps."""
+        rows = [
+            (s.parameter, s.reaction, s.stored_energy, s.adhesive_energy, s.seconds, len(s.iterations))
+            for s in steps
+        ]
+        table = np.array(rows, dtype=np.float64).reshape(len(rows), 6)
+        # a hundredth of a degree is a whole number of ulps away from what was asked for: round it back
+        parameter = np.round(table[:, 0] * drive.parameter_column.factor, 12)
+        return cls(
+            drive.parameter_column,
+            drive.reaction_column,
+            frozen(parameter),
+            frozen(table[:, 1] * drive.reaction_column.factor),
+            table[:, 5].astype(np.int64),
+            frozen(table[:, 2]),
+            frozen(table[:, 3]),
+            frozen(table[:, 4]),
+        )
+
+    def __len__(self) -> int:
+        """Number of steps."""
+        return len(self.parameter)
+
+    def write_csv(self, path: Path) -> None:
+        """Write the curve as a table with a header line; numbers keep all their digits."""
+        names = (self.parameter_column.name, self.reaction_column.name, "iterations")
+        with path.open("w", newline="", encoding="utf-8") as file:
+            writer = csv.writer(file)
+            writer.writerow([*names, "stored_energy", "adhesive_energy", "seconds"])
+            columns = (
+                self.parameter,
+                self.reaction,
+                self.iterations,
+                self.stored_energy,
+                self.adhesive_energy,
+                self.seconds,
+            )
+            writer.writerows(zip(*(column.tolist() for column in columns), strict=True))

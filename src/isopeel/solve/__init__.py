@@ -1,0 +1,1 @@
+"""Equilibria along a path: linear solvers, Newton's method, predictors, the trace."""

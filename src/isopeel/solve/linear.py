@@ -1,0 +1,74 @@
+"""Direct solvers for band matrices."""
+
+from dataclasses import dataclass
+from typing import Protocol
+
+from scipy.linalg.lapack import dgbtrf, dgbtrs, dpbtrf, dpbtrs
+
+from isopeel.arrays import FloatArray, IntArray
+from isopeel.assembly.system import BandMatrix
+
+
+class Factor(Protocol):
+    """A factorized matrix."""
+
+    def solve(self, right_side: FloatArray) -> FloatArray:
+        """Solve for a right side (n,)."""
+        ...
+
+
+class NotPositiveDefiniteError(ArithmeticError):
+    """Cholesky met a pivot that is not positive."""
+
+
+class SingularError(ArithmeticError):
+    """LU met a pivot that is zero."""
+
+
+@dataclass(frozen=True, eq=False)
+class BandCholesky:
+    """A = L L^T of a symmetric matrix, by LAPACK pbtrf. It overwrites the matrix's entries."""
+
+    entries: FloatArray
+
+    @classmethod
+    def of(cls, matrix: BandMatrix) -> "BandCholesky":
+        """Factorize; raises NotPositiveDefiniteError."""
+        entries, info = dpbtrf(matrix.entries.T, lower=1, overwrite_ab=1)
+        if info != 0:
+            raise NotPositiveDefiniteError(f"pivot {info} is not positive")
+        return cls(entries)
+
+    def solve(self, right_side: FloatArray) -> FloatArray:
+        """Solve for a right side (n,)."""
+        solution: FloatArray = dpbtrs(self.entries, right_side, lower=1)[0]
+        return solution
+
+
+@dataclass(frozen=True, eq=False)
+class BandLU:
+    """A = P L U with partial pivoting, by LAPACK gbtrf. It overwrites the matrix's entries."""
+
+    entries: FloatArray
+    pivots: IntArray
+    half_bandwidth: int
+
+    @classmethod
+    def of(cls, matrix: BandMatrix) -> "BandLU":
+        """Factorize; raises SingularError."""
+        b = matrix.half_bandwidth
+        entries, pivots, info = dgbtrf(matrix.entries.T, b, b, overwrite_ab=1)
+        if info != 0:
+            raise SingularError(f"pivot {info} vanishes")
+        return cls(entries, pivots, b)
+
+    def solve(self, right_side: FloatArray) -> FloatArray:
+        """Solve for a right side (n,)."""
+        b = self.half_bandwidth
+        solution: FloatArray = dgbtrs(self.entries, b, b, right_side, self.pivots)[0]
+        return solution
+
+
+def factorize(matrix: BandMatrix) -> Factor:
+    """Cholesky in symmetric storage, LU in general storage; the entries are overwritten."""
+    return BandCholesky.of(matrix) if matrix.storage == "symmetric" else BandLU.of(matrix)

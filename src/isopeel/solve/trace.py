@@ -1,0 +1,70 @@
+"""The equilibrium path: one immutable step per requested value of the drive's parameter."""
+
+from collections import deque
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from time import perf_counter
+
+from threadpoolctl import threadpool_limits
+
+from isopeel.arrays import FloatArray
+from isopeel.assembly.system import System
+from isopeel.problem import Problem
+from isopeel.solve.newton import NewtonSettings, newton
+from isopeel.solve.predictor import extrapolate
+from isopeel.splines.rows import RowSpace
+
+#: Converged states that the predictor extrapolates from: three, for a parabola.
+PREDICTOR_POINTS = 3
+
+
+@dataclass(frozen=True, eq=False)
+class Step:
+    """One converged equilibrium. Energies and reactions are per unit width, in the problem's units."""
+
+    number: int
+    parameter: float  # of the drive; an angle is in radians
+    reaction: float  # conjugate to the parameter; a moment for an angle
+    displacement: FloatArray  # (functions, 2) coefficients, read-only
+    stored_energy: float
+    adhesive_energy: float  # zero at infinite gap
+    iterations: tuple[float, ...]  # energy residual per unknown before each Newton correction
+    seconds: float  # wall time of the step
+
+
+def trace(
+    problem: Problem,
+    space: RowSpace,
+    parameters: Iterable[float],
+    settings: NewtonSettings | None = None,
+) -> Iterator[Step]:
+    """Trace the equilibria of a problem on a space through the given values of the drive's parameter.
+
+    Newton's method starts each step from the parabola through the last three states. To stop early, break;
+    nothing is hidden in the generator's state that the steps don't hold. Raises ConvergenceError where a
+    step finds no equilibrium; all steps before it have been yielded.
+    """
+    return trace_system(System(problem, space), parameters, settings or NewtonSettings())
+
+
+def trace_system(system: System, parameters: Iterable[float], settings: NewtonSettings) -> Iterator[Step]:
+    """The same for an assembled system."""
+    history: deque[tuple[float, FloatArray]] = deque(maxlen=PREDICTOR_POINTS)
+    for number, parameter in enumerate(parameters):
+        began = perf_counter()
+        # the factorization of a narrow band gains nothing from threads, and loses by their start
+        with threadpool_limits(limits=1, user_api="blas"):
+            start = extrapolate(history, parameter, system.constraints.count)
+            result = newton(system, start, parameter, settings)
+        history.append((parameter, result.unknown_values))
+        result.displacement.setflags(write=False)
+        yield Step(
+            number=number,
+            parameter=parameter,
+            reaction=system.constraints.reaction(result.equilibrium.forces, parameter),
+            displacement=result.displacement,
+            stored_energy=result.equilibrium.stored_energy,
+            adhesive_energy=result.equilibrium.adhesive_energy,
+            iterations=result.iterations,
+            seconds=perf_counter() - began,
+        )

@@ -1,0 +1,1 @@
+"""Splines: knot vectors, bases, NURBS and the row-wise space. Knows nothing of mechanics."""

@@ -1,0 +1,195 @@
+"""The row-wise space: every row of control points has a spline space of its own."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+
+from isopeel.arrays import FloatArray, IntArray
+from isopeel.errors import InputError
+from isopeel.splines.names import parse_space_name
+from isopeel.splines.nurbs import NurbsSurface, Side
+from isopeel.splines.space import SplineSpace
+
+#: Finest mesh, in elements along xi and along eta: beyond it tables and factor leave a workstation's memory.
+FINEST_MESH = (100_000, 1_000)
+
+
+#: Function of xi (n,) and eta (n,) with values (n, ...).
+SurfaceFunction = Callable[[FloatArray, FloatArray], FloatArray]
+
+
+class Basis(NamedTuple):
+    """Functions that do not vanish at n points, m of them at each."""
+
+    functions: IntArray  # (n, m) numbers of the functions
+    values: FloatArray  # (n, m)
+    derivatives: FloatArray  # (n, 2, m) with respect to xi and eta
+
+
+@dataclass(frozen=True, eq=False)
+class RowSpace:
+    """Functions sum_j M_j(eta) sum_i N_i^(j)(xi) u_ij on the unit square, one space N^(j) per row j.
+
+    `across` holds the M_j, `rows` one space along xi for each of them; all rows have the same elements. With
+    `weights` (one array per row) the functions are rational: w_ij M_j N_i^(j) / sum_kl w_kl M_l N_k^(l).
+    Functions are numbered row by row. physics.md section 2 of the design notes; with one space for all rows
+    it is the tensor-product NURBS space (Piegl and Tiller, The NURBS Book, Eq. 4.12).
+    """
+
+    name: str
+    across: SplineSpace
+    rows: tuple[SplineSpace, ...]
+    weights: tuple[FloatArray, ...] | None = field(default=None, repr=False)
+
+    def __post_init__(self) -> None:
+        """Check that the rows fit together."""
+        if len(self.rows) != self.across.size:
+            raise InputError("rows", len(self.rows), f"the space across has {self.across.size} functions")
+        for row in self.rows[1:]:
+            if not np.array_equal(row.breakpoints, self.rows[0].breakpoints):
+                raise InputError("rows", self.name, "all rows must have the same elements")
+        for weights in self.weights or ():
+            if np.any(weights <= 0):
+                raise InputError("weights", float(weights.min()), "weights must be positive")
+
+    @property
+    def degree(self) -> int:
+        """Highest degree along xi."""
+        return max(row.degree for row in self.rows)
+
+    @property
+    def elements(self) -> tuple[int, int]:
+        """Number of elements along xi and eta."""
+        return self.rows[0].elements, self.across.elements
+
+    @property
+    def size(self) -> int:
+        """Number of functions; a displacement field has twice as many degrees of freedom."""
+        return sum(row.size for row in self.rows)
+
+    @cached_property
+    def offsets(self) -> IntArray:
+        """Number of the first function of each row, (rows + 1,)."""
+        return np.concatenate([[0], np.cumsum([row.size for row in self.rows])]).astype(np.int64)
+
+    @cached_property
+    def greville(self) -> FloatArray:
+        """Greville points of all functions, (size, 2): where on the square each function sits."""
+        points = [
+            np.stack([row.greville, np.full(row.size, eta)], axis=1)
+            for row, eta in zip(self.rows, self.across.greville, strict=True)
+        ]
+        return np.concatenate(points)
+
+    def weighted(self, shape: NurbsSurface) -> "RowSpace":
+        """Return the space that takes over the weights of a shape on the same square.
+
+        Each row interpolates the shape's weight function. Where the rows contain that function the result
+        is the shape's own refined NURBS space, so that rigid motions are exact; constants always are.
+        """
+        if np.ptp(shape.weights) == 0:
+            return replace(self, weights=None)
+        weights = self._interpolate(shape.weight_function)
+        return replace(self, weights=tuple(np.split(weights, self.offsets[1:-1])))
+
+    def interpolate(self, function: SurfaceFunction) -> FloatArray:
+        """Coefficients (size, ...) of the field that equals a function at the Greville points.
+
+        The function takes xi (n,) and eta (n,) to values (n, ...). Exact where the space contains it.
+        """
+        if self.weights is None:
+            return self._interpolate(function)
+        weights = np.concatenate(self.weights)
+
+        def numerator(xi: FloatArray, eta: FloatArray) -> FloatArray:
+            values = function(xi, eta)
+            product: FloatArray = values * _like(self._denominator(xi, eta), values)
+            return product
+
+        coefficients = self._interpolate(numerator)
+        quotient: FloatArray = coefficients / _like(weights, coefficients)
+        return quotient
+
+    def _interpolate(self, function: SurfaceFunction) -> FloatArray:
+        """The same for polynomial rows: across first, at the Greville points of each row, then along it."""
+        coefficients = []
+        for j, row in enumerate(self.rows):
+            xi = np.repeat(row.greville, self.across.size)
+            values = function(xi, np.tile(self.across.greville, row.size))
+            values = values.reshape(row.size, self.across.size, *values.shape[1:])
+            curve = self.across.interpolate(np.moveaxis(values, 1, 0))[j]
+            coefficients.append(row.interpolate(curve))
+        return np.concatenate(coefficients)
+
+    def _denominator(self, xi: FloatArray, eta: FloatArray) -> FloatArray:
+        """sum_kl w_kl M_l(eta) N_k^(l)(xi) at points (n,)."""
+        across = self.across.collocation(eta).toarray()
+        rows = zip(self.rows, self.weights or (), strict=True)
+        along = np.stack([row.collocation(xi) @ weights for row, weights in rows], axis=1)
+        total: FloatArray = np.sum(across * along, axis=1)
+        return total
+
+    def side_functions(self, side: Side) -> IntArray:
+        """Numbers of the functions that do not vanish on a side, in the order of its parameter."""
+        match side:
+            case "left":
+                return self.offsets[:-1]
+            case "right":
+                return self.offsets[1:] - 1
+            case "bottom":
+                return np.arange(self.offsets[1])
+            case "top":
+                return np.arange(self.offsets[-2], self.offsets[-1])
+
+    def basis(self, xi: FloatArray, eta: FloatArray, element_row: int) -> Basis:
+        """Evaluate the functions at points (n,) of one row of elements, 0 at eta = 0."""
+        first_row = self.across.first_functions[element_row]
+        across, _ = self.across.basis(eta, 1, elements=np.full(len(eta), element_row))
+        functions, values, derivatives = [], [], []
+        for k in range(self.across.degree + 1):
+            j = first_row + k
+            along, first = self.rows[j].basis(xi, 1)
+            number = first[:, None] + np.arange(self.rows[j].degree + 1)
+            scale = 1.0 if self.weights is None else self.weights[j][number]
+            functions.append(self.offsets[j] + number)
+            values.append(scale * along[0] * across[0][:, k, None])
+            derivatives.append(
+                np.stack(
+                    [scale * along[1] * across[0][:, k, None], scale * along[0] * across[1][:, k, None]],
+                    axis=1,
+                )
+            )
+        value, derivative = np.concatenate(values, axis=1), np.concatenate(derivatives, axis=2)
+        if self.weights is not None:
+            total = value.sum(axis=1)[:, None]
+            value = value / total
+            change = derivative.sum(axis=2)[:, :, None]
+            derivative = (derivative - value[:, None, :] * change) / total[:, None]
+        return Basis(np.concatenate(functions, axis=1), value, derivative)
+
+
+def row_space(name: str, elements: tuple[int, int], across_degree: int = 1) -> RowSpace:
+    """Build the space of a name of physics.md section 2 on a uniform mesh (elements along xi, along eta).
+
+    Raises InputError for a name or a mesh that makes no sense.
+    """
+    parsed = parse_space_name(name)
+    for count, finest, direction in zip(elements, FINEST_MESH, ("length", "height"), strict=True):
+        if not 1 <= count <= finest:
+            shown = f"{elements[0]}x{elements[1]}"
+            raise InputError("mesh", shown, f"there can be 1 to {finest} elements along the {direction}")
+    across = SplineSpace.uniform(across_degree, across_degree - 1, elements[1])
+    if parsed.contact_rows > across.size:
+        raise InputError("space", name, f"this mesh has {across.size} rows, so at most @{across.size}")
+    bulk = SplineSpace.uniform(parsed.bulk.degree, parsed.bulk.continuity, elements[0])
+    contact = SplineSpace.uniform(parsed.contact.degree, parsed.contact.continuity, elements[0])
+    upper = across.size - parsed.contact_rows
+    return RowSpace(str(parsed), across, (contact,) * parsed.contact_rows + (bulk,) * upper)
+
+
+def _like(factors: FloatArray, values: FloatArray) -> FloatArray:
+    """Factors (n,) shaped to multiply values (n, ...)."""
+    return factors.reshape(-1, *[1] * (values.ndim - 1))
