@@ -1,8 +1,8 @@
-"""The strip peeled by a pure moment, with scikit-fem and PARDISO (pypardiso): the peer of the speed benchmark.
+"""The strip peeled by a pure moment, by scikit-fem and PARDISO (pypardiso): the peer of our speed benchmark.
 
-scikit-fem gives the mesh, the element, its degrees of freedom and its basis at the quadrature points. The local
-matrices of all elements are BLAS products, many times faster than a loop over pairs of basis functions (a
-BilinearForm), and are summed into the upper triangle of one fixed pattern, which PARDISO analyses once.
+scikit-fem gives mesh, element, degrees of freedom and the basis at the quadrature points. The local matrices
+of all elements are BLAS products, many times faster than a loop over pairs of basis functions (BilinearForm);
+they are summed into the upper triangle of one fixed pattern, which PARDISO analyses once.
 
 Lengths in nm, stresses in units of Young's modulus E0 = 2 GPa, moments in E0 nm^3 for a width of 1 nm.
 """
@@ -145,7 +145,7 @@ class ScikitFemStrip:
         self._solver = SymmetricSolver(self._tangent)
 
     def trace(self, angles_deg: Iterable[float]) -> Iterator[LoadStep]:
-        """Yield the equilibrium at each angle, from the unstressed strip on; RuntimeError where Newton fails."""
+        """Yield the equilibrium at each angle, starting unstressed; RuntimeError where Newton fails."""
         history = deque([(0.0, np.zeros(self.unknowns + 1))], maxlen=3)
         for angle in angles_deg:
             theta = np.deg2rad(angle)
@@ -154,7 +154,7 @@ class ScikitFemStrip:
             yield LoadStep(float(angle), self._moment(state, theta), iterations)
 
     def _number_unknowns(self, places: FloatArray) -> None:
-        """Number the unknowns along the strip; the face's two come last, then a slot, always zero, for what is fixed."""
+        """Number the unknowns along the strip; last the face's two; the slot after them stays zero."""
         left, right = np.isclose(places[0], 0), np.isclose(places[0], LENGTH)
         free = np.tile(~right, (2, 1))
         free[0, left] = False
@@ -179,54 +179,46 @@ class ScikitFemStrip:
         self._weighted_gradient = weighted.reshape(len(gradient), -1)
         product = np.einsum("aJq,bLq->abJLq", weighted, gradient)
         xx, yy, xy, yx = product[:, :, 0, 0], product[:, :, 1, 1], product[:, :, 0, 1], product[:, :, 1, 0]
-        self._pairs = np.triu_indices(len(gradient))
-        self._same_component = np.concatenate([xx, yy, xy + yx], axis=-1)[self._pairs]
+        self._same_component = np.concatenate([xx, yy, xy + yx], axis=-1)[np.triu_indices(len(gradient))]
         self._mixed_components = np.concatenate([xx, yy, xy, yx], axis=-1).reshape(len(gradient) ** 2, -1)
         self._last_column = self._dofs[:, np.isin(self._dofs, self._face).any(axis=0)]
 
         values = np.array([field[0] for (field,) in contact.basis[: degree + 1]])
-        self._contact_dofs = contact.element_dofs[: degree + 1]
+        self._contact_dofs = contact.element_dofs[: degree + 1].astype(np.int64)
         self._contact_values = values.T
         self._weighted_values = values * contact.dx[0]
-        self._contact_pairs = np.triu_indices(len(values))
-        self._contact_products = (self._weighted_values[:, None] * values)[self._contact_pairs]
+        self._contact_products = (self._weighted_values[:, None] * values)[np.triu_indices(len(values))]
 
     def _build_pattern(self) -> None:
         """Make the upper triangle's pattern and the sparse operator that sums local entries into it."""
         n = self.unknowns
-        local = self._unknown[:, self._dofs]
-        below = self._unknown[1, self._contact_dofs]
-        self._targets = np.concatenate([local.ravel(), below.ravel()])
-        a, b = self._pairs
-        every_a, every_b = np.indices((len(local[0]),) * 2).reshape(2, -1)
+        self._targets = np.concatenate(
+            [self._unknown[:, self._dofs].ravel(), self._unknown[1, self._contact_dofs].ravel()]
+        )
+        upper, every = np.triu_indices(len(self._dofs)), np.indices((len(self._dofs),) * 2).reshape(2, -1)
+        upper_below = np.triu_indices(len(self._contact_dofs))
         blocks = [
-            (local[0, a], local[0, b], a != b),
-            (local[1, a], local[1, b], a != b),
-            (local[0, every_a], local[1, every_b], every_a < 0),
-            (
-                below[self._contact_pairs[0]],
-                below[self._contact_pairs[1]],
-                np.zeros(len(self._contact_products), bool),
-            ),
+            (0, 0, *(self._dofs[index] for index in upper)),
+            (1, 1, *(self._dofs[index] for index in upper)),
+            (0, 1, *(self._dofs[index] for index in every)),
+            (1, 1, *(self._contact_dofs[index] for index in upper_below)),
         ]
-        self._local = np.zeros(sum(first.size for first, _, _ in blocks))
-        ends = np.cumsum([first.size for first, _, _ in blocks])[:-1]
-        self._local_blocks = [
-            part.reshape(first.shape)
-            for part, (first, _, _) in zip(np.split(self._local, ends), blocks, strict=True)
-        ]
-        first, second = (np.concatenate([block[k].ravel() for block in blocks]) for k in (0, 1))
+        first = np.concatenate([self._unknown[i, dofs].ravel() for i, _, dofs, _ in blocks])
+        second = np.concatenate([self._unknown[k, dofs].ravel() for _, k, _, dofs in blocks])
+        distinct = np.concatenate([(dofs != others).ravel() for _, _, dofs, others in blocks])
         # degrees of freedom of the face share an unknown: an entry and its mirror image meet on the diagonal
-        mirrored = np.concatenate([np.repeat(block[2], block[0].shape[1]) for block in blocks])
-        weights = np.where(mirrored & (first == second), 2.0, 1.0)
+        weights = np.where(distinct & (first == second), 2.0, 1.0)
         kept = np.flatnonzero(np.maximum(first, second) < n)
         rows, columns = np.minimum(first, second)[kept], np.maximum(first, second)[kept]
         places, position = np.unique(rows * n + columns, return_inverse=True)
-        self._gather = coo_matrix(
-            (weights[kept], (position, kept)), shape=(places.size, self._local.size)
-        ).tocsr()
-        indptr = np.searchsorted(places, n * np.arange(n + 1))
-        self._tangent = csr_matrix((np.zeros(places.size), places % n, indptr), shape=(n, n))
+        shape = (places.size, first.size)
+        self._gather = coo_matrix((weights[kept], (position, kept)), shape=shape).tocsr()
+        row_starts = np.searchsorted(places, n * np.arange(n + 1))
+        self._tangent = csr_matrix((np.zeros(places.size), places % n, row_starts), shape=(n, n))
+        self._local = np.empty(first.size)
+        ends = np.cumsum([dofs.size for _, _, dofs, _ in blocks])[:-1]
+        parts = zip(np.split(self._local, ends), blocks, strict=True)
+        self._local_blocks = [part.reshape(block[2].shape) for part, block in parts]
 
     def _displacement(self, state: FloatArray, theta: float) -> FloatArray:
         displacement: FloatArray = np.take(state, self._unknown)
@@ -247,33 +239,32 @@ class ScikitFemStrip:
 
     def _assemble(self, displacement: FloatArray) -> FloatArray:
         """Return the residual (unknowns,) and leave the tangent in self._tangent."""
-        F, inverse, pressure = self._kinematics(displacement, self._dofs)
+        F, inverse, factor = self._kinematics(displacement, self._dofs)
         same_x, same_y, mixed, adhesive = self._local_blocks
-        (a, b), (c, d) = inverse
-        both = LAME_LAMBDA - pressure
-        for block, first, second in ((same_x, a, c), (same_y, b, d)):
-            np.multiply(both, [first * first, second * second, first * second], out=self._moduli[:3])
+        # dP_iJ/dF_kL = mu d_ik d_JL - factor G_Jk G_Li + lambda G_Ji G_Lk, G = F^-1; JL as in _tabulate
+        (xx, xy), (yx, yy) = inverse
+        both = LAME_LAMBDA - factor
+        for block, along_x, along_y in ((same_x, xx, yx), (same_y, xy, yy)):
+            np.multiply(both, [along_x**2, along_y**2, along_x * along_y], out=self._moduli[:3])
             self._moduli[:2] += SHEAR_MODULUS
-            np.matmul(self._same_component, self._moduli[:3].reshape(-1, len(first[0])), out=block)
-        np.multiply(both, [a * b, c * d], out=self._moduli[:2])
-        straight, crossed = a * d, b * c
-        np.subtract(LAME_LAMBDA * straight, pressure * crossed, out=self._moduli[2])
-        np.subtract(LAME_LAMBDA * crossed, pressure * straight, out=self._moduli[3])
-        np.matmul(self._mixed_components, self._moduli.reshape(-1, len(a[0])), out=mixed)
-        traction, stiffness = _adhesion(
-            EQUILIBRIUM_GAP + self._contact_values @ np.take(displacement[1], self._contact_dofs)
-        )
+            np.matmul(self._same_component, self._moduli[:3].reshape(-1, self._dofs.shape[1]), out=block)
+        straight, crossed = xx * yy, xy * yx
+        np.multiply(both, [xx * xy, yx * yy], out=self._moduli[:2])
+        np.subtract(LAME_LAMBDA * straight, factor * crossed, out=self._moduli[2])
+        np.subtract(LAME_LAMBDA * crossed, factor * straight, out=self._moduli[3])
+        np.matmul(self._mixed_components, self._moduli.reshape(-1, self._dofs.shape[1]), out=mixed)
+        rise = self._contact_values @ np.take(displacement[1], self._contact_dofs)
+        traction, stiffness = _adhesion(EQUILIBRIUM_GAP + rise)
         np.matmul(self._contact_products, -stiffness, out=adhesive)
         self._tangent.data = self._gather @ self._local
-        forces = np.concatenate(
-            [self._internal_forces(F, inverse, pressure).ravel(), -(self._weighted_values @ traction).ravel()]
-        )
-        return np.bincount(self._targets, weights=forces, minlength=self.unknowns + 1)[:-1]
+        bulk, contact = self._internal_forces(F, inverse, factor), -self._weighted_values @ traction
+        forces = np.concatenate([bulk.ravel(), contact.ravel()])
+        return np.bincount(self._targets, forces, self.unknowns + 1)[:-1].astype(np.float64, copy=False)
 
     def _kinematics(
         self, displacement: FloatArray, dofs: IntArray
     ) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Return F and its inverse (2, 2, points, elements) and lambda ln J - mu (points, elements)."""
+        """Return F and F^-1 (2, 2, points, elements) and lambda ln J - mu (points, elements)."""
         F = self._gradient @ np.take(displacement, dofs, axis=1)[:, None]
         F[0, 0] += 1
         F[1, 1] += 1
@@ -283,9 +274,9 @@ class ScikitFemStrip:
         inverse = np.array([[F[1, 1], -F[0, 1]], [-F[1, 0], F[0, 0]]]) / J
         return F, inverse, LAME_LAMBDA * np.log(J) - SHEAR_MODULUS
 
-    def _internal_forces(self, F: FloatArray, inverse: FloatArray, pressure: FloatArray) -> FloatArray:
+    def _internal_forces(self, F: FloatArray, inverse: FloatArray, factor: FloatArray) -> FloatArray:
         """Return the forces (2, basis functions, elements) of P = mu F + (lambda ln J - mu) F^-T."""
-        stress = SHEAR_MODULUS * F + pressure * inverse.swapaxes(0, 1)
+        stress = SHEAR_MODULUS * F + factor * inverse.swapaxes(0, 1)
         return np.array([self._weighted_gradient @ row.reshape(-1, row.shape[-1]) for row in stress])
 
     def _moment(self, state: FloatArray, theta: float) -> float:
@@ -307,9 +298,9 @@ def _adhesion(gap: FloatArray) -> tuple[FloatArray, FloatArray]:
     gap_used = np.maximum(gap, EQUILIBRIUM_GAP)
     ratio = INTERACTION_DISTANCE / gap_used
     cube = ratio**3
-    factor = HAMAKER / (2 * np.pi * INTERACTION_DISTANCE**3)
-    stiffness = factor / INTERACTION_DISTANCE * ratio * cube * (1 - cube * cube / 5)
-    return factor * cube * (cube * cube / 45 - 1 / 3) + stiffness * (gap - gap_used), stiffness
+    scale = HAMAKER / (2 * np.pi * INTERACTION_DISTANCE**3)
+    stiffness = scale / INTERACTION_DISTANCE * ratio * cube * (1 - cube**2 / 5)
+    return scale * cube * (cube**2 / 45 - 1 / 3) + stiffness * (gap - gap_used), stiffness
 
 
 def _extrapolate(history: Iterable[tuple[float, FloatArray]], theta: float) -> FloatArray:
@@ -330,9 +321,9 @@ def main() -> None:
     parser.add_argument("--step", type=float, default=0.1, help="degrees per load step")
     parser.add_argument("--tolerance", type=float, default=1e-16)
     arguments = parser.parse_args()
-    elements = tuple(int(number) for number in arguments.mesh.split("x"))
+    along_x, along_y = (int(number) for number in arguments.mesh.split("x"))
     with threadpool_limits(1):
-        strip = ScikitFemStrip(arguments.degree, (elements[0], elements[1]), arguments.tolerance)
+        strip = ScikitFemStrip(arguments.degree, (along_x, along_y), arguments.tolerance)
         angles = arguments.step * np.arange(1, round(arguments.to / arguments.step) + 1)
         start = time.perf_counter()
         steps = list(strip.trace(angles))

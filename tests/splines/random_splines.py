@@ -1,6 +1,9 @@
 """Random spline spaces and weights for the tests of this folder."""
 
+from collections import Counter
+
 import numpy as np
+import splinepy
 from hypothesis import strategies as st
 
 from isopeel.arrays import FloatArray
@@ -8,9 +11,9 @@ from isopeel.splines.space import SplineSpace
 
 
 @st.composite
-def spaces(draw: st.DrawFn, degrees: st.SearchStrategy[int] | None = None) -> SplineSpace:
+def spaces(draw: st.DrawFn, highest_degree: int = 7) -> SplineSpace:
     """Spaces on any interval, with up to six elements of widths up to 50:1 and any inner multiplicities."""
-    degree = draw(degrees or st.integers(1, 7))
+    degree = draw(st.integers(1, highest_degree))
     widths = draw(st.lists(st.integers(1, 50), min_size=1, max_size=6))
     inner = [draw(st.integers(1, degree)) for _ in widths[1:]]
     start, unit = draw(st.sampled_from([(0.0, 0.02), (-3.0, 0.1), (10.0, 1.0)]))
@@ -32,6 +35,12 @@ def new_knots(space: SplineSpace, seed: int) -> FloatArray:
     between = space.breakpoints[element] + np.diff(space.breakpoints)[element] * rng.uniform(0.1, 0.9, 2)
     double = [between[0]] if space.degree > 1 else []
     return np.concatenate([room, between, double])
+
+
+def superfluous_knots(elevated: splinepy.Spline, space: SplineSpace, direction: int = 0) -> FloatArray:
+    """The knots that splinepy has more often than needed, as its elevation removes knots to a tolerance."""
+    more = Counter(np.array(elevated.knot_vectors[direction])) - Counter(space.knot_vector)
+    return np.array(list(more.elements()))
 
 
 seeds = st.integers(0, 2**32 - 1)

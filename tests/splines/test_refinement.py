@@ -5,7 +5,7 @@ import pytest
 import splinepy
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from random_splines import new_knots, points_in, seeds, spaces
+from random_splines import new_knots, points_in, seeds, spaces, superfluous_knots
 from scipy.interpolate import BSpline
 
 from isopeel.arrays import FloatArray
@@ -14,8 +14,8 @@ from isopeel.splines.refinement import elevate, insert_knots, k_refine
 from isopeel.splines.space import SplineSpace
 
 few = settings(deadline=None, max_examples=50)
-# Coefficients are of size 1 and refined ones are convex combinations of them, on both sides: round-off of a few roundings
-# per degree on our side; the references take differences of knots in another order, and splinepy cancels more.
+# Coefficients are of size 1, refined ones are convex combinations of them. Ours are good to a few roundings
+# per degree; splinepy goes through Bezier pieces and removes knots, and is seen to lose two digits.
 TOLERANCE = 1e-12
 
 
@@ -54,7 +54,7 @@ def test_elevation_agrees_with_splinepy(space: SplineSpace, seed: int, times: in
     expected.elevate_degrees([0] * times)
     assert elevated.degree == space.degree + times
     assert np.array_equal(elevated.continuities, space.continuities)
-    assert np.array_equal(elevated.knot_vector, expected.knot_vectors[0])
+    _, result = insert_knots(elevated, result, superfluous_knots(expected, elevated))
     assert np.abs(result - expected.control_points).max() < TOLERANCE
 
 
@@ -108,6 +108,7 @@ def test_bad_arguments_are_refused() -> None:
         insert_knots(space, np.ones(4), [0.5, 0.5])
     with pytest.raises(InputError, match="times: -1"):
         elevate(space, np.ones(4), -1)
-    for refine in (lambda c: insert_knots(space, c, 0.3), lambda c: elevate(space, c, 1)):
-        with pytest.raises(InputError, match="holds the 4 functions"):
-            refine(np.ones(3))
+    with pytest.raises(InputError, match="holds the 4 functions"):
+        k_refine(space, np.ones(3), 1, 0.3)
+    with pytest.raises(InputError, match="holds the 4 functions"):
+        insert_knots(space, np.ones(3), 0.3)

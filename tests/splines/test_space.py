@@ -19,7 +19,7 @@ def test_basis_and_derivatives_agree_with_scipy(space: SplineSpace, seed: int) -
     reference = BSpline(space.knot_vector, np.eye(space.size), space.degree)
     for derivative in range(space.degree + 1):
         expected = reference(points, nu=derivative)
-        # A derivative multiplies round-off by what it multiplies the functions by, so errors scale with its size.
+        # A derivative multiplies round-off as much as it does the functions, so errors scale with its size.
         error = np.abs(space.collocation(points, derivative).toarray() - expected).max()
         assert error <= 1e-12 * np.abs(expected).max()
 

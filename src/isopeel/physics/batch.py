@@ -7,7 +7,10 @@ and handed to the assembly by address, which is why the assembly needs no recomp
 from collections.abc import Callable
 from typing import Any
 
-from numba import cfunc, float64, int64, void
+import numpy as np
+from numba import cfunc, float64, int64, njit, void
+
+from isopeel.arrays import FloatArray
 
 _VECTOR = float64[::1]
 _POINTS_2 = float64[:, ::1]
@@ -32,3 +35,62 @@ def compile_batch(signature: Any, function: Callable[..., None], cache: bool = T
     an exception could not cross the call by address.
     """
     return cfunc(signature, cache=cache, error_model="numpy")(function)
+
+
+def evaluate_material(
+    kernel: BatchFunction, parameters: FloatArray, deformation_gradient: FloatArray
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Energy density (...), stress P (..., 2, 2) and tangent (..., 2, 2, 2, 2) at F (..., 2, 2)."""
+    shape = deformation_gradient.shape[:-2]
+    F = _points_last(deformation_gradient, shape)
+    count = F.shape[-1]
+    energy, P, A = np.empty(count), np.empty((2, 2, count)), np.empty((2, 2, 2, 2, count))
+    _call_material(kernel, F, parameters, energy, P, A)
+    return energy.reshape(shape), _points_first(P, shape), _points_first(A, shape)
+
+
+def evaluate_substrate(
+    kernel: BatchFunction, parameters: FloatArray, position: FloatArray
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Gap (...), outward normal (..., 2) and curvature (...) as seen from positions (..., 2)."""
+    shape = position.shape[:-1]
+    points = _points_last(position, shape)
+    count = points.shape[-1]
+    gap, normal, curvature = np.empty(count), np.empty((2, count)), np.empty(count)
+    _call_substrate(kernel, points, parameters, gap, normal, curvature)
+    return gap.reshape(shape), _points_first(normal, shape), curvature.reshape(shape)
+
+
+@njit(cache=True)
+def _call_material(
+    kernel: BatchFunction,
+    F: FloatArray,
+    parameters: FloatArray,
+    energy: FloatArray,
+    P: FloatArray,
+    A: FloatArray,
+) -> None:
+    kernel(F, parameters, energy.size, energy, P, A)
+
+
+@njit(cache=True)
+def _call_substrate(
+    kernel: BatchFunction,
+    position: FloatArray,
+    parameters: FloatArray,
+    gap: FloatArray,
+    normal: FloatArray,
+    curvature: FloatArray,
+) -> None:
+    kernel(position, parameters, gap.size, gap, normal, curvature)
+
+
+def _points_last(values: FloatArray, shape: tuple[int, ...]) -> FloatArray:
+    """Copy values (..., i, j) to a new array (i, j, n), which compiled code may write to."""
+    flat = values.reshape(-1, *values.shape[len(shape) :])
+    return np.array(np.moveaxis(flat, 0, -1), dtype=np.float64, order="C")
+
+
+def _points_first(values: FloatArray, shape: tuple[int, ...]) -> FloatArray:
+    """The way back: values (i, j, n) as (..., i, j)."""
+    return np.moveaxis(values, -1, 0).reshape(*shape, *values.shape[:-1])

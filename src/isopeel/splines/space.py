@@ -95,9 +95,9 @@ class SplineSpace:
     @cached_property
     def greville(self) -> FloatArray:
         """The Greville points, means of degree successive knots, (size,)."""
-        inner = np.lib.stride_tricks.sliding_window_view(self.knot_vector[1:-1], self.degree)
-        # The mean of equal knots may leave the interval by a bit.
-        return _read_only(np.clip(inner.mean(axis=1), self.breakpoints[0], self.breakpoints[-1]))
+        knots = np.lib.stride_tricks.sliding_window_view(self.knot_vector[1:-1], self.degree)
+        # Seen from its first knot, the mean of equal knots is that knot to the last bit.
+        return _read_only(knots[:, 0] + (knots - knots[:, :1]).mean(axis=1))
 
     @cached_property
     def first_functions(self) -> IntArray:

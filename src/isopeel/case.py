@@ -1,0 +1,392 @@
+"""The case: a TOML file with units that says what is peeled, on which space, how far and in which steps."""
+
+import json
+import re
+import tomllib
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from importlib import resources
+from pathlib import Path
+from typing import Annotated, Any, Literal, Self
+
+import numpy as np
+from pydantic import (
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    PrivateAttr,
+    ValidationError,
+    model_validator,
+)
+
+from isopeel.arrays import FloatArray
+from isopeel.errors import InputError
+from isopeel.physics.adhesion import AdhesionLaw, FormulaAdhesion, VanDerWaals
+from isopeel.physics.materials import FormulaMaterial, Material, NeoHooke
+from isopeel.problem import Problem, Traction, strip
+from isopeel.splines.rows import RowSpace, row_space
+from isopeel.units import parse_quantity
+
+#: More steps than this are a slip of the pen: a thousandth of a degree up to 100 degrees.
+MOST_STEPS = 100_000
+#: Larger tangents, in bytes of band storage, leave a workstation's memory.
+LARGEST_TANGENT = 32 * 2**30
+
+
+def _quantity(needed: str, powers: tuple[int, int] | None) -> Callable[[object], float]:
+    """Return the reader of a quantity in E0^powers[0] L0^powers[1]; None means an angle in degrees."""
+
+    def read(written: object) -> float:
+        try:
+            quantity = parse_quantity(written if isinstance(written, str) else str(written))
+        except ValueError as error:
+            raise ValueError(f"{error}; {needed}") from error
+        if quantity.angle != (powers is None) or (powers and (quantity.stress, quantity.length) != powers):
+            raise ValueError(needed)
+        return quantity.value
+
+    return read
+
+
+def _constant(written: object) -> float:
+    """Read a constant of a formula: a plain number, or a text with a unit made of stresses and lengths."""
+    if isinstance(written, int | float) and not isinstance(written, bool):
+        return float(written)
+    quantity = parse_quantity(str(written))
+    if quantity.angle:
+        raise ValueError("write angles as plain numbers, in radians")
+    return quantity.value
+
+
+def _window(written: object) -> tuple[float, float]:
+    if not isinstance(written, list) or len(written) != 2:
+        raise ValueError(_A_WINDOW)
+    start, end = map(_quantity(_A_WINDOW, None), written)
+    if not start < end:
+        raise ValueError(_A_WINDOW)
+    return start, end
+
+
+_A_LENGTH = "a length is needed, such as '200 nm'"
+_A_STRESS = "a stress is needed, such as '2 GPa'"
+_AN_ENERGY = "an energy is needed, such as '1e-19 J'"
+_AN_ANGLE = "an angle is needed, such as '0.1 deg'"
+_A_WINDOW = "two angles are needed, the smaller one first, such as ['98 deg', '101 deg']"
+# The descriptions say what each key needs; messages about missing or unusable values end with them.
+_Length = Annotated[float, BeforeValidator(_quantity(_A_LENGTH, (0, 1))), Field(description=_A_LENGTH)]
+_Stress = Annotated[float, BeforeValidator(_quantity(_A_STRESS, (1, 0))), Field(description=_A_STRESS)]
+_Energy = Annotated[float, BeforeValidator(_quantity(_AN_ENERGY, (1, 3))), Field(description=_AN_ENERGY)]
+_Angle = Annotated[float, BeforeValidator(_quantity(_AN_ANGLE, None)), Field(description=_AN_ANGLE)]
+_Constants = dict[str, Annotated[float, BeforeValidator(_constant)]]
+_Number = Annotated[float, Field(strict=True, description="a number is needed, without quotes")]
+
+
+class _Section(BaseModel):
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+
+class BodySection(_Section):
+    """The strip's size, in L0."""
+
+    length: _Length
+    height: _Length
+
+
+class NeoHookeSection(_Section):
+    """The compressible neo-Hookean material; stresses in E0."""
+
+    law: Literal["neo-hooke"]
+    youngs_modulus: _Stress
+    poissons_ratio: _Number
+
+    def material(self) -> Material:
+        """Build the material."""
+        return NeoHooke(self.youngs_modulus, self.poissons_ratio)
+
+
+class FormulaMaterialSection(_Section):
+    """A material from the formula of its stored energy in E0; constants in E0, L0."""
+
+    law: Literal["formula"]
+    energy: Annotated[str, Field(description="a formula of I1, I2, J or F11 to F33 is needed")]
+    constants: _Constants = {}
+
+    def material(self) -> Material:
+        """Build the material."""
+        return FormulaMaterial(self.energy, self.constants)
+
+
+class _AdhesionSection(_Section):
+    length: _Length
+    traction: Annotated[Traction, Field(description="'reference' or 'projected' is needed")] = "reference"
+
+
+class VanDerWaalsSection(_AdhesionSection):
+    """Van der Waals adhesion on the lower face up to `length`; in E0 L0^3 and L0."""
+
+    law: Literal["van-der-waals"]
+    hamaker_constant: _Energy
+    equilibrium_distance: _Length
+
+    def adhesion_law(self) -> AdhesionLaw:
+        """Build the law."""
+        return VanDerWaals(self.hamaker_constant, self.equilibrium_distance)
+
+
+class FormulaAdhesionSection(_AdhesionSection):
+    """Adhesion from the formula of its potential in E0 L0 over the gap r in L0."""
+
+    law: Literal["formula"]
+    potential: Annotated[str, Field(description="a formula of the gap r is needed")]
+    constants: _Constants = {}
+
+    def adhesion_law(self) -> AdhesionLaw:
+        """Build the law."""
+        return FormulaAdhesion(self.potential, self.constants)
+
+
+class DiscretizationSection(_Section):
+    """The spline space and its elements along the length and the height."""
+
+    space: Annotated[str, Field(description="the name of a space is needed, such as 'N2.1'")] = "N2.1"
+    mesh: Annotated[str, Field(description="elements along length x height are needed, such as '200x10'")] = (
+        "200x10"
+    )
+
+
+class DriveSection(_Section):
+    """How far the right face is turned, and in which steps, in degrees."""
+
+    to: _Angle = 120.0
+    step: _Angle = 0.1
+
+
+class ReadingSection(_Section):
+    """The window of angles, in degrees, that the plateau is read in."""
+
+    window: Annotated[tuple[float, float], BeforeValidator(_window), Field(description=_A_WINDOW)]
+
+
+class Case(_Section):
+    """A checked case. Make one with `load_case` or `Case.parse`, and variants with `overridden`."""
+
+    name: Annotated[
+        str,
+        Field(
+            pattern=r"^[A-Za-z0-9][A-Za-z0-9._-]{0,99}$",
+            description="a name of letters, digits, '.', '_' and '-' is needed",
+        ),
+    ]
+    body: BodySection
+    material: Annotated[NeoHookeSection | FormulaMaterialSection, Field(discriminator="law")]
+    adhesion: Annotated[VanDerWaalsSection | FormulaAdhesionSection, Field(discriminator="law")]
+    discretization: DiscretizationSection = DiscretizationSection()
+    drive: DriveSection = DriveSection()
+    reading: ReadingSection | None = None
+    _document: dict[str, Any] = PrivateAttr(default_factory=dict)
+
+    @classmethod
+    def parse(cls, text: str, source: str = "text") -> Self:
+        """Read a TOML text. Raises InputError whose field is the path of the key, or CASE for broken TOML."""
+        try:
+            document = tomllib.loads(text)
+        except (tomllib.TOMLDecodeError, RecursionError) as error:
+            raise InputError("CASE", source, f"it is not TOML: {error}") from error
+        return cls._checked(document)
+
+    @classmethod
+    def _checked(cls, document: dict[str, Any]) -> Self:
+        try:
+            case = cls.model_validate(document)
+        except ValidationError as error:
+            raise _first_error(error, document) from error
+        case._document = document
+        return case
+
+    @model_validator(mode="after")
+    def _parts_fit_together(self) -> Self:
+        if self.adhesion.length > self.body.length:
+            raise InputError("adhesion.length", self.adhesion.length, "at most body.length can adhere")
+        self.problem()
+        self.space()
+        self.angles()
+        return self
+
+    def overridden(
+        self,
+        *,
+        space: str | None = None,
+        mesh: str | None = None,
+        to: float | None = None,
+        step: float | None = None,
+        traction: str | None = None,
+    ) -> Self:
+        """Return the case with other values, angles in degrees.
+
+        Raises InputError whose field is the option of the command line, such as --mesh.
+        """
+        given = {
+            ("discretization", "space"): space,
+            ("discretization", "mesh"): mesh,
+            ("drive", "to"): to,
+            ("drive", "step"): step,
+            ("adhesion", "traction"): traction,
+        }
+        changes = {path: value for path, value in given.items() if value is not None}
+        document = dict(self._document)
+        for (section, key), value in changes.items():
+            written = f"{float(value)!r} deg" if section == "drive" else value
+            document[section] = document.get(section, {}) | {key: written}
+        try:
+            return self._checked(document)
+        except InputError as error:
+            for (section, key), value in changes.items():
+                if error.field == f"{section}.{key}":
+                    raise InputError(f"--{key}", value, error.allowed) from error
+            raise
+
+    @property
+    def text(self) -> str:
+        """The case as TOML, with the units it was written in."""
+        return _toml(self._document)
+
+    def problem(self) -> Problem:
+        """Build the problem, in L0 and E0."""
+        made = strip(
+            length=self.body.length,
+            height=self.body.height,
+            adhering_length=self.adhesion.length,
+            material=self.material.material(),
+            law=self.adhesion.adhesion_law(),
+            traction=self.adhesion.traction,
+        )
+        return replace(made, name=self.name)
+
+    def space(self) -> RowSpace:
+        """Build the space of the displacement."""
+        mesh = parse_mesh("discretization.mesh", self.discretization.mesh)
+        try:
+            space = row_space(self.discretization.space, mesh)
+        except InputError as error:
+            raise InputError(f"discretization.{error.field}", error.value, error.allowed) from error
+        # unknowns are numbered across the strip first, and degree + 1 functions of a row overlap
+        size = 2 * space.size * 2 * (space.degree + 1) * len(space.rows) * 8
+        if size > LARGEST_TANGENT:
+            allowed = (
+                f"its tangent needs {size / 2**30:.0f} GiB, at most {LARGEST_TANGENT / 2**30:.0f} are given"
+            )
+            raise InputError("discretization.mesh", self.discretization.mesh, allowed)
+        return space
+
+    def angles(self) -> FloatArray:
+        """Angles of the steps in radians: 0, multiples of the step, and the last angle (which may be nearer)."""
+        to, step = self.drive.to, self.drive.step
+        if not 0 < to <= 180:
+            raise InputError("drive.to", to, "it must be above 0 and at most 180 degrees")
+        if not step > 0:
+            raise InputError("drive.step", step, "it must be positive")
+        if to / step > MOST_STEPS:
+            allowed = f"at most {MOST_STEPS} steps are made, so at least {to / MOST_STEPS:g} deg is needed"
+            raise InputError("drive.step", step, allowed)
+        # a last step of round-off size would be none at all
+        full_steps = int(np.ceil(to / step * (1 - 1e-12)))
+        degrees = np.append(np.round(np.arange(full_steps) * step, 12), to)
+        angles: FloatArray = np.radians(degrees)
+        return angles
+
+
+def shipped_cases() -> tuple[str, ...]:
+    """Names of the cases that come with the package."""
+    files = resources.files("isopeel").joinpath("cases").iterdir()
+    return tuple(sorted(file.name.removesuffix(".toml") for file in files if file.name.endswith(".toml")))
+
+
+def load_case(case: str | Path) -> Case:
+    """Load a shipped case by its name, or a TOML file by its path.
+
+    Raises InputError; its field is the key's path, or CASE where the file itself cannot be used.
+    """
+    if case in shipped_cases():
+        return Case.parse(resources.files("isopeel").joinpath("cases", f"{case}.toml").read_text("utf-8"))
+    path = Path(case)
+    try:
+        if not path.is_file():
+            kind = "is no file" if path.exists() else "does not exist"
+            allowed = f"it {kind}; give a TOML file or a shipped case: {', '.join(shipped_cases())}"
+            raise InputError("CASE", str(case), allowed)
+        text = path.read_text("utf-8")
+    except OSError as error:
+        raise InputError("CASE", str(case), f"it cannot be read: {error.strerror}") from error
+    except UnicodeDecodeError as error:
+        allowed = f"a TOML file is UTF-8 text; byte {error.start} is not"
+        raise InputError("CASE", str(case), allowed) from error
+    return Case.parse(text, str(case))
+
+
+def parse_mesh(field: str, text: str) -> tuple[int, int]:
+    """Read a number of elements along the length x the height, such as 200x10; InputError names the field."""
+    parts = re.fullmatch(r"(\d{1,9})x(\d{1,9})", text)
+    if not parts:
+        raise InputError(field, text, "elements along length x height are needed, such as 200x10")
+    return int(parts[1]), int(parts[2])
+
+
+def _first_error(error: ValidationError, document: dict[str, Any]) -> InputError:
+    """Translate pydantic's first error; unknown keys go first, since they explain the missing ones."""
+    details = min(error.errors(), key=lambda details: details["type"] != "extra_forbidden")
+    cause = details.get("ctx", {}).get("error")
+    if isinstance(cause, InputError):
+        return InputError(cause.field, _written(document, cause.field, cause.value), cause.allowed)
+    location, value = details["loc"], details["input"]
+    section = _SECTIONS.get(location[:-1], Case)
+    tagged = location[:2] in _SECTIONS
+    path = [str(part) for part in (location[:1] + location[2:] if tagged else location)]
+    field = ".".join(path)
+    match details["type"]:
+        case "extra_forbidden":
+            keys = ", ".join(section.model_fields)
+            return InputError(field, value, f"there is no such key; here the keys are {keys}")
+        case "union_tag_not_found" | "union_tag_invalid":
+            laws = ", ".join(key[1] for key in _SECTIONS if key[0] == field and len(key) == 2)
+            return InputError(f"{field}.law", value.get("law"), f"one of these laws is needed: {laws}")
+        case "value_error":
+            return InputError(field, value, str(cause))
+    needed = section.model_fields[path[-1]].description or f"a table [{field}] is needed"
+    if details["type"] == "missing":
+        return InputError(field, None, f"the key is missing; {needed}")
+    return InputError(field, value, needed)
+
+
+_SECTIONS: dict[tuple[int | str, ...], type[BaseModel]] = {
+    ("body",): BodySection,
+    ("material", "neo-hooke"): NeoHookeSection,
+    ("material", "formula"): FormulaMaterialSection,
+    ("adhesion", "van-der-waals"): VanDerWaalsSection,
+    ("adhesion", "formula"): FormulaAdhesionSection,
+    ("discretization",): DiscretizationSection,
+    ("drive",): DriveSection,
+    ("reading",): ReadingSection,
+}
+
+
+def _written(document: Mapping[str, Any], field: str, value: object) -> object:
+    """Return what the document holds at a field, where that is the text of the value."""
+    found: Any = document
+    for key in field.split("."):
+        found = found.get(key) if isinstance(found, Mapping) else None
+    return value if found is None or isinstance(found, Mapping) else found
+
+
+def _toml(table: Mapping[str, Any], path: tuple[str, ...] = ()) -> str:
+    """Write a table of texts, numbers, lists and tables; its keys are plain words."""
+    # JSON's texts, numbers and lists are TOML's
+    lines = [
+        f"{key} = {json.dumps(value, ensure_ascii=False)}"
+        for key, value in table.items()
+        if not isinstance(value, dict)
+    ]
+    for key, value in table.items():
+        if isinstance(value, dict):
+            lines += ["", f"[{'.'.join((*path, key))}]", _toml(value, (*path, key)).rstrip()]
+    return "\n".join(lines) + "\n"

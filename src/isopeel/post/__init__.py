@@ -1,0 +1,1 @@
+"""Reading what a run leaves behind: plateaus, fields, closed forms and figures."""

@@ -1,0 +1,47 @@
+"""Closed forms that a run is held against."""
+
+from dataclasses import dataclass
+from math import degrees, sqrt
+
+import numpy as np
+
+from isopeel.physics.materials.base import plane_strain_modulus
+from isopeel.physics.substrates import Flat
+from isopeel.problem import Problem, RotatedSide
+
+
+@dataclass(frozen=True)
+class BeamPeeling:
+    """A thin elastic strip peeled from a flat substrate by a pure moment, per unit width."""
+
+    moment: float  # on the plateau
+    radius: float  # of the arc that the peeled part forms
+    onset_deg: float  # rotation at which peeling begins
+
+
+def beam_peeling(problem: Problem) -> BeamPeeling | None:
+    """Closed form of a straight strip peeled by a rotated end; None where the problem is another one.
+
+    A length dl that peels takes W dl to part and M^2/(2 E' I) dl to bend, and the moment does work M dl/rho with
+    1/rho = M/(E' I): hence M = sqrt(2 E' I W), with E' = E/(1 - nu^2) and I = h^3/12 of the plane strip. Peeling
+    begins at the angle (free length)/rho, free being what lies between the adhering part and the driven end.
+    """
+    adhesion, drive, shape = problem.adhesion, problem.drive, problem.body.shape
+    if (
+        not isinstance(drive, RotatedSide)
+        or drive.side not in ("left", "right")
+        or adhesion.side not in ("bottom", "top")
+        or not isinstance(adhesion.substrate, Flat)
+    ):
+        return None
+    side = shape.boundary(adhesion.side)
+    ends = side.evaluate([0.0, adhesion.start, adhesion.end, 1.0])
+    corners = shape.control_points.reshape(-1, 2)
+    length, height = np.ptp(corners, axis=0)
+    # only a rectangle along the axes fills the box around its control points
+    if abs(length * height - shape.area()) > 1e-9 * length * height or np.ptp(ends[:, 1]) > 1e-9 * height:
+        return None
+    free = np.diff(ends[:, 0])[0 if drive.side == "left" else 2]
+    stiffness = plane_strain_modulus(problem.body.material) * float(height) ** 3 / 12
+    moment = sqrt(2 * stiffness * adhesion.law.work_of_adhesion)
+    return BeamPeeling(moment, stiffness / moment, degrees(abs(float(free)) * moment / stiffness))

@@ -1,0 +1,117 @@
+"""Fields of a deformed body: positions, deformation gradient and stress at points of every element."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from isopeel.arrays import FloatArray, IntArray
+from isopeel.errors import InputError
+from isopeel.physics.batch import evaluate_material
+from isopeel.problem import Problem
+from isopeel.splines.nurbs import NurbsSurface, Side
+from isopeel.splines.rows import RowSpace
+from isopeel.splines.space import SplineSpace
+
+
+@dataclass(frozen=True, eq=False)
+class SampledFields:
+    """Fields at the nodes of a x b cells in each of the elements, in the units of the problem.
+
+    Arrays are (n_x, n_y, a + 1, b + 1, ...): elements along xi and eta, then nodes along xi and eta. An
+    element has the nodes on its edges to itself, so that what jumps between elements does so here. Where an
+    element is turned inside out its stresses are nan.
+    """
+
+    reference_position: FloatArray  # X (..., 2)
+    position: FloatArray  # x = X + u (..., 2)
+    deformation_gradient: FloatArray  # F (..., 2, 2)
+    cauchy_stress: FloatArray  # sigma (..., 3, 3)
+    first_invariant: FloatArray  # I1 = tr(sigma) / E (...)
+
+
+def sample_fields(
+    problem: Problem, space: RowSpace, displacement: FloatArray, per_element: tuple[int, int] = (1, 1)
+) -> SampledFields:
+    """Sample the fields of coefficients (size, 2) of a displacement on `per_element` cells per element.
+
+    F = 1 + du/dX and sigma = P F^T / J, with sigma_33 that of plane strain (Bonet and Wood, Nonlinear
+    Continuum Mechanics for Finite Element Analysis, 2nd ed., Sec. 5.5). Raises InputError for coefficients
+    of another space, or less than one cell.
+    """
+    if displacement.shape != (space.size, 2):
+        raise InputError("displacement", displacement.shape, f"the space has {space.size} functions")
+    if min(per_element) < 1:
+        raise InputError("per_element", per_element, "an element has at least one cell each way")
+    shape, material = problem.body.shape, problem.body.material
+    xi, eta = (
+        _nodes(along.breakpoints, cells)
+        for along, cells in zip((space.rows[0], space.across), per_element, strict=True)
+    )
+    X, reference_derivatives = _on_grid(*_as_rows(shape), xi, eta)
+    u, derivatives = _on_grid(space.weighted(shape), displacement, xi, eta)
+    F = np.eye(2) + derivatives @ np.linalg.inv(reference_derivatives)
+    _, P, _ = evaluate_material(material.kernel, material.parameters, F)
+    stress = np.zeros((*F.shape[:-2], 3, 3))
+    with np.errstate(invalid="ignore", divide="ignore"):  # J <= 0 is answered by nan
+        stress[..., :2, :2] = P @ np.swapaxes(F, -1, -2) / np.linalg.det(F)[..., None, None]
+        stress[..., 2, 2] = material.out_of_plane_stress(F)
+    invariant = np.trace(stress, axis1=-2, axis2=-1) / material.youngs_modulus
+    return SampledFields(X, X + u, F, stress, invariant)
+
+
+def side_positions(
+    problem: Problem, space: RowSpace, displacement: FloatArray, side: Side, parameters: FloatArray
+) -> FloatArray:
+    """Deformed positions (n, 2) at parameters (n,) in [0, 1] along a side."""
+    end = np.array([[0.0 if side in ("left", "bottom") else 1.0]])
+    along = np.asarray(parameters, dtype=np.float64)[:, None]
+    xi, eta = (end, along) if side in ("left", "right") else (along, end)
+    X, _ = _on_grid(*_as_rows(problem.body.shape), xi, eta)
+    u, _ = _on_grid(space.weighted(problem.body.shape), displacement, xi, eta)
+    return (X + u).reshape(-1, 2)
+
+
+def _nodes(breakpoints: FloatArray, cells: int) -> FloatArray:
+    """Ends of equal cells in every element, (elements, cells + 1)."""
+    return np.linspace(breakpoints[:-1], breakpoints[1:], cells + 1, axis=1)
+
+
+def _as_rows(shape: NurbsSurface) -> tuple[RowSpace, FloatArray]:
+    """The shape as a space whose rows are alike, and its control points (size, 2) in it."""
+    along, across = shape.spaces
+    space = RowSpace("shape", across, (along,) * across.size, tuple(shape.weights.T))
+    return space, np.swapaxes(shape.control_points, 0, 1).reshape(-1, 2)
+
+
+def _on_grid(
+    space: RowSpace, coefficients: FloatArray, xi: FloatArray, eta: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Values (n_x, n_y, k, l, 2) of a field at xi (n_x, k), eta (n_y, l), and its derivatives (..., 2, 2) by both.
+
+    Each row of xi and of eta is seen from within the interval that it spans. Rational fields by the
+    quotient rule (Piegl and Tiller, The NURBS Book, Eq. 4.20).
+    """
+    parts = np.split(coefficients, space.offsets[1:-1])
+    weights = space.weights or tuple(np.ones(row.size) for row in space.rows)
+    curves = []
+    for row, part, w in zip(space.rows, parts, weights, strict=True):
+        functions, active = _functions(row, xi)
+        homogeneous = np.column_stack([w[:, None] * part, w])
+        curves.append(np.einsum("dxki,xkic->dxkc", functions, homogeneous[active]))
+    functions, active = _functions(space.across, eta)
+    # orders of derivation d, e; rows j; elements x, y and their nodes k, l; homogeneous components c
+    A = np.einsum("eylj,yljdxkc->dexyklc", functions, np.stack(curves)[active])
+    weight = A[0, 0, ..., 2:]
+    value = A[0, 0, ..., :2] / weight
+    partial = [(part[..., :2] - part[..., 2:] * value) / weight for part in (A[1, 0], A[0, 1])]
+    return value, np.stack(partial, axis=-1)
+
+
+def _functions(space: SplineSpace, points: FloatArray) -> tuple[FloatArray, IntArray]:
+    """Functions and derivatives (2, elements, nodes, p + 1) at points (elements, nodes), and their numbers."""
+    # a point on a knot belongs to the side on which the rest of its interval lies
+    inwards = points.mean(axis=1, keepdims=True) - points
+    elements = space.element_of((points + 1e-9 * inwards).ravel())
+    values, first = space.basis(points.ravel(), 1, elements=elements)
+    numbers = first[:, None] + np.arange(space.degree + 1)
+    return values.reshape(2, *points.shape, -1), numbers.reshape(*points.shape, -1)

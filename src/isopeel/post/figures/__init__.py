@@ -1,0 +1,8 @@
+"""Figures, each a pure function from data to a figure; `save` writes it."""
+
+from isopeel.post.figures.moment import moment_figure
+from isopeel.post.figures.shapes import shapes_figure
+from isopeel.post.figures.spaces import space_figure
+from isopeel.post.style import save
+
+__all__ = ["moment_figure", "save", "shapes_figure", "space_figure"]

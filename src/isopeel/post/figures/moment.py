@@ -1,0 +1,91 @@
+"""The reaction curve of a run, with its plateau enlarged."""
+
+import re
+from math import floor, log10
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from isopeel.post.closed_form import BeamPeeling
+from isopeel.post.reading import PlateauReading
+from isopeel.post.style import BLUE, GREY, ONE_COLUMN, SHADE, TWO_COLUMNS, style
+from isopeel.problem import Column
+from isopeel.results.curve import Curve
+
+_WORDS = {"theta_deg": "rotation of the driven face", "moment": "moment $M$"}
+
+
+def moment_figure(
+    curve: Curve, plateau: PlateauReading | None = None, closed_form: BeamPeeling | None = None
+) -> Figure:
+    """Draw the reaction over the drive's parameter, and in a second panel the plateau, if one was read.
+
+    The closed form is drawn where the run reaches its onset of peeling.
+    """
+    with style():
+        width = TWO_COLUMNS if plateau else ONE_COLUMN
+        figure = Figure(figsize=(width, 2.6), layout="constrained")
+        columns = (1, 2) if plateau else (1, 1)
+        first, *others = figure.subplots(*columns, squeeze=False)[0]
+        _whole(first, curve, closed_form)
+        if plateau:
+            first.axvspan(*plateau.window, color=SHADE, linewidth=0)
+            _enlarged(others[0], curve, plateau)
+        return figure
+
+
+def _whole(axes: Axes, curve: Curve, closed_form: BeamPeeling | None) -> None:
+    axes.plot(curve.parameter, curve.reaction, color=BLUE)
+    axes.set_xlabel(_label(curve.parameter_column))
+    axes.set_ylabel(_label(curve.reaction_column))
+    last = curve.parameter[-1]
+    axes.margins(x=0)
+    if closed_form is None or last < closed_form.onset_deg:
+        return
+    moment, onset = closed_form.moment, closed_form.onset_deg
+    thin = {"color": GREY, "linestyle": (0, (4, 2)), "linewidth": 0.8}
+    axes.plot([curve.parameter[0], last], [moment, moment], **thin)
+    axes.plot([onset, onset], [0, moment], **thin)
+    # the curve rises from the lower left, so that these two corners are free
+    places = {"textcoords": "offset points", "fontsize": 8, "color": GREY}
+    axes.annotate(f"closed form {moment:.4f}", (0, moment), (3, 3), **places)
+    axes.annotate(f"onset {onset:.1f}°", (onset, 0), (4, 3), **places)
+    axes.set_ylim(0, 1.12 * max(moment, curve.reaction.max()))
+
+
+def _enlarged(axes: Axes, curve: Curve, plateau: PlateauReading) -> None:
+    start, end = plateau.window
+    margin = 0.15 * (end - start)
+    inside = (curve.parameter >= start - margin) & (curve.parameter <= end + margin)
+    deviation = curve.reaction[inside] - plateau.mean
+    exponent = floor(log10(max(np.abs(deviation).max(), abs(plateau.mean) * 1e-12)))
+    deviation = deviation / 10.0**exponent
+    axes.axvspan(start, end, color=SHADE, linewidth=0)
+    axes.axhline(0, color=GREY, linestyle=(0, (4, 2)), linewidth=0.8)
+    axes.plot(curve.parameter[inside], deviation, color=BLUE, marker=".", markersize=3)
+    low, high = deviation.min(), deviation.max()
+    axes.set_xlim(start - margin, end + margin)
+    axes.set_ylim(low - 0.08 * (high - low), high + 0.4 * (high - low))  # with room for the text
+    axes.set_xlabel(_label(curve.parameter_column))
+    unit = _mathematical(curve.reaction_column.unit)
+    axes.set_ylabel(f"deviation / $10^{{{exponent}}}$ {unit}")
+    text = (
+        f"mean {plateau.mean:.6g}, amplitude {_scientific(plateau.amplitude)}\n"
+        f"slopes per degree {_scientific(plateau.steepest_rise)}, {_scientific(plateau.steepest_fall)}"
+    )
+    axes.text(0.03, 0.97, text, transform=axes.transAxes, va="top", fontsize=8, linespacing=1.4)
+
+
+def _label(column: Column) -> str:
+    return f"{_WORDS.get(column.name, column.name)} / {_mathematical(column.unit)}"
+
+
+def _mathematical(unit: str) -> str:
+    """Set scales such as E0 L0^3 in mathematical type."""
+    return f"${re.sub('(?<=[A-Z])0', '_0', unit)}$" if re.search("[A-Z]0", unit) else unit
+
+
+def _scientific(value: float) -> str:
+    digits, exponent = f"{value:.2e}".split("e")
+    return rf"${digits}\times 10^{{{int(exponent)}}}$"

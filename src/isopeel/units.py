@@ -1,0 +1,70 @@
+"""Quantities with units, as text, and their values in the internal units L0 and E0."""
+
+import re
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cache
+from math import isfinite
+from typing import Any
+
+import pint
+
+#: Length that lengths are measured in, 1 nm, in metres.
+L0 = Fraction(1, 10**9)
+#: Stress that stresses are measured in, 2 GPa, in pascals.
+E0 = Fraction(2 * 10**9)
+
+_NUMBER = r"[-+]?(?:(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d{1,3})?|inf|nan)"
+_FACTOR = r"(?:[^\W\d_]+(?:(?:\^|\*\*)?-?[1-9]|[²³])?|°)"
+_QUANTITY = re.compile(rf"({_NUMBER})\s*({_FACTOR}(?:(?:\s*[*/]\s*|\s+){_FACTOR})*)?")
+_LONGEST = 100  # characters
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """A value in E0^stress L0^length or, if `angle`, in degrees."""
+
+    value: float
+    stress: Fraction
+    length: Fraction
+    angle: bool = False
+
+
+def parse_quantity(text: str) -> Quantity:
+    """Read a number and a unit, such as "2 GPa", "0.03 J/m^2" or "0.1 deg".
+
+    Mass^a length^b time^c is a power product of stresses and lengths where c = -2 a: it is
+    stress^a length^(a + b). The conversion is exact until the value is rounded to a float, so that
+    "200 nm" is 200.0 to the last bit. Raises ValueError that says why a text is no such quantity.
+    """
+    parts = _QUANTITY.fullmatch(text.strip()) if len(text) <= _LONGEST else None
+    if parts is None:
+        raise ValueError("it is not a number and a unit")
+    number, unit = parts.groups()
+    if unit is None:
+        raise ValueError("it has no unit")
+    if not isfinite(float(number)):
+        raise ValueError("it is not finite")
+    registry = _registry()
+    try:
+        units = registry.parse_units(unit)
+    except pint.UndefinedUnitError as error:
+        raise ValueError(f"{unit!r} is not a known unit") from error
+    factor, base = registry.get_base_units(units)
+    powers = {name: Fraction(power) for name, power in units.dimensionality.items()}
+    mass, length, time = (powers.pop(f"[{name}]", Fraction(0)) for name in ("mass", "length", "time"))
+    angle = base == registry.Unit("radian")
+    # pure numbers need no unit, and some of their units, such as dB, are not even factors
+    if powers or time != -2 * mass or not (angle or mass or length):
+        raise ValueError(f"{unit!r} is not made of stresses and lengths, nor an angle")
+    internal = registry.get_base_units("degree")[0] if angle else E0**mass * L0 ** (length + mass)
+    try:
+        value = float(Fraction(number) * factor / internal)
+    except OverflowError as error:
+        raise ValueError("it is not finite") from error
+    return Quantity(value, mass, length + mass, angle)
+
+
+@cache
+def _registry() -> Any:  # the types of pint's registry do not tell its kind of numbers
+    return pint.UnitRegistry(non_int_type=Fraction)
