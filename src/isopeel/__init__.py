@@ -1,20 +1,27 @@
 """isopeel: peeling of soft solids off adhesive surfaces by isogeometric analysis."""
 
-from isopeel.errors import InputError
-from isopeel.physics.adhesion import FormulaAdhesion, VanDerWaals
-from isopeel.physics.materials import FormulaMaterial, NeoHooke
-from isopeel.physics.substrates import Flat
-from isopeel.problem import AdhesiveSide, Body, FixedSide, Problem, RotatedSide, strip
-from isopeel.results.curve import Curve
-from isopeel.solve.newton import ConvergenceError, NewtonSettings
-from isopeel.solve.trace import Step, trace
-from isopeel.splines.rows import RowSpace, row_space
+from importlib import import_module
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from isopeel.case import Case, load_case
+    from isopeel.errors import InputError
+    from isopeel.physics.adhesion import FormulaAdhesion, VanDerWaals
+    from isopeel.physics.materials import FormulaMaterial, NeoHooke
+    from isopeel.physics.substrates import Flat
+    from isopeel.problem import AdhesiveSide, Body, FixedSide, Problem, RotatedSide, strip
+    from isopeel.results.curve import Curve
+    from isopeel.results.run_file import StoredRun, read_run
+    from isopeel.solve.newton import ConvergenceError, NewtonSettings
+    from isopeel.solve.trace import Step, trace
+    from isopeel.splines.rows import RowSpace, row_space
 
 __version__ = "0.1.0"
 
 __all__ = [
     "AdhesiveSide",
     "Body",
+    "Case",
     "ConvergenceError",
     "Curve",
     "FixedSide",
@@ -28,8 +35,39 @@ __all__ = [
     "RotatedSide",
     "RowSpace",
     "Step",
+    "StoredRun",
     "VanDerWaals",
+    "load_case",
+    "read_run",
     "row_space",
     "strip",
     "trace",
 ]
+
+# Names are imported when they are first used, so that the command line's help need not wait for a compiler.
+_MODULES = {
+    "case": ("Case", "load_case"),
+    "errors": ("InputError",),
+    "physics.adhesion": ("FormulaAdhesion", "VanDerWaals"),
+    "physics.materials": ("FormulaMaterial", "NeoHooke"),
+    "physics.substrates": ("Flat",),
+    "problem": ("AdhesiveSide", "Body", "FixedSide", "Problem", "RotatedSide", "strip"),
+    "results.curve": ("Curve",),
+    "results.run_file": ("StoredRun", "read_run"),
+    "solve.newton": ("ConvergenceError", "NewtonSettings"),
+    "solve.trace": ("Step", "trace"),
+    "splines.rows": ("RowSpace", "row_space"),
+}
+_HOMES = {name: module for module, names in _MODULES.items() for name in names}
+
+
+def __getattr__(name: str) -> object:
+    if name not in _HOMES:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    value: object = getattr(import_module(f"{__name__}.{_HOMES[name]}"), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})

@@ -3,30 +3,30 @@
 import json
 import re
 import tomllib
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import replace
 from importlib import resources
 from pathlib import Path
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, Self
 
 import numpy as np
-from pydantic import (
-    BaseModel,
-    BeforeValidator,
-    ConfigDict,
-    Field,
-    PrivateAttr,
-    ValidationError,
-    model_validator,
-)
+from pydantic import Field, PrivateAttr, ValidationError, model_validator
 
 from isopeel.arrays import FloatArray
+from isopeel.case_sections import (
+    BodySection,
+    DiscretizationSection,
+    DriveSection,
+    FormulaAdhesionSection,
+    FormulaMaterialSection,
+    NeoHookeSection,
+    ReadingSection,
+    Section,
+    VanDerWaalsSection,
+)
 from isopeel.errors import InputError
-from isopeel.physics.adhesion import AdhesionLaw, FormulaAdhesion, VanDerWaals
-from isopeel.physics.materials import FormulaMaterial, Material, NeoHooke
-from isopeel.problem import Problem, Traction, strip
+from isopeel.problem import Problem, strip
 from isopeel.splines.rows import RowSpace, row_space
-from isopeel.units import parse_quantity
 
 #: More steps than this are a slip of the pen: a thousandth of a degree up to 100 degrees.
 MOST_STEPS = 100_000
@@ -34,141 +34,7 @@ MOST_STEPS = 100_000
 LARGEST_TANGENT = 32 * 2**30
 
 
-def _quantity(needed: str, powers: tuple[int, int] | None) -> Callable[[object], float]:
-    """Return the reader of a quantity in E0^powers[0] L0^powers[1]; None means an angle in degrees."""
-
-    def read(written: object) -> float:
-        try:
-            quantity = parse_quantity(written if isinstance(written, str) else str(written))
-        except ValueError as error:
-            raise ValueError(f"{error}; {needed}") from error
-        if quantity.angle != (powers is None) or (powers and (quantity.stress, quantity.length) != powers):
-            raise ValueError(needed)
-        return quantity.value
-
-    return read
-
-
-def _constant(written: object) -> float:
-    """Read a constant of a formula: a plain number, or a text with a unit made of stresses and lengths."""
-    if isinstance(written, int | float) and not isinstance(written, bool):
-        return float(written)
-    quantity = parse_quantity(str(written))
-    if quantity.angle:
-        raise ValueError("write angles as plain numbers, in radians")
-    return quantity.value
-
-
-def _window(written: object) -> tuple[float, float]:
-    if not isinstance(written, list) or len(written) != 2:
-        raise ValueError(_A_WINDOW)
-    start, end = map(_quantity(_A_WINDOW, None), written)
-    if not start < end:
-        raise ValueError(_A_WINDOW)
-    return start, end
-
-
-_A_LENGTH = "a length is needed, such as '200 nm'"
-_A_STRESS = "a stress is needed, such as '2 GPa'"
-_AN_ENERGY = "an energy is needed, such as '1e-19 J'"
-_AN_ANGLE = "an angle is needed, such as '0.1 deg'"
-_A_WINDOW = "two angles are needed, the smaller one first, such as ['98 deg', '101 deg']"
-# The descriptions say what each key needs; messages about missing or unusable values end with them.
-_Length = Annotated[float, BeforeValidator(_quantity(_A_LENGTH, (0, 1))), Field(description=_A_LENGTH)]
-_Stress = Annotated[float, BeforeValidator(_quantity(_A_STRESS, (1, 0))), Field(description=_A_STRESS)]
-_Energy = Annotated[float, BeforeValidator(_quantity(_AN_ENERGY, (1, 3))), Field(description=_AN_ENERGY)]
-_Angle = Annotated[float, BeforeValidator(_quantity(_AN_ANGLE, None)), Field(description=_AN_ANGLE)]
-_Constants = dict[str, Annotated[float, BeforeValidator(_constant)]]
-_Number = Annotated[float, Field(strict=True, description="a number is needed, without quotes")]
-
-
-class _Section(BaseModel):
-    model_config = ConfigDict(frozen=True, extra="forbid")
-
-
-class BodySection(_Section):
-    """The strip's size, in L0."""
-
-    length: _Length
-    height: _Length
-
-
-class NeoHookeSection(_Section):
-    """The compressible neo-Hookean material; stresses in E0."""
-
-    law: Literal["neo-hooke"]
-    youngs_modulus: _Stress
-    poissons_ratio: _Number
-
-    def material(self) -> Material:
-        """Build the material."""
-        return NeoHooke(self.youngs_modulus, self.poissons_ratio)
-
-
-class FormulaMaterialSection(_Section):
-    """A material from the formula of its stored energy in E0; constants in E0, L0."""
-
-    law: Literal["formula"]
-    energy: Annotated[str, Field(description="a formula of I1, I2, J or F11 to F33 is needed")]
-    constants: _Constants = {}
-
-    def material(self) -> Material:
-        """Build the material."""
-        return FormulaMaterial(self.energy, self.constants)
-
-
-class _AdhesionSection(_Section):
-    length: _Length
-    traction: Annotated[Traction, Field(description="'reference' or 'projected' is needed")] = "reference"
-
-
-class VanDerWaalsSection(_AdhesionSection):
-    """Van der Waals adhesion on the lower face up to `length`; in E0 L0^3 and L0."""
-
-    law: Literal["van-der-waals"]
-    hamaker_constant: _Energy
-    equilibrium_distance: _Length
-
-    def adhesion_law(self) -> AdhesionLaw:
-        """Build the law."""
-        return VanDerWaals(self.hamaker_constant, self.equilibrium_distance)
-
-
-class FormulaAdhesionSection(_AdhesionSection):
-    """Adhesion from the formula of its potential in E0 L0 over the gap r in L0."""
-
-    law: Literal["formula"]
-    potential: Annotated[str, Field(description="a formula of the gap r is needed")]
-    constants: _Constants = {}
-
-    def adhesion_law(self) -> AdhesionLaw:
-        """Build the law."""
-        return FormulaAdhesion(self.potential, self.constants)
-
-
-class DiscretizationSection(_Section):
-    """The spline space and its elements along the length and the height."""
-
-    space: Annotated[str, Field(description="the name of a space is needed, such as 'N2.1'")] = "N2.1"
-    mesh: Annotated[str, Field(description="elements along length x height are needed, such as '200x10'")] = (
-        "200x10"
-    )
-
-
-class DriveSection(_Section):
-    """How far the right face is turned, and in which steps, in degrees."""
-
-    to: _Angle = 120.0
-    step: _Angle = 0.1
-
-
-class ReadingSection(_Section):
-    """The window of angles, in degrees, that the plateau is read in."""
-
-    window: Annotated[tuple[float, float], BeforeValidator(_window), Field(description=_A_WINDOW)]
-
-
-class Case(_Section):
+class Case(Section):
     """A checked case. Make one with `load_case` or `Case.parse`, and variants with `overridden`."""
 
     name: Annotated[
@@ -280,7 +146,7 @@ class Case(_Section):
         return space
 
     def angles(self) -> FloatArray:
-        """Angles of the steps in radians: 0, multiples of the step, and the last angle (which may be nearer)."""
+        """Angles of the steps in radians: 0, the multiples of the step, and the last angle."""
         to, step = self.drive.to, self.drive.step
         if not 0 < to <= 180:
             raise InputError("drive.to", to, "it must be above 0 and at most 180 degrees")
@@ -326,7 +192,7 @@ def load_case(case: str | Path) -> Case:
 
 def parse_mesh(field: str, text: str) -> tuple[int, int]:
     """Read a number of elements along the length x the height, such as 200x10; InputError names the field."""
-    parts = re.fullmatch(r"(\d{1,9})x(\d{1,9})", text)
+    parts = re.fullmatch(r"(\d{1,15})x(\d{1,15})", text)
     if not parts:
         raise InputError(field, text, "elements along length x height are needed, such as 200x10")
     return int(parts[1]), int(parts[2])
@@ -348,7 +214,7 @@ def _first_error(error: ValidationError, document: dict[str, Any]) -> InputError
             keys = ", ".join(section.model_fields)
             return InputError(field, value, f"there is no such key; here the keys are {keys}")
         case "union_tag_not_found" | "union_tag_invalid":
-            laws = ", ".join(key[1] for key in _SECTIONS if key[0] == field and len(key) == 2)
+            laws = ", ".join(str(key[1]) for key in _SECTIONS if key[0] == field and len(key) == 2)
             return InputError(f"{field}.law", value.get("law"), f"one of these laws is needed: {laws}")
         case "value_error":
             return InputError(field, value, str(cause))
@@ -358,7 +224,7 @@ def _first_error(error: ValidationError, document: dict[str, Any]) -> InputError
     return InputError(field, value, needed)
 
 
-_SECTIONS: dict[tuple[int | str, ...], type[BaseModel]] = {
+_SECTIONS: dict[tuple[int | str, ...], type[Section]] = {
     ("body",): BodySection,
     ("material", "neo-hooke"): NeoHookeSection,
     ("material", "formula"): FormulaMaterialSection,

@@ -68,7 +68,7 @@ def constrain(problem: Problem, space: RowSpace, elements: Sequence[IntArray]) -
         held = space.side_functions(fixed.side)
         for component in fixed.components:
             if np.isin(held, driven).any():
-                raise InputError("fixed", fixed.side, f"the drive moves the side {problem.drive.side}")
+                raise InputError("fixed", fixed.side, f"it meets the side {problem.drive.side}, which the drive moves")
             groups[held, component] = HELD
     numberings = [_number(groups, space.greville, axis) for axis in (0, 1)]
     unknowns = min(numberings, key=lambda numbering: half_bandwidth(numbering, elements))

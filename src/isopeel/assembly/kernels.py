@@ -1,8 +1,8 @@
 """Compiled loops over elements (total Lagrangian): forces, energies and tangents.
 
-Every kernel visits the quadrature points of one element at a time: it evaluates the deformation at all
-points, calls the law's batch function on them, and adds up the element's forces and tangent. Index names: a, b functions of
-an element; i, k components; J, L reference directions; q points.
+The bulk is assembled LANES elements at a time: every array ends with the lane, and the innermost loops run over it, so
+that they fill the processor's vector registers whatever the degree. Index names: a, b functions of an element; i, k
+components; J, L reference directions; q quadrature points; lane the element of a batch.
 """
 
 from typing import Any
@@ -13,16 +13,13 @@ from numba import njit
 from isopeel.arrays import FloatArray, IntArray
 from isopeel.physics.batch import BatchFunction
 
-# Reordered sums let the loops over functions run in vector registers; nan must stay nan, because it is how
-# an inverted element is noticed.
+#: Elements of a batch: enough that the test for overlapping arrays, made before each innermost loop, costs little.
+LANES = 64
+
+# Reordered sums let loops run in vector registers; nan must stay nan, because it is how an inverted
+# element is noticed.
 _compiled = njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "nsz"})
-
-
-@njit(cache=True, inline="always")
-def _add(band: Any, diagonal: int, row: int, column: int, value: float) -> None:
-    """Add to an entry of a band matrix, stored by columns; `diagonal` 0 means the lower half only."""
-    if row >= 0 and column >= 0 and (diagonal > 0 or row >= column):
-        band[column, diagonal + row - column] += value
+_inlined = njit(inline="always")
 
 
 @_compiled
@@ -41,85 +38,136 @@ def bulk(
 ) -> float:
     """Add internal forces int P_iJ dN_a/dX_J dV and their tangent; return the stored energy.
 
-    Shapes as in `ElementTable`; u, forces (size, 2); band (unknowns, width), untouched without `with_tangent`.
+    Shapes as in `BatchTable`; unknowns (B, 2, m, LANES); u, forces (size, 2); band (unknowns + 1, width), whose last row
+    takes what no unknown wants, untouched without `with_tangent`.
     """
-    elements, m = functions.shape
+    batches, m, _ = functions.shape
     Q = weights.shape[1]
-    F = np.empty((2, 2, Q))
-    density = np.empty(Q)
-    P = np.empty((2, 2, Q))
-    A = np.empty((2, 2, 2, 2, Q))
-    local = np.empty((2, m))
-    force = np.empty((2, m))
-    flux = np.empty((2, 2, m))
-    K00 = np.empty((m, m))
-    K01 = np.empty((m, m))
-    K11 = np.empty((m, m))
+    points = Q * LANES
+    local = np.empty((2, m, LANES))
+    total = np.empty(LANES)
+    F = np.empty((2, 2, points))
+    density = np.empty(points)
+    P = np.empty((2, 2, points))
+    A = np.empty((2, 2, 2, 2, points))
+    flux = np.empty((Q, 3, 2, LANES))
+    K = np.empty((3, m, LANES))
+    starts = np.empty((2, m, LANES), np.int64)
+    place = np.empty(LANES, np.int64)
+    flat = band.ravel()
     energy = 0.0
-    for e in range(elements):
+    for e in range(batches):
+        G = gradients[e]
         for a in range(m):
             for i in range(2):
-                local[i, a] = u[functions[e, a], i]
+                for lane in range(LANES):
+                    local[i, a, lane] = u[functions[e, a, lane], i]
         for q in range(Q):
+            here = slice(q * LANES, (q + 1) * LANES)
             for i in range(2):
                 for J in range(2):
-                    total = 0.0
+                    total[:] = 1.0 if i == J else 0.0
                     for a in range(m):
-                        total += local[i, a] * gradients[e, q, J, a]
-                    F[i, J, q] = total
-            F[0, 0, q] += 1.0
-            F[1, 1, q] += 1.0
-        material(F, parameters, Q, density, P, A)
-        force[:] = 0.0
+                        _add_product(total, local[i, a], G[q, J, a])
+                    F[i, J, here] = total
+        material(F, parameters, points, density, P, A)
         for q in range(Q):
-            w = weights[e, q]
-            energy += w * density[q]
-            G = gradients[e, q]
+            here = slice(q * LANES, (q + 1) * LANES)
+            energy += np.sum(weights[e, q] * density[here])
             for i in range(2):
-                p0 = w * P[i, 0, q]
-                p1 = w * P[i, 1, q]
-                for a in range(m):
-                    force[i, a] += p0 * G[0, a] + p1 * G[1, a]
+                for J in range(2):
+                    P[i, J, here] *= weights[e, q]
         for a in range(m):
             for i in range(2):
-                forces[functions[e, a], i] += force[i, a]
-        if not with_tangent:
-            continue
-        K00[:] = 0.0
-        K01[:] = 0.0
-        K11[:] = 0.0
-        for q in range(Q):
-            w = weights[e, q]
-            G = gradients[e, q]
-            _add_products(K00, G, w, A[0, 0, 0, 0, q], A[0, 0, 0, 1, q], A[0, 1, 0, 0, q], A[0, 1, 0, 1, q], flux, m)
-            _add_products(K01, G, w, A[0, 0, 1, 0, q], A[0, 0, 1, 1, q], A[0, 1, 1, 0, q], A[0, 1, 1, 1, q], flux, m)
-            _add_products(K11, G, w, A[1, 0, 1, 0, q], A[1, 0, 1, 1, q], A[1, 1, 1, 0, q], A[1, 1, 1, 1, q], flux, m)
-        for a in range(m):
-            row0 = unknowns[e, a, 0]
-            row1 = unknowns[e, a, 1]
+                total[:] = 0.0
+                for q in range(Q):
+                    here = slice(q * LANES, (q + 1) * LANES)
+                    _add_products(total, P[i, 0, here], G[q, 0, a], P[i, 1, here], G[q, 1, a])
+                for lane in range(LANES):
+                    forces[functions[e, a, lane], i] += total[lane]
+        if with_tangent:
+            starts[:] = unknowns[e] * (band.shape[1] - 1)
             for b in range(m):
-                column0 = unknowns[e, b, 0]
-                column1 = unknowns[e, b, 1]
-                _add(band, diagonal, row0, column0, K00[a, b])
-                _add(band, diagonal, row0, column1, K01[a, b])
-                _add(band, diagonal, row1, column0, K01[b, a])
-                _add(band, diagonal, row1, column1, K11[a, b])
+                _column(A, G, weights[e], b, flux, K)
+                for pair in range(3):
+                    i = pair // 2
+                    k = (pair + 1) // 2
+                    # the other half of the tangent follows from its symmetry
+                    for a in range(0 if i != k else b, m):
+                        _scatter(
+                            flat,
+                            diagonal,
+                            unknowns[e, i, a],
+                            unknowns[e, k, b],
+                            starts[i, a],
+                            starts[k, b],
+                            K[pair, a],
+                            place,
+                            i == k and a == b,
+                        )
     return energy
 
 
-@njit(cache=True, inline="always")
-def _add_products(
-    K: Any, G: Any, w: float, A00: float, A01: float, A10: float, A11: float, flux: Any, m: int
+@_inlined
+def _add_product(total: Any, x: Any, y: Any) -> None:
+    for lane in range(LANES):
+        total[lane] += x[lane] * y[lane]
+
+
+@_inlined
+def _add_products(total: Any, x0: Any, y0: Any, x1: Any, y1: Any) -> None:
+    for lane in range(LANES):
+        total[lane] += x0[lane] * y0[lane] + x1[lane] * y1[lane]
+
+
+@_compiled
+def _column(A: Any, G: Any, weights: Any, b: int, flux: Any, K: Any) -> None:
+    """K_ai,bk = sum_q w dN_a/dX_J A_iJkL dN_b/dX_L of one b, for the pairs (i, k) = 00, 01, 11."""
+    Q, _, m, _ = G.shape
+    for q in range(Q):
+        here = slice(q * LANES, (q + 1) * LANES)
+        for pair in range(3):
+            i = pair // 2
+            k = (pair + 1) // 2
+            for J in range(2):
+                flow = flux[q, pair, J]
+                flow[:] = 0.0
+                _add_products(flow, A[i, J, k, 0, here], G[q, 0, b], A[i, J, k, 1, here], G[q, 1, b])
+                flow *= weights[q]
+    K[:] = 0.0
+    for q in range(Q):
+        for a in range(m):
+            g0 = G[q, 0, a]
+            g1 = G[q, 1, a]
+            _add_products(K[1, a], g0, flux[q, 1, 0], g1, flux[q, 1, 1])
+            if a >= b:
+                _add_products(K[0, a], g0, flux[q, 0, 0], g1, flux[q, 0, 1])
+                _add_products(K[2, a], g0, flux[q, 2, 0], g1, flux[q, 2, 1])
+
+
+@_compiled
+def _scatter(
+    flat: Any, diagonal: int, row: Any, column: Any, row_start: Any, column_start: Any, value: Any, place: Any, same: bool
 ) -> None:
-    """K_ab += w G_Ja A_JL G_Lb."""
-    for b in range(m):
-        flux[0, 0, b] = w * (A00 * G[0, b] + A01 * G[1, b])
-        flux[0, 1, b] = w * (A10 * G[0, b] + A11 * G[1, b])
-    for a in range(m):
-        g0 = G[0, a]
-        g1 = G[1, a]
-        for b in range(m):
-            K[a, b] += g0 * flux[0, 0, b] + g1 * flux[0, 1, b]
+    """Add symmetric entries (LANES,), and their mirror images where the whole band is stored (`diagonal` > 0).
+
+    Entry (i, j) of the matrix lies at flat[start_j + diagonal + i]. Two coefficients that follow one
+    unknown meet their mirror image on the diagonal, unless they are the `same`.
+    """
+    nowhere = flat.size - 1
+    for lane in range(LANES):
+        start = min(row_start[lane], column_start[lane])
+        place[lane] = start + diagonal + max(row[lane], column[lane]) if start >= 0 else nowhere
+    if not same:
+        for lane in range(LANES):
+            value[lane] *= 2.0 if row[lane] == column[lane] else 1.0
+    for lane in range(LANES):
+        flat[place[lane]] += value[lane]
+    if diagonal > 0:
+        for lane in range(LANES):
+            if row[lane] >= 0 and column[lane] >= 0 and row[lane] != column[lane]:
+                start = max(row_start[lane], column_start[lane])
+                flat[start + diagonal + min(row[lane], column[lane])] += value[lane]
 
 
 @_compiled
@@ -205,7 +253,9 @@ def adhesion(
                 share = -area * values[e, q, a]
                 for i in range(2):
                     for b in range(m):
-                        along = w[0] * gradients[e, q, 0, b] + w[1] * gradients[e, q, 1, b] if projected else 0.0
+                        along = (
+                            w[0] * gradients[e, q, 0, b] + w[1] * gradients[e, q, 1, b] if projected else 0.0
+                        )
                         for k in range(2):
                             moved = dT[q] * n[i, q] * n[k, q] + T[q] * turn * t[i] * t[k]
                             change = moved * phi * values[e, q, b]
@@ -217,5 +267,8 @@ def adhesion(
                 for i in range(2):
                     for b in range(m):
                         for k in range(2):
-                            _add(band, diagonal, unknowns[e, a, i], unknowns[e, b, k], K[i, a, k, b])
+                            row = unknowns[e, a, i]
+                            column = unknowns[e, b, k]
+                            if row >= 0 and column >= 0 and (diagonal > 0 or row >= column):
+                                band[column, diagonal + row - column] += K[i, a, k, b]
     return energy

@@ -8,7 +8,7 @@ import numpy as np
 from isopeel.arrays import FloatArray, IntArray
 from isopeel.assembly import kernels
 from isopeel.assembly.constraints import Constraints, constrain, half_bandwidth
-from isopeel.assembly.tables import ElementTable, SideTable, element_tables, side_table
+from isopeel.assembly.tables import BatchTable, ElementTable, SideTable, element_tables, side_table
 from isopeel.problem import Problem
 from isopeel.splines.rows import RowSpace
 
@@ -34,9 +34,14 @@ class BandMatrix:
     b, whose first b columns are left free for gbtrf.
     """
 
-    entries: FloatArray
+    workspace: FloatArray  # (n + 1, width); the last row holds nothing
     half_bandwidth: int
     storage: Storage
+
+    @property
+    def entries(self) -> FloatArray:
+        """(n, width)."""
+        return self.workspace[:-1]
 
 
 class System:
@@ -54,10 +59,8 @@ class System:
         functions = [table.functions for table in self.elements]
         self.constraints: Constraints = constrain(problem, self.space, functions)
         self.half_bandwidth: int = half_bandwidth(self.constraints.unknowns, functions)
-        self.adhesive: SideTable = side_table(
-            shape, self.space, adhesion.side, adhesion.start, adhesion.end
-        )
-        self._unknowns: list[IntArray] = [self.constraints.unknowns[f] for f in functions]
+        self.adhesive: SideTable = side_table(shape, self.space, adhesion.side, adhesion.start, adhesion.end)
+        self._batches: list[BatchTable] = [BatchTable.of(t, self.constraints) for t in self.elements]
         self._adhesive_unknowns: IntArray = self.constraints.unknowns[self.adhesive.functions]
         self._workspaces: dict[Storage, FloatArray] = {}
 
@@ -95,26 +98,27 @@ class System:
         storage = storage or self.storage
         width = self.half_bandwidth + 1 if storage == "symmetric" else 3 * self.half_bandwidth + 1
         if storage not in self._workspaces:
-            self._workspaces[storage] = np.empty((self.constraints.count, width))
+            # one more row takes what no unknown wants
+            self._workspaces[storage] = np.empty((self.constraints.count + 1, width))
         band = self._workspaces[storage]
         band.fill(0.0)
         matrix = BandMatrix(band, self.half_bandwidth, storage)
         return self._assemble(displacement, matrix), matrix
 
     def _assemble(self, displacement: FloatArray, matrix: BandMatrix | None) -> Equilibrium:
-        band = np.empty((0, 0)) if matrix is None else matrix.entries
+        band = np.empty((0, 0)) if matrix is None else matrix.workspace
         diagonal = 0 if matrix is None or matrix.storage == "symmetric" else 2 * self.half_bandwidth
         material, adhesion = self.problem.body.material, self.problem.adhesion
         forces = np.zeros_like(displacement)
         stored = 0.0
-        for table, unknowns in zip(self.elements, self._unknowns, strict=True):
+        for batches in self._batches:
             stored += kernels.bulk(
                 material.kernel,
                 material.parameters,
-                table.functions,
-                table.gradients,
-                table.weights,
-                unknowns,
+                batches.functions,
+                batches.gradients,
+                batches.weights,
+                batches.unknowns,
                 displacement,
                 forces,
                 band,

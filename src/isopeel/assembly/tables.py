@@ -2,13 +2,19 @@
 
 from collections import defaultdict
 from dataclasses import dataclass
+from typing import TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from isopeel.arrays import FloatArray, IntArray
+from isopeel.assembly.constraints import HELD, Constraints
+from isopeel.assembly.kernels import LANES
 from isopeel.errors import InputError
 from isopeel.splines.nurbs import NurbsSurface, Side
 from isopeel.splines.rows import Basis, RowSpace
+
+Number = TypeVar("Number", np.float64, np.int64)
 
 
 @dataclass(frozen=True, eq=False)
@@ -19,6 +25,30 @@ class ElementTable:
     gradients: FloatArray  # (E, Q, 2, m) derivatives with respect to the reference position
     weights: FloatArray  # (E, Q) reference area of each point
     positions: FloatArray  # (E, Q, 2) reference position of each point
+
+
+@dataclass(frozen=True, eq=False)
+class BatchTable:
+    """The same elements in B batches of LANES, the last index being the lane; the last batch is filled up.
+
+    The fill repeats the last element with weights of zero; `unknowns` of the fill are HELD.
+    """
+
+    functions: IntArray  # (B, m, LANES)
+    gradients: FloatArray  # (B, Q, 2, m, LANES)
+    weights: FloatArray  # (B, Q, LANES)
+    unknowns: IntArray  # (B, 2, m, LANES)
+
+    @classmethod
+    def of(cls, table: ElementTable, constraints: Constraints) -> "BatchTable":
+        """Rearrange the elements of a table."""
+        unknowns = constraints.unknowns[table.functions].transpose(0, 2, 1)
+        return cls(
+            _batches(table.functions),
+            _batches(table.gradients),
+            _batches(table.weights, fill=0.0),
+            _batches(unknowns, fill=HELD),
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,7 +111,9 @@ def side_table(shape: NurbsSurface, space: RowSpace, side: Side, start: float, e
     else:
         xi, eta = constant, parameter.ravel()
         rows = space.across.element_of(parameter[:, 0])
-        basis = _stack([space.basis(xi[:quadrature], e, r) for e, r in zip(parameter, rows, strict=True)], side)
+        basis = _stack(
+            [space.basis(xi[:quadrature], e, r) for e, r in zip(parameter, rows, strict=True)], side
+        )
         tangent = shape.jacobian(xi, eta)[:, :, 1] * (1 if side == "right" else -1)
     gradients, _ = _reference_gradients(shape, basis, xi, eta)
     length = np.linalg.norm(tangent, axis=1)
@@ -96,6 +128,17 @@ def side_table(shape: NurbsSurface, space: RowSpace, side: Side, start: float, e
         positions=shape.evaluate(xi, eta).reshape(elements, quadrature, 2),
         normals=normals.reshape(elements, quadrature, 2),
     )
+
+
+def _batches(array: NDArray[Number], fill: float | None = None) -> NDArray[Number]:
+    """Split the first axis (E,) into batches, (B, ..., LANES); fill up with a value or with the last entry."""
+    elements = len(array)
+    batches = -(-elements // LANES)
+    filled = np.concatenate([array, np.repeat(array[-1:], batches * LANES - elements, axis=0)])
+    if fill is not None:
+        filled[elements:] = fill
+    split = filled.reshape(batches, LANES, *array.shape[1:])
+    return np.ascontiguousarray(np.moveaxis(split, 1, -1))
 
 
 def _stack(parts: list[Basis], side: Side) -> Basis:

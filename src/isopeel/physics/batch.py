@@ -49,6 +49,17 @@ def evaluate_material(
     return energy.reshape(shape), _points_first(P, shape), _points_first(A, shape)
 
 
+def evaluate_law(
+    kernel: BatchFunction, parameters: FloatArray, gap: FloatArray, curvature: FloatArray
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Potential, traction and its derivative (...) at gaps (...) to a substrate of curvature (...)."""
+    values = np.empty((3, gap.size))
+    flat = np.array(gap, dtype=np.float64).ravel(), np.array(curvature, dtype=np.float64).ravel()
+    _call_law(kernel, *flat, parameters, *values)
+    potential, traction, derivative = (row.reshape(gap.shape) for row in values)
+    return potential, traction, derivative
+
+
 def evaluate_substrate(
     kernel: BatchFunction, parameters: FloatArray, position: FloatArray
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -71,6 +82,19 @@ def _call_material(
     A: FloatArray,
 ) -> None:
     kernel(F, parameters, energy.size, energy, P, A)
+
+
+@njit(cache=True)
+def _call_law(
+    kernel: BatchFunction,
+    gap: FloatArray,
+    curvature: FloatArray,
+    parameters: FloatArray,
+    potential: FloatArray,
+    traction: FloatArray,
+    derivative: FloatArray,
+) -> None:
+    kernel(gap, curvature, parameters, gap.size, potential, traction, derivative)
 
 
 @njit(cache=True)

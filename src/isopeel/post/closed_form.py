@@ -22,9 +22,10 @@ class BeamPeeling:
 def beam_peeling(problem: Problem) -> BeamPeeling | None:
     """Closed form of a straight strip peeled by a rotated end; None where the problem is another one.
 
-    A length dl that peels takes W dl to part and M^2/(2 E' I) dl to bend, and the moment does work M dl/rho with
-    1/rho = M/(E' I): hence M = sqrt(2 E' I W), with E' = E/(1 - nu^2) and I = h^3/12 of the plane strip. Peeling
-    begins at the angle (free length)/rho, free being what lies between the adhering part and the driven end.
+    A length dl that peels takes W dl to part and M^2/(2 E' I) dl to bend, while the moment does the work
+    M dl/rho, 1/rho = M/(E' I). Hence M = sqrt(2 E' I W), with E' = E/(1 - nu^2) and I = h^3/12 of a strip in
+    plane strain. Peeling begins at the angle (free length)/rho; free is what lies between the adhering part
+    and the driven end.
     """
     adhesion, drive, shape = problem.adhesion, problem.drive, problem.body.shape
     if (

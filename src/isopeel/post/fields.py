@@ -86,7 +86,7 @@ def _as_rows(shape: NurbsSurface) -> tuple[RowSpace, FloatArray]:
 def _on_grid(
     space: RowSpace, coefficients: FloatArray, xi: FloatArray, eta: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
-    """Values (n_x, n_y, k, l, 2) of a field at xi (n_x, k), eta (n_y, l), and its derivatives (..., 2, 2) by both.
+    """Values (n_x, n_y, k, l, 2) of a field at xi (n_x, k), eta (n_y, l), and its derivatives (..., 2, 2).
 
     Each row of xi and of eta is seen from within the interval that it spans. Rational fields by the
     quotient rule (Piegl and Tiller, The NURBS Book, Eq. 4.20).
@@ -108,7 +108,7 @@ def _on_grid(
 
 
 def _functions(space: SplineSpace, points: FloatArray) -> tuple[FloatArray, IntArray]:
-    """Functions and derivatives (2, elements, nodes, p + 1) at points (elements, nodes), and their numbers."""
+    """Functions, their derivatives (2, elements, nodes, p + 1) at points (elements, nodes), and numbers."""
     # a point on a knot belongs to the side on which the rest of its interval lies
     inwards = points.mean(axis=1, keepdims=True) - points
     elements = space.element_of((points + 1e-9 * inwards).ravel())

@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 import matplotlib as mpl
 from cycler import cycler
@@ -10,16 +11,17 @@ from matplotlib.figure import Figure
 
 from isopeel.errors import InputError
 
-#: Colours that stay apart for all kinds of colour vision (Okabe and Ito, 2008), in an order of falling contrast.
+#: Colours that stay apart for all kinds of colour vision (Okabe and Ito, 2008), the strongest first.
 BLUE, VERMILION, GREEN, ORANGE, PURPLE, SKY = "#0072B2", "#D55E00", "#009E73", "#E69F00", "#CC79A7", "#56B4E9"
+DASHES = (0, (4, 2))
 GREY, SHADE = "#666666", "#eeeeee"
 #: Perceptually uniform, and lighter from end to end, so that it survives a grey print.
-FIELD_MAP = "cividis"
+FIELD_MAP = "viridis"
 #: Widths of a figure in one and in two columns of a journal, in inches.
 ONE_COLUMN, TWO_COLUMNS = 3.5, 7.2
 FORMATS = (".png", ".pdf", ".svg")
 
-_SETTINGS = {
+_SETTINGS: dict[Any, Any] = {
     "font.family": "DejaVu Sans",  # comes with matplotlib: the same figure on every machine
     "font.size": 9,
     "axes.titlesize": 9,

@@ -18,7 +18,7 @@ class NewtonSettings:
     are made at most.
     """
 
-    tolerance: float = 1e-16
+    tolerance: float = 1e-20
     iteration_limit: int = 25
 
 
@@ -41,9 +41,7 @@ class ConvergenceError(ArithmeticError):
         super().__init__(reason)
 
 
-def newton(
-    system: System, start: FloatArray, parameter: float, settings: NewtonSettings
-) -> NewtonResult:
+def newton(system: System, start: FloatArray, parameter: float, settings: NewtonSettings) -> NewtonResult:
     """Solve R(z) = 0 at a value of the drive's parameter from a start z (count,).
 
     Each correction is dz = -K^-1 R with the exact tangent (Wriggers, Nonlinear Finite Element Methods,
@@ -84,9 +82,7 @@ def _correction(system: System, u: FloatArray, measures: tuple[float, ...]) -> t
     return correction, abs(float(equilibrium.residual @ correction)) / len(correction)
 
 
-def _accept(
-    system: System, z: FloatArray, parameter: float, measures: tuple[float, ...]
-) -> NewtonResult:
+def _accept(system: System, z: FloatArray, parameter: float, measures: tuple[float, ...]) -> NewtonResult:
     u = system.constraints.displacement(z, parameter)
     equilibrium = system.equilibrium(u)
     _check(system, u, equilibrium, measures)

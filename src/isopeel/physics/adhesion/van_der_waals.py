@@ -95,8 +95,10 @@ def _van_der_waals(
         T = strength * (f1 / 45.0 * x9 - f2 / 3.0 * x3)
         dT = strength / r * ((df1 - 9.0 * f1) / 45.0 * x9 - (df2 - 3.0 * f2) / 3.0 * x3)
         # Phi(r) = integral of T from r to infinity, in closed form
-        Phi = strength * r * (
-            (1.0 / 8.0 + 9.0 / 56.0 * z) / (1.0 + z) / 45.0 * x9 - (0.5 + 1.5 * z) / (1.0 + z) / 3.0 * x3
+        Phi = (
+            strength
+            * r
+            * ((1.0 / 8.0 + 9.0 / 56.0 * z) / (1.0 + z) / 45.0 * x9 - (0.5 + 1.5 * z) / (1.0 + z) / 3.0 * x3)
         )
         potential[n] = Phi - T * below - 0.5 * dT * below * below
         traction[n] = T + dT * below

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 
 from isopeel.post.closed_form import BeamPeeling
 from isopeel.post.reading import PlateauReading
-from isopeel.post.style import BLUE, GREY, ONE_COLUMN, SHADE, TWO_COLUMNS, style
+from isopeel.post.style import BLUE, DASHES, GREY, ONE_COLUMN, SHADE, TWO_COLUMNS, style
 from isopeel.problem import Column
 from isopeel.results.curve import Curve
 
@@ -36,7 +36,8 @@ def moment_figure(
 
 
 def _whole(axes: Axes, curve: Curve, closed_form: BeamPeeling | None) -> None:
-    axes.plot(curve.parameter, curve.reaction, color=BLUE)
+    # a line through one step could not be seen
+    axes.plot(curve.parameter, curve.reaction, "." if len(curve) == 1 else "-", color=BLUE)
     axes.set_xlabel(_label(curve.parameter_column))
     axes.set_ylabel(_label(curve.reaction_column))
     last = curve.parameter[-1]
@@ -44,14 +45,14 @@ def _whole(axes: Axes, curve: Curve, closed_form: BeamPeeling | None) -> None:
     if closed_form is None or last < closed_form.onset_deg:
         return
     moment, onset = closed_form.moment, closed_form.onset_deg
-    thin = {"color": GREY, "linestyle": (0, (4, 2)), "linewidth": 0.8}
-    axes.plot([curve.parameter[0], last], [moment, moment], **thin)
-    axes.plot([onset, onset], [0, moment], **thin)
-    # the curve rises from the lower left, so that these two corners are free
-    places = {"textcoords": "offset points", "fontsize": 8, "color": GREY}
-    axes.annotate(f"closed form {moment:.4f}", (0, moment), (3, 3), **places)
-    axes.annotate(f"onset {onset:.1f}°", (onset, 0), (4, 3), **places)
-    axes.set_ylim(0, 1.12 * max(moment, curve.reaction.max()))
+    # the curve rises from the lower left to the upper right, so that two corners are free for words
+    for x, y, words, place in (
+        ([curve.parameter[0], last], [moment, moment], f"closed form {moment:.4f}", (3, 3)),
+        ([onset, onset], [0.0, moment], f"onset {onset:.1f}°", (4, 3)),
+    ):
+        axes.plot(x, y, color=GREY, linestyle=DASHES, linewidth=0.8)
+        axes.annotate(words, (x[0], y[0]), place, textcoords="offset points", fontsize=8, color=GREY)
+    axes.set_ylim(min(0.0, curve.reaction.min()), 1.12 * max(moment, curve.reaction.max()))
 
 
 def _enlarged(axes: Axes, curve: Curve, plateau: PlateauReading) -> None:
@@ -62,17 +63,21 @@ def _enlarged(axes: Axes, curve: Curve, plateau: PlateauReading) -> None:
     exponent = floor(log10(max(np.abs(deviation).max(), abs(plateau.mean) * 1e-12)))
     deviation = deviation / 10.0**exponent
     axes.axvspan(start, end, color=SHADE, linewidth=0)
-    axes.axhline(0, color=GREY, linestyle=(0, (4, 2)), linewidth=0.8)
+    drift = plateau.drift * (end - start) / 2 / 10.0**exponent
+    axes.plot([start, end], [-drift, drift], color=GREY, linestyle=DASHES, linewidth=0.8)
     axes.plot(curve.parameter[inside], deviation, color=BLUE, marker=".", markersize=3)
     low, high = deviation.min(), deviation.max()
     axes.set_xlim(start - margin, end + margin)
-    axes.set_ylim(low - 0.08 * (high - low), high + 0.4 * (high - low))  # with room for the text
+    axes.set_ylim(low - 0.08 * (high - low), high + 0.5 * (high - low))  # with room for the text
     axes.set_xlabel(_label(curve.parameter_column))
     unit = _mathematical(curve.reaction_column.unit)
     axes.set_ylabel(f"deviation / $10^{{{exponent}}}$ {unit}")
+    rise, fall = _scientific(plateau.steepest_rise), _scientific(plateau.steepest_fall)
+    unit = curve.parameter_column.unit
     text = (
         f"mean {plateau.mean:.6g}, amplitude {_scientific(plateau.amplitude)}\n"
-        f"slopes per degree {_scientific(plateau.steepest_rise)}, {_scientific(plateau.steepest_fall)}"
+        f"slopes {rise}, {fall} per {unit}\n"
+        f"drift taken out {_scientific(plateau.drift)} per {unit}"
     )
     axes.text(0.03, 0.97, text, transform=axes.transAxes, va="top", fontsize=8, linespacing=1.4)
 

@@ -2,10 +2,10 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from math import ceil
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.collections import LineCollection, QuadMesh
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, Rectangle
@@ -14,66 +14,157 @@ from isopeel.arrays import FloatArray
 from isopeel.errors import InputError
 from isopeel.physics.batch import evaluate_substrate
 from isopeel.post.fields import SampledFields, sample_fields, side_positions
-from isopeel.post.style import FIELD_MAP, SHADE, TWO_COLUMNS, VERMILION, style
+from isopeel.post.figures.body import Window, draw_elements, draw_field, draw_outline, draw_substrate
+from isopeel.post.style import DASHES, SHADE, TWO_COLUMNS, VERMILION, style
 from isopeel.problem import Problem
 from isopeel.splines.nurbs import Side
 from isopeel.splines.rows import RowSpace
 
 MOST_SHAPES = 6
-#: The front is where the gap first exceeds so many equilibrium gaps: there the attraction is past its peak.
+#: The front is where the gap exceeds so many equilibrium gaps: well past the peak of the attraction.
 FRONT_GAP = 3.0
+
 _OPPOSITE: dict[Side, Side] = {"left": "right", "right": "left", "bottom": "top", "top": "bottom"}
+_CLOSEST_ENDS = 0.03  # of the largest extent: nearer shapes would hide each other, and their labels meet
 
 
 @dataclass(frozen=True, eq=False)
-class _Shape:
+class _State:
     """One state of the body, ready to be drawn."""
 
     parameter: float
     fields: SampledFields
-    face: FloatArray  # (n, 2) positions along the part of the side that adheres
-
-
-@dataclass(frozen=True)
-class _Window:
-    """A part of the plane."""
-
-    x: tuple[float, float]
-    y: tuple[float, float]
-
-    @property
-    def aspect(self) -> float:
-        """Width over height."""
-        return (self.x[1] - self.x[0]) / (self.y[1] - self.y[0])
+    adhering: FloatArray  # (n, 2) positions along the part of the side that adheres
+    opposite: FloatArray  # (n, 2) positions on the other side of the body
+    driven: FloatArray  # (3, 2) start, middle and end of the driven side
 
 
 def shapes_figure(problem: Problem, space: RowSpace, fields: Mapping[float, FloatArray]) -> Figure:
-    """Draw deformed shapes coloured by I1 = tr(sigma)/E, and the delamination front of the last one enlarged.
+    """Draw deformed shapes coloured by I1 = tr(sigma)/E, and below the delamination front of the last one.
 
     `fields` maps values of the drive's parameter, in the unit of its column, to displacement coefficients
-    (size, 2); at most MOST_SHAPES of them are drawn, evenly spread. Raises InputError where there are none.
+    (size, 2). The last one is drawn, and up to MOST_SHAPES - 1 before it, evenly spread, whose driven ends
+    are far enough apart to be told from each other. Raises InputError where there are none.
     """
     if not fields:
-        raise InputError("fields", fields, "give the displacement of at least one state")
-    cells = _cells(space)
-    shapes = []
-    for parameter in _spread(list(fields)):
-        sampled = sample_fields(problem, space, fields[parameter], cells)
-        shapes.append(_Shape(parameter, sampled, _face(problem, space, fields[parameter])))
-    last = shapes[-1]
-    enlarged = _front_window(problem, space, fields[last.parameter], last.face)
-    positions = np.concatenate([shape.fields.position.reshape(-1, 2) for shape in shapes])
-    whole = _whole_window(positions)
-    scale = max(float(np.nanmax(np.abs(shape.fields.first_invariant))) for shape in shapes)
+        raise InputError("fields", dict(fields), "give the displacement of at least one state")
+    states = _apart([_state(problem, space, value, fields[value]) for value in _spread(list(fields))])
+    last = states[-1]
+    whole, front = _whole_window(states), _front_window(problem, last)
+    # an invariant below 1e-6 is the round-off of a body at rest
+    scale = max(1e-6, *(float(np.nanmax(np.abs(state.fields.first_invariant))) for state in states))
     with style():
-        panel = TWO_COLUMNS - 1.3  # without labels and the colour bar
-        heights = (min(panel / whole.aspect, 5.0), panel / enlarged.aspect)
-        figure = Figure(figsize=(TWO_COLUMNS, sum(heights) + 1.5), layout="constrained")
+        width = TWO_COLUMNS - 1.4  # without labels and colour bar
+        heights = [min(width / window.aspect, 4.5) for window in (whole, front)]
+        figure = Figure(figsize=(TWO_COLUMNS, sum(heights) + 1.6), layout="constrained")
         upper, lower = figure.subplots(2, 1, height_ratios=heights)
-        for axes, window in ((upper, whole), (lower, enlarged)):
+        for axes, window in ((upper, whole), (lower, front)):
             axes.set(xlim=window.x, ylim=window.y, aspect="equal", xlabel="$x / L_0$", ylabel="$y / L_0$")
-            _draw_substrate(axes, problem, window)
-        for order, shape in enumerate(shapes):
-            mesh = _draw_shape(upper, shape, scale, order)
-        ...
+            draw_substrate(axes, problem.adhesion.substrate, window)
+        for order, state in enumerate(states, start=1):
+            draw_field(upper, state.fields, scale, order)
+            draw_outline(upper, state.fields, order + 0.2)
+            _mark_adhering(upper, state, 1.2, order + 0.4)
+            _label_state(upper, problem, state)
+        corner, size = (front.x[0], front.y[0]), (np.ptp(front.x), np.ptp(front.y))
+        upper.add_patch(Rectangle(corner, *size, fill=False, linewidth=0.8, linestyle=DASHES, zorder=9))
+        mesh = draw_field(lower, last.fields, scale, 1)
+        draw_elements(lower, last.fields, 2)
+        draw_outline(lower, last.fields, 3)
+        _mark_adhering(lower, last, 1.8, 4)
+        lower.set_title(f"front at {_value(problem, last)}", loc="left")
+        figure.colorbar(
+            mesh, ax=[upper, lower], label=r"$I_1 = \mathrm{tr}\,\sigma / E$", aspect=40, pad=0.02
+        )
+        handles = [
+            Line2D([], [], color=VERMILION, linewidth=1.5, label="face that adheres"),
+            Patch(facecolor=SHADE, edgecolor="black", linewidth=0.5, hatch="/////", label="substrate"),
+            Line2D([], [], color="black", linewidth=0.8, linestyle=DASHES, label="enlarged below"),
+        ]
+        figure.legend(handles=handles, loc="outside upper left", ncols=3)
         return figure
+
+
+def _spread(parameters: list[float]) -> list[float]:
+    """At most MOST_SHAPES of the values, as evenly spread as they allow, in rising order."""
+    values = np.sort(parameters)
+    wanted = np.linspace(values[0], values[-1], MOST_SHAPES)
+    nearest = np.unique(np.abs(values[:, None] - wanted).argmin(axis=0))
+    return [float(value) for value in values[nearest]]
+
+
+def _state(problem: Problem, space: RowSpace, parameter: float, displacement: FloatArray) -> _State:
+    adhesion = problem.adhesion
+    along = np.linspace(adhesion.start, adhesion.end, 10 * max(space.elements) + 1)
+    adhering, opposite = (
+        side_positions(problem, space, displacement, side, along)
+        for side in (adhesion.side, _OPPOSITE[adhesion.side])
+    )
+    driven = side_positions(problem, space, displacement, problem.drive.side, np.array([0.0, 0.5, 1.0]))
+    # so many cells that bends and fields look smooth on coarse meshes too
+    cells = ceil(300 / space.elements[0]), ceil(16 / space.elements[1])
+    return _State(parameter, sample_fields(problem, space, displacement, cells), adhering, opposite, driven)
+
+
+def _apart(states: list[_State]) -> list[_State]:
+    """The last state, and those whose driven ends keep a distance from those of all later ones."""
+    closest = _CLOSEST_ENDS * float(np.ptp(states[-1].fields.reference_position.reshape(-1, 2), axis=0).max())
+    kept: list[_State] = []
+    for state in reversed(states):
+        if all(np.linalg.norm(state.driven[1] - other.driven[1]) > closest for other in kept):
+            kept.insert(0, state)
+    return kept
+
+
+def _whole_window(states: list[_State]) -> Window:
+    """All of the body in all states, with room for labels."""
+    points = np.concatenate([state.fields.position.reshape(-1, 2) for state in states])
+    low, high = points.min(axis=0), points.max(axis=0)
+    margin = 0.05 * float(np.max(high - low))
+    (left, bottom), (right, top) = (low - margin).tolist(), (high + margin).tolist()
+    return Window((left, right), (bottom, top))
+
+
+def _front_window(problem: Problem, state: _State) -> Window:
+    """The body at the front, with a margin."""
+    substrate, law = problem.adhesion.substrate, problem.adhesion.law
+    gap, _, _ = evaluate_substrate(substrate.kernel, substrate.parameters, state.adhering)
+    lost = gap > FRONT_GAP * law.equilibrium_gap
+    changes = np.flatnonzero(lost != lost[0])
+    # where nothing is lost yet, a front will start from the end next to the drive
+    from_drive = np.linalg.norm(state.adhering - state.driven[1], axis=1)
+    at = int(changes[0] if changes.size else np.argmin(from_drive))
+    thickness = float(np.linalg.norm(state.opposite[at] - state.adhering[at]))
+    x, y = ((state.opposite[at] + state.adhering[at]) / 2).tolist()
+    half_width, half_height = 1.6 * thickness, 0.65 * thickness
+    return Window((x - half_width, x + half_width), (y - half_height, y + half_height))
+
+
+def _mark_adhering(axes: Axes, state: _State, width: float, order: float) -> None:
+    # the white seam keeps the mark apart from the field in print without colours
+    for color, total in (("white", width + 1), (VERMILION, width)):
+        axes.plot(*state.adhering.T, color=color, linewidth=total, zorder=order, solid_capstyle="butt")
+
+
+def _label_state(axes: Axes, problem: Problem, state: _State) -> None:
+    """Write the parameter next to the driven side, on the outside."""
+    side = problem.drive.side
+    along = state.driven[2] - state.driven[0]
+    outwards = np.array([along[1], -along[0]]) / np.linalg.norm(along)
+    outwards *= 1 if side in ("right", "bottom") else -1
+    x, y = outwards
+    axes.annotate(
+        _value(problem, state),
+        state.driven[1],
+        4 * outwards,  # in points
+        textcoords="offset points",
+        ha="left" if x > 0.3 else "right" if x < -0.3 else "center",
+        va="bottom" if y > 0.7 else "top" if y < -0.7 else "center",
+        fontsize=8,
+        zorder=10,
+    )
+
+
+def _value(problem: Problem, state: _State) -> str:
+    unit = problem.drive.parameter_column.unit
+    return f"{state.parameter:g}" + ("°" if unit == "degree" else f" {unit}")

@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from isopeel.arrays import FloatArray
+from isopeel.arrays import FloatArray, IntArray
 from isopeel.post.style import GREY, TWO_COLUMNS, style
 from isopeel.splines.rows import RowSpace
 from isopeel.splines.space import SplineSpace
@@ -39,7 +39,7 @@ def _kinds(space: RowSpace) -> list[tuple[str, SplineSpace]]:
         rows = list(group)
         last = first + len(rows) - 1
         if len(rows) == len(space.rows):
-            title = f"all {last} rows"
+            title = "every row"
         elif first == 1:
             title = "contact row" if last == 1 else f"contact rows 1 to {last}"
         else:
@@ -64,8 +64,8 @@ def _functions(axes: Axes, space: SplineSpace, title: str, parameter: str) -> No
     for function in range(int(first[-1]) + space.degree + 1):
         active = (first <= function) & (function <= first + space.degree)
         column = (function - first)[active]
-        axes.plot(points.ravel()[active], values[0, active, column], linewidth=1.1)
-    axes.vlines(knots, 0, 1, color=GREY, linewidth=0.4)
+        axes.plot(points.ravel()[active], values[0, active, column], linewidth=1.1, clip_on=False)
+    axes.vlines(knots, 0, 1, color=GREY, linewidth=0.4, clip_on=False)
     _knot_marks(axes, knots, counts)
     axes.set_xlim(knots[0], knots[-1])
     axes.set_xticks(knots, [f"{knot:.4g}" for knot in knots])
@@ -77,7 +77,7 @@ def _functions(axes: Axes, space: SplineSpace, title: str, parameter: str) -> No
     axes.set_xlabel(parameter)
 
 
-def _knot_marks(axes: Axes, knots: FloatArray, counts: FloatArray) -> None:
+def _knot_marks(axes: Axes, knots: FloatArray, counts: IntArray) -> None:
     spacing = 0.09
     x = np.repeat(knots, counts)
     y = -spacing * np.concatenate([1 + np.arange(count) for count in counts])

@@ -1,0 +1,104 @@
+"""The strip's mesh, bases and unknowns, which both assemblies share."""
+
+import numpy as np
+from skfem import CellBasis, FacetBasis, MeshQuad
+
+from scikit_fem_strip.element import ElementQuadLagrangeByLinear, NumberedDofs
+from scikit_fem_strip.problem import ADHERING_LENGTH, HEIGHT, LENGTH, FloatArray, IntArray, invert, stress
+
+
+class Strip:
+    """Lagrange of `degree` along x, linear along y, on `elements` (along x, along y).
+
+    Nodes are numbered column by column, so the turned right face comes last. A state holds the unknown
+    displacements along x, then along y, the face's centre last in each, then a zero for what is fixed.
+    """
+
+    def __init__(self, degree: int, elements: tuple[int, int]) -> None:
+        adhering = elements[0] * ADHERING_LENGTH / LENGTH
+        if degree < 1 or min(elements) < 1 or adhering != round(adhering):
+            allowed = "3/4 of the elements along x must adhere"
+            raise ValueError(f"degree {degree} or mesh {elements} cannot be used; {allowed}")
+        x, y = np.linspace(0, LENGTH, elements[0] + 1), np.linspace(0, HEIGHT, elements[1] + 1)
+        mesh = MeshQuad.init_tensor(x, y)
+        # init_tensor runs through y first: turned so that the reference axes are the strip's
+        self._mesh = MeshQuad(mesh.p, mesh.t[[0, 3, 2, 1]])
+        self._element = ElementQuadLagrangeByLinear(degree)
+        self._adhering = self._mesh.facets_satisfying(lambda x: (x[1] < 1e-9) & (x[0] < ADHERING_LENGTH))
+
+        corner_x, corner_y = self._mesh.p[:, self._mesh.t[0]]
+        column, row = np.searchsorted(x, corner_x - 1e-9), np.searchsorted(y, corner_y - 1e-9)
+        rows = y.size
+        local = [[k * rows + j] for j in (0, 1) for k in range(degree + 1)]
+        self.nodes: IntArray = degree * rows * column + row + local
+        numbers = np.arange(rows * (degree * elements[0] + 1))
+        self.face = numbers[-rows:]
+        # one unknown for the whole face: its centre's
+        free = np.minimum(numbers, self.face[0])
+        along_x = np.where(free < rows, -1, free - rows)
+        along_y = along_x[-1] + 1 + free
+        self.unknowns = int(along_y[-1]) + 1
+        along_x[:rows] = self.unknowns
+        self.unknown: IntArray = np.array([along_x, along_y])
+        self._arm = y - HEIGHT / 2
+
+        self.bulk, self.contact = self.bases(numbers, numbers.size)
+        self._last_column = CellBasis(
+            self._mesh,
+            self._element,
+            quadrature=self.bulk.quadrature,
+            elements=np.flatnonzero(column == column.max()),
+            dofs=self.bulk.dofs,
+        )
+
+    def bases(self, numbers: IntArray, count: int) -> tuple[CellBasis, FacetBasis]:
+        """Return the bases of the bulk and the adhering face for these numbers of nodes, below `count`."""
+        dofs = NumberedDofs(self._mesh, self._element, numbers[self.nodes], count)
+        (x, weight_x), (y, weight_y) = _gauss(self._element.degree + 1), _gauss(2)
+        points = np.array(np.meshgrid(x, y)).reshape(2, -1), np.outer(weight_y, weight_x).ravel()
+        return (
+            CellBasis(self._mesh, self._element, quadrature=points, dofs=dofs),
+            FacetBasis(
+                self._mesh, self._element, quadrature=(x[None], weight_x), facets=self._adhering, dofs=dofs
+            ),
+        )
+
+    def displacement(self, state: FloatArray, theta: float) -> FloatArray:
+        """Return the displacement (2, nodes) of a state whose face is turned by theta."""
+        u: FloatArray = np.take(state, self.unknown)
+        u[:, self.face] += np.outer([-np.sin(theta), np.cos(theta) - 1], self._arm)
+        return u
+
+    def moment(self, u: FloatArray, theta: float) -> float:
+        """Return dE/dtheta: the work of the stresses as the face turns."""
+        turn = np.zeros_like(u)
+        turn[:, self.face] = np.outer([-np.cos(theta), -np.sin(theta)], self._arm)
+        F = deformation_gradient(self._last_column, u)
+        work = stress(F, *invert(F)) * gradient(self._last_column, turn)
+        return float(np.sum(work * self._last_column.dx))
+
+
+# CellBasis.interpolate does what the next two do, but first sorts all degrees of freedom, which takes longer
+def interpolate(basis: FacetBasis, field: FloatArray) -> FloatArray:
+    """Return the values (elements, points) of a field (nodes,)."""
+    terms = zip(field[basis.element_dofs], basis.basis, strict=True)
+    return np.array(sum(local[:, None] * function for local, (function,) in terms))
+
+
+def gradient(basis: CellBasis, field: FloatArray) -> FloatArray:
+    """Return the gradient (2, 2, elements, points) of a field (2, nodes)."""
+    terms = zip(field.T[basis.element_dofs], basis.basis, strict=True)
+    return np.array(sum(local.T[:, None, :, None] * function.grad for local, (function,) in terms))
+
+
+def deformation_gradient(basis: CellBasis, u: FloatArray) -> FloatArray:
+    """Return F (2, 2, elements, points) of a displacement (2, nodes)."""
+    F = gradient(basis, u)
+    F[0, 0] += 1
+    F[1, 1] += 1
+    return F
+
+
+def _gauss(count: int) -> tuple[FloatArray, FloatArray]:
+    points, weights = np.polynomial.legendre.leggauss(count)
+    return (points + 1) / 2, weights / 2

@@ -1,0 +1,104 @@
+"""The command line."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from typer.exceptions import TyperException
+
+import isopeel
+from isopeel.errors import InputError
+
+# The commands import what they need themselves: help should not wait for a compiler.
+
+COMPLETED, BAD_INPUT, NOT_CONVERGED, INTERRUPTED = 0, 2, 3, 130
+
+app = typer.Typer(add_completion=False, pretty_exceptions_enable=False)
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the command line, by default the process's own, and return its exit code.
+
+    0: done; 2: bad input, or a file that cannot be written; 3: no equilibrium; 130: interrupted. What went
+    wrong is on standard error.
+    """
+    try:
+        return int(app(arguments, standalone_mode=False) or COMPLETED)
+    except InputError as error:
+        return _fail(BAD_INPUT, str(error))
+    except TyperException as error:
+        return _fail(BAD_INPUT, " ".join(error.format_message().split()))
+    except OSError as error:
+        return _fail(BAD_INPUT, f"{error.filename or 'a file'} cannot be written: {error.strerror}")
+    except MemoryError:
+        return _fail(BAD_INPUT, "there is not enough memory; give a coarser --mesh")
+
+
+def _fail(code: int, message: str) -> int:
+    typer.echo(f"isopeel: {message}", err=True)
+    return code
+
+
+@app.callback(invoke_without_command=True)
+def _root(
+    context: typer.Context,
+    version: Annotated[bool, typer.Option("--version", help="Tell the version.")] = False,
+) -> None:
+    """Simulate peeling of soft solids off adhesive surfaces by isogeometric analysis."""
+    if version:
+        typer.echo(f"isopeel {isopeel.__version__}")
+        raise typer.Exit
+    if context.invoked_subcommand is None:
+        typer.echo(context.get_help())
+
+
+@app.command()
+def run(
+    case: Annotated[str, typer.Argument(metavar="CASE", help="A TOML file, or a shipped case: strip.")],
+    out: Annotated[
+        Path | None, typer.Option(metavar="DIR", help="Folder of the results.  [default: out/NAME]")
+    ] = None,
+    space: Annotated[str | None, typer.Option(metavar="NAME", help="Spline space, such as N2.1.")] = None,
+    mesh: Annotated[str | None, typer.Option(metavar="NXxNY", help="Elements, such as 200x10.")] = None,
+    to: Annotated[float | None, typer.Option(metavar="DEGREES", help="Last angle.")] = None,
+    step: Annotated[float | None, typer.Option(metavar="DEGREES", help="Step of the angle.")] = None,
+    traction: Annotated[
+        str | None,
+        typer.Option(metavar="reference|projected", help="Area that the adhesive traction acts on."),
+    ] = None,
+) -> int:
+    """Run CASE and leave its curve, figures, summary and fields in a folder."""
+    try:
+        from rich.console import Console
+
+        from isopeel.case import load_case
+        from isopeel.run import failure_message, run_case
+
+        chosen = load_case(case).overridden(space=space, mesh=mesh, to=to, step=step, traction=traction)
+        folder = out or Path("out") / chosen.name
+        stored = run_case(chosen, folder, Console(highlight=False))
+    except KeyboardInterrupt:
+        return _fail(INTERRUPTED, "interrupted")
+    if stored.failure is not None:
+        return _fail(NOT_CONVERGED, failure_message(stored.failure, folder))
+    if stored.ending == "interrupted":
+        return _fail(INTERRUPTED, f"interrupted; what converged before is in {folder}")
+    return COMPLETED
+
+
+@app.command()
+def spaces(
+    name: Annotated[str, typer.Argument(metavar="NAME", help="A spline space, such as N2.1 or L1+N2@2.")],
+    mesh: Annotated[str, typer.Option(metavar="NXxNY", help="Elements that DOFs are told for.")] = "200x10",
+    out: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="File of the figure.  [default: out/NAME.png]")
+    ] = None,
+) -> int:
+    """Draw the functions of a spline space, and tell its degrees, continuities, supports and DOFs."""
+    from rich.console import Console
+
+    from isopeel.spaces import show_space
+
+    show_space(name, mesh, out, Console(highlight=False))
+    return COMPLETED

@@ -1,0 +1,44 @@
+"""The progress of a run, on a terminal."""
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+
+from rich.console import Console
+from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+
+from isopeel.problem import Drive
+from isopeel.solve.trace import Step
+
+_REFRESHES_PER_SECOND = 5
+
+
+@contextmanager
+def progress(console: Console, drive: Drive, steps: int) -> Iterator[Callable[[Step], None]]:
+    """Show a bar while the context is open, and give the function that moves it to a step.
+
+    The bar says that kernels are compiled until the first step arrives. Nothing is shown where the console
+    is no terminal.
+    """
+    bar = Progress(
+        TextColumn("{task.description}"),
+        BarColumn(bar_width=None),
+        TextColumn("{task.completed}/{task.total}"),
+        TimeRemainingColumn(compact=True),
+        console=console,
+        refresh_per_second=_REFRESHES_PER_SECOND,
+        transient=True,
+        disable=not console.is_terminal,
+    )
+    angle, moment = drive.parameter_column, drive.reaction_column
+
+    def show(step: Step) -> None:
+        bar.update(
+            task,
+            completed=step.number + 1,
+            description=f"{angle.factor * step.parameter:7.2f} {angle.unit}  "
+            f"{moment.name} {moment.factor * step.reaction:.6f}  {len(step.iterations)} iterations",
+        )
+
+    with bar:
+        task = bar.add_task("compiling", total=steps)
+        yield show

@@ -1,0 +1,234 @@
+"""The file of a run, run.h5: its curve, displacements at chosen angles, the case, and where it comes from.
+
+Layout: `case`, the TOML text; `curve/NAME` (n,) for each column, with its `unit`; `fields/parameter` (k,) in
+the unit of the parameter's column, and `fields/displacement` (k, functions, 2); `failure`, where there was
+one; attributes of the root for all else.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from time import perf_counter
+from types import MappingProxyType, TracebackType
+from typing import Any, Literal, NamedTuple, Self
+
+import h5py
+import numpy as np
+
+from isopeel.arrays import FloatArray, IntArray, frozen
+from isopeel.errors import InputError
+from isopeel.problem import Column, Drive, Problem
+from isopeel.results.curve import Curve
+from isopeel.results.provenance import Provenance
+from isopeel.solve.trace import Step
+from isopeel.splines.rows import RowSpace
+
+#: How a run ended; "running" is what the file of a killed run says.
+Ending = Literal["running", "completed", "not converged", "interrupted"]
+
+_FORMAT = "isopeel run 1"
+_SAVE_SECONDS = 1.0
+_SAVE_SHARE = 0.02  # of the time may go into saving
+_ROUND_OFF = 1e-9
+
+
+class Failure(NamedTuple):
+    """A step without an equilibrium."""
+
+    parameter: float  # in the unit of its column
+    reason: str
+    iterations: tuple[float, ...]  # energy residual per unknown
+
+
+@dataclass(frozen=True, eq=False)
+class StoredRun:
+    """What the file of a run holds.
+
+    `fields` maps the parameter, in the unit of its column, to displacement coefficients (functions, 2).
+    `attributes` are those of `run_attributes`.
+    """
+
+    case_text: str
+    curve: Curve
+    fields: Mapping[float, FloatArray]
+    attributes: Mapping[str, str | int]
+    ending: Ending
+    failure: Failure | None = None
+
+
+def run_attributes(problem: Problem, space: RowSpace, provenance: Provenance) -> dict[str, str | int]:
+    """Describe the discretization and the provenance of a run; `git_revision` only where there is one."""
+    revision = provenance.git_revision
+    return {
+        "space": space.name,
+        "mesh": "{}x{}".format(*space.elements),
+        "dofs": 2 * space.size,
+        "traction": problem.adhesion.traction,
+        "platform": provenance.platform,
+        "started": provenance.started,
+        "command_line": provenance.command_line,
+        **{f"version_{name}": version for name, version in provenance.versions.items()},
+        **({} if revision is None else {"git_revision": revision}),
+    }
+
+
+class RunWriter:
+    """Consumer of steps that keeps the file of a run up to date: about once a second, and when it is closed.
+
+    The displacement is kept at the first step at or beyond each multiple of `field_interval` (in the
+    unit of the parameter's column), and at the last step. Each save replaces the file as a whole, so that
+    it is sound whatever ends the process: an exception, a kill, a full disk. Raises OSError where the file
+    cannot be written.
+    """
+
+    def __init__(
+        self,
+        path: Path,
+        drive: Drive,
+        case_text: str,
+        attributes: Mapping[str, str | int],
+        field_interval: float = 10.0,
+    ) -> None:
+        self._path = path
+        self._drive = drive
+        self._case_text = case_text
+        self._attributes = attributes
+        self._interval = field_interval
+        self._next_field = -np.inf
+        self._rows: list[Step] = []
+        self._fields: dict[float, FloatArray] = {}
+        self._last: dict[float, FloatArray] = {}
+        self._ending: Ending = "running"
+        self._failure: Failure | None = None
+        self._next_save = 0.0
+
+    def __enter__(self) -> Self:
+        """Replace the file of an earlier run."""
+        self._save()
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        """Save what has come."""
+        self._save()
+
+    def append(self, step: Step) -> None:
+        """Take a step."""
+        # the row without its field, which would fill the memory
+        self._rows.append(replace(step, displacement=np.empty((0, 2))))
+        parameter = float(Curve.of([step], self._drive).parameter[0])
+        self._last = {parameter: step.displacement}
+        if parameter >= self._next_field - _ROUND_OFF:
+            self._fields |= self._last
+            passed = np.floor(parameter / self._interval + _ROUND_OFF)
+            self._next_field = (passed + 1) * self._interval
+        if perf_counter() >= self._next_save:
+            self._save()
+
+    def end(self, ending: Ending, failure: Failure | None = None) -> None:
+        """Note how the run ended."""
+        self._ending, self._failure = ending, failure
+
+    def _save(self) -> None:
+        began = perf_counter()
+        curve = Curve.of(self._rows, self._drive)
+        fields = self._fields | self._last
+        write_run(
+            self._path,
+            StoredRun(self._case_text, curve, fields, self._attributes, self._ending, self._failure),
+        )
+        now = perf_counter()
+        self._next_save = now + max(_SAVE_SECONDS, (now - began) / _SAVE_SHARE)
+
+
+def write_run(path: Path, run: StoredRun) -> None:
+    """Write the file of a run, in one go: it has its old content or its new one. Raises OSError."""
+    part = path.with_name(path.name + ".part")
+    try:
+        part.write_bytes(_image(run))
+        part.replace(path)
+    finally:
+        part.unlink(missing_ok=True)
+
+
+def read_run(path: Path) -> StoredRun:
+    """Read the file of a run. Raises InputError where it is not one."""
+    try:
+        with h5py.File(path, "r") as file:
+            if file.attrs.get("format") != _FORMAT:
+                raise InputError("FILE", str(path), "it is not the file of a run of this version")
+            return _stored(file)
+    except (OSError, KeyError) as error:
+        raise InputError("FILE", str(path), f"the file of a run is needed: {error}") from error
+
+
+def _image(run: StoredRun) -> bytes:
+    # HDF5 leaves an unreadable file where a disk fills up, so it only ever writes to memory
+    with h5py.File("run.h5", "w", driver="core", backing_store=False) as file:
+        file["case"] = run.case_text
+        file.attrs.update({"format": _FORMAT, "ending": run.ending, **run.attributes})
+        for column, values in _columns(run.curve):
+            data = file.create_dataset(f"curve/{column.name}", data=values)
+            data.attrs.update({"unit": column.unit, "factor": column.factor})
+        for role in ("parameter", "reaction"):
+            file["curve"].attrs[role] = getattr(run.curve, f"{role}_column").name
+        file["fields/parameter"] = np.array(list(run.fields), dtype=np.float64)
+        file["fields/displacement"] = np.array(list(run.fields.values()), dtype=np.float64)
+        if run.failure is not None:
+            file.create_group("failure").attrs.update(run.failure._asdict())
+        file.flush()
+        image: bytes = file.id.get_file_image()
+    return image
+
+
+def _stored(file: h5py.File) -> StoredRun:
+    attributes = {name: _plain(value) for name, value in file.attrs.items()}
+    del attributes["format"]
+    ending = attributes.pop("ending")
+    data = {name: values[()] for name, values in file["curve"].items()}
+    columns = {}
+    for role in ("parameter", "reaction"):
+        name = file["curve"].attrs[role]
+        units = file["curve"][name].attrs
+        columns[role] = Column(name, units["unit"], float(units["factor"]))
+    curve = Curve(
+        columns["parameter"],
+        columns["reaction"],
+        frozen(data[columns["parameter"].name]),
+        frozen(data[columns["reaction"].name]),
+        data["iterations"],
+        *(frozen(data[name]) for name in ("stored_energy", "adhesive_energy", "seconds")),
+    )
+    displacements = map(frozen, file["fields/displacement"][()])
+    fields = dict(zip(file["fields/parameter"][()].tolist(), displacements, strict=True))
+    failure = None
+    if "failure" in file:
+        found = file["failure"].attrs
+        failure = Failure(float(found["parameter"]), found["reason"], tuple(found["iterations"].tolist()))
+    return StoredRun(
+        file["case"].asstr()[()],
+        curve,
+        MappingProxyType(fields),
+        MappingProxyType(attributes),
+        ending,
+        failure,
+    )
+
+
+def _plain(value: Any) -> Any:
+    return value.item() if isinstance(value, np.generic) else value
+
+
+def _columns(curve: Curve) -> tuple[tuple[Column, FloatArray | IntArray], ...]:
+    return (
+        (curve.parameter_column, curve.parameter),
+        (curve.reaction_column, curve.reaction),
+        (Column("iterations", "1"), curve.iterations),
+        (Column("stored_energy", "E0 L0^2"), curve.stored_energy),
+        (Column("adhesive_energy", "E0 L0^2"), curve.adhesive_energy),
+        (Column("seconds", "s"), curve.seconds),
+    )

@@ -1,0 +1,145 @@
+"""A run: trace a case, and leave its curve, file, summary and figures in a folder."""
+
+import json
+from collections.abc import Iterable
+from math import degrees
+from pathlib import Path
+from tempfile import TemporaryFile
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+from rich.box import SIMPLE_HEAD
+from rich.console import Console
+from rich.table import Table
+
+from isopeel.arrays import FloatArray
+from isopeel.case import Case
+from isopeel.errors import InputError
+from isopeel.post.closed_form import beam_peeling
+from isopeel.post.figures import moment_figure, save, shapes_figure
+from isopeel.post.reading import onset_angle, read_plateau
+from isopeel.post.summary import summarize
+from isopeel.problem import Drive, Problem
+from isopeel.progress import progress
+from isopeel.results.provenance import Provenance
+from isopeel.results.run_file import Failure, RunWriter, StoredRun, read_run, run_attributes
+from isopeel.solve.newton import ConvergenceError
+from isopeel.solve.trace import Step, trace
+from isopeel.splines.rows import RowSpace
+
+#: Files that a run leaves in its folder.
+FILES = ("curve.csv", "run.h5", "summary.json", "moment.png", "shapes.png")
+
+
+def run_case(case: Case, out: Path, console: Console) -> StoredRun:
+    """Run a case and write its files to a folder, in place of those of an earlier run.
+
+    Returns what was stored; its `ending` says whether the run came to its end, found no equilibrium or
+    was interrupted: all that converged before is in the files. Raises InputError where the folder
+    cannot be written, OSError where a file cannot.
+    """
+    began = perf_counter()
+    problem, space, angles = case.problem(), case.space(), case.angles()
+    _check_folder(out)
+    # the tables are made here, before anything of an earlier run is replaced
+    steps = trace(problem, space, angles)
+    for name in FILES:
+        (out / name).unlink(missing_ok=True)
+    attributes = run_attributes(problem, space, Provenance.of_this_process())
+    with RunWriter(out / "run.h5", problem.drive, case.text, attributes) as writer:
+        _follow(steps, problem.drive, angles, writer, console)
+    run = read_run(out / "run.h5")
+    summary = _write_results(case, problem, space, run, out, perf_counter() - began)
+    if run.ending != "interrupted":
+        _print_table(summary, out, console)
+    return run
+
+
+def failure_message(failure: Failure, out: Path) -> str:
+    """Say where and why a run found no equilibrium, with its iterations."""
+    lines = [
+        f"no equilibrium at {failure.parameter:g} deg: {failure.reason}",
+        "iteration  energy residual per unknown",
+        *(f"{number:9d}  {measure:.3e}" for number, measure in enumerate(failure.iterations, start=1)),
+        f"everything that converged before is in {out}",
+    ]
+    return "\n".join(lines)
+
+
+def _check_folder(out: Path) -> None:
+    try:
+        out.mkdir(parents=True, exist_ok=True)
+        TemporaryFile(dir=out).close()
+    except OSError as error:
+        allowed = f"a folder that can be written is needed: {error.strerror}"
+        raise InputError("--out", str(out), allowed) from error
+
+
+def _follow(
+    steps: Iterable[Step], drive: Drive, angles: FloatArray, writer: RunWriter, console: Console
+) -> None:
+    """Hand the steps to their consumers, and note how they end."""
+    converged = 0
+    try:
+        with progress(console, drive, len(angles)) as show:
+            for step in steps:
+                writer.append(step)
+                show(step)
+                converged += 1
+        writer.end("completed")
+    except ConvergenceError as error:
+        angle = float(np.round(angles[converged] * drive.parameter_column.factor, 12))
+        writer.end("not converged", Failure(angle, error.reason, error.iterations))
+    except KeyboardInterrupt:
+        writer.end("interrupted")
+
+
+def _write_results(
+    case: Case, problem: Problem, space: RowSpace, run: StoredRun, out: Path, wall_time: float
+) -> dict[str, Any]:
+    """Write the table, the figures and the summary, and return the latter."""
+    run.curve.write_csv(out / "curve.csv")
+    closed_form = beam_peeling(problem)
+    # the plateau oscillates while the front passes an element: the angle that one element adds to the arc
+    element = case.body.length / space.elements[0]
+    period = degrees(element / closed_form.radius) if closed_form else None
+    plateau = read_plateau(run.curve, case.reading.window, period) if case.reading else None
+    summary = summarize(case, run, plateau, onset_angle(run.curve), closed_form, wall_time)
+    text = json.dumps(summary, indent=2, allow_nan=False)
+    (out / "summary.json").write_text(text + "\n", encoding="utf-8")
+    if len(run.curve):
+        save(moment_figure(run.curve, plateau, closed_form), out / "moment.png")
+        save(shapes_figure(problem, space, run.fields), out / "shapes.png")
+    return summary
+
+
+def _print_table(summary: dict[str, Any], out: Path, console: Console) -> None:
+    """Print the summary in a few lines, with the closed form beside what it tells."""
+    moment, slopes, window = summary["units"]["moment"], summary["slopes"], summary["window"]
+    closed_form = summary["closed_form"] or {}
+    table = Table("", "run", "closed form", title=summary["case"], box=SIMPLE_HEAD)
+    table.add_row("space", f"{summary['space']}, {summary['mesh']}, {summary['dofs']} DOFs")
+    table.add_row("angle", _shown(summary["angle"], "g", "deg"))
+    table.add_row(
+        "plateau", _shown(summary["plateau"], ".6f", moment), _shown(closed_form.get("moment"), ".4f", moment)
+    )
+    if slopes is not None:
+        table.add_row("amplitude", _shown(summary["amplitude"], ".3e", moment))
+        steepest = f"{slopes['rise']:+.3e}, {slopes['fall']:+.3e} {moment}/deg"
+        table.add_row("steepest slopes", steepest)
+        table.add_row("read between", f"{window[0]:g} and {window[1]:g} deg")
+    table.add_row(
+        "onset", _shown(summary["onset"], ".1f", "deg"), _shown(closed_form.get("onset"), ".1f", "deg")
+    )
+    per_step = _shown(summary["newton_iterations_per_step"], ".2f", "per step")
+    table.add_row("Newton iterations", f"{summary['newton_iterations']}, {per_step}")
+    table.add_row("time", f"{summary['wall_time_s']:.1f} s")
+    table.add_row("files in", str(out))
+    console.print(table)
+    if summary["note"]:
+        console.print(f"not read: {summary['note']}")
+
+
+def _shown(value: float | None, digits: str, unit: str) -> str:
+    return "-" if value is None else f"{value:{digits}} {unit}"

@@ -1,0 +1,110 @@
+"""Adhesion laws and substrates against closed forms, quadrature and finite differences."""
+
+import numpy as np
+import pytest
+from scipy.integrate import quad
+from scipy.optimize import minimize_scalar
+
+from isopeel import Flat, FormulaAdhesion, InputError, VanDerWaals
+from isopeel.arrays import FloatArray
+from isopeel.physics.adhesion import AdhesionLaw
+from isopeel.physics.batch import evaluate_law, evaluate_substrate
+
+A_H, R0 = 1e-19, 0.4e-9  # J, m: SI, to hold the law against the published figures in their units
+IN_SI = VanDerWaals(hamaker_constant=A_H, equilibrium_distance=R0)
+LAW = VanDerWaals(hamaker_constant=0.05, equilibrium_distance=0.4)
+
+
+def law_at(law: AdhesionLaw, gap: FloatArray, curvature: float = 0.0) -> tuple[FloatArray, ...]:
+    return evaluate_law(law.kernel, law.parameters, gap, np.full(gap.shape, curvature))
+
+
+def published_traction(r: float, radius: float = np.inf) -> float:
+    """T(r) as printed, with the surface's curvature radius R."""
+    f1 = f2 = 1.0
+    if np.isfinite(radius):
+        f1 = (radius**2 + 9 / 4 * radius * r + 9 / 7 * r**2) / (radius + r) ** 2
+        f2 = (radius**2 + 3 * radius * r + 3 * r**2) / (radius + r) ** 2
+    return 0.05 / (2 * np.pi * 0.4**3) * (f1 / 45 * (0.4 / r) ** 9 - f2 / 3 * (0.4 / r) ** 3)
+
+
+def test_published_figures_of_the_flat_law() -> None:
+    # each to a unit of its last published digit (the first is cut off there, not rounded)
+    assert IN_SI.equilibrium_gap == pytest.approx(0.25470e-9, abs=1e-14)
+    assert IN_SI.work_of_adhesion == pytest.approx(0.030665, abs=1e-6)
+    peak = minimize_scalar(
+        lambda r: float(law_at(IN_SI, np.array([r * 1e-9]))[1][0]), bounds=(0.26, 0.5), method="bounded"
+    )
+    assert peak.x == pytest.approx(0.3059, abs=1e-4)
+    assert peak.fun == pytest.approx(-123.6e6, abs=0.1e6)
+
+
+@pytest.mark.parametrize("radius", [np.inf, 20.0, 1.5, -5.0])
+def test_traction_is_the_published_formula(radius: float) -> None:
+    gaps = np.linspace(0.3, 3.0, 40)
+    _, traction, _ = law_at(LAW, gaps, curvature=1 / radius)
+    expected = [published_traction(gap, radius) for gap in gaps]
+    np.testing.assert_allclose(traction, expected, rtol=1e-13)  # round-off of ninth powers
+
+
+@pytest.mark.parametrize("radius", [np.inf, 20.0, 1.5])
+def test_potential_is_the_integral_of_the_traction(radius: float) -> None:
+    for gap in (0.2, 0.2547, 0.3, 1.0):
+        potential = law_at(LAW, np.array([gap]), curvature=1 / radius)[0][0]
+        work, error = quad(
+            lambda r: law_at(LAW, np.array([r]), curvature=1 / radius)[1][0],
+            gap,
+            np.inf,
+            epsabs=1e-13,
+            epsrel=1e-11,
+            limit=400,
+        )
+        # the integrand has a kink in its second derivative where the regularisation begins
+        assert potential == pytest.approx(work, abs=max(10 * error, 1e-11))
+    flat = law_at(LAW, np.array([LAW.equilibrium_gap]))[0][0]
+    assert flat == pytest.approx(-LAW.work_of_adhesion, rel=1e-14)  # round-off
+
+
+@pytest.mark.parametrize("curvature", [0.0, 0.05, 0.7, -0.2])
+def test_derivative_and_smooth_regularisation(curvature: float) -> None:
+    gaps = np.linspace(0.15, 2.0, 60)
+    _, _, derivative = law_at(LAW, gaps, curvature)
+    step = 1e-6
+    ahead, behind = law_at(LAW, gaps + step, curvature)[1], law_at(LAW, gaps - step, curvature)[1]
+    # central differences of a law whose third derivative reaches 1e3
+    np.testing.assert_allclose((ahead - behind) / (2 * step), derivative, atol=2e-9 * 1e3)
+    below = law_at(LAW, np.array([0.10, 0.15, 0.20]), curvature)[1]
+    assert below[0] - below[1] == pytest.approx(below[1] - below[2], rel=1e-12)  # a straight line
+
+
+def test_a_formula_gives_the_same_law() -> None:
+    formula = FormulaAdhesion(
+        "A/(2*pi*r0**3) * (r0**9/(360*r**8) - r0**3/(6*r**2))", {"A": 0.05, "r0": 0.4}
+    )
+    gaps = np.linspace(0.26, 2.0, 30)  # above the equilibrium gap, where the formula has no regularisation
+    for ours, derived in zip(law_at(LAW, gaps), law_at(formula, gaps), strict=True):
+        np.testing.assert_allclose(ours, derived, rtol=0, atol=1e-12)  # round-off of values up to 60
+    assert formula.equilibrium_gap == pytest.approx(LAW.equilibrium_gap, rel=1e-12)
+    # a gap of 10^6 stands for infinity: the rest decays with its square
+    assert formula.work_of_adhesion == pytest.approx(LAW.work_of_adhesion, rel=1e-10)
+
+
+@pytest.mark.parametrize("potential", ["-1/(1 + r)", "r", "exp(r)", "0*r"])
+def test_a_formula_without_equilibrium_is_refused(potential: str) -> None:
+    with pytest.raises(InputError, match="minimum over the gap"):
+        FormulaAdhesion(potential)
+
+
+@pytest.mark.parametrize(("hamaker", "distance"), [(0.0, 0.4), (-1.0, 0.4), (0.05, 0.0), (0.05, np.nan)])
+def test_van_der_waals_refuses_constants(hamaker: float, distance: float) -> None:
+    with pytest.raises(InputError, match="it must be positive"):
+        VanDerWaals(hamaker, distance)
+
+
+def test_flat_substrate() -> None:
+    flat = Flat(height=-0.5)
+    positions = np.array([[3.0, 1.0], [4.0, -2.0]])
+    gap, normal, curvature = evaluate_substrate(flat.kernel, flat.parameters, positions)
+    assert gap.tolist() == [1.5, -1.5]
+    assert normal.tolist() == [[0.0, 1.0], [0.0, 1.0]]
+    assert curvature.tolist() == [0.0, 0.0]

@@ -1,0 +1,169 @@
+"""Figures: what they show is what was given, and their files are as large as they say."""
+
+from pathlib import Path
+
+import matplotlib as mpl
+import numpy as np
+import pytest
+from matplotlib.collections import TriMesh
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from PIL import Image
+
+import isopeel
+from isopeel import Curve, InputError, Problem, RowSpace, Step
+from isopeel.arrays import FloatArray, frozen
+from isopeel.post.closed_form import beam_peeling
+from isopeel.post.fields import sample_fields
+from isopeel.post.figures import moment_figure, save, shapes_figure, space_figure
+from isopeel.post.reading import PlateauReading
+from isopeel.problem import Column
+
+ANGLES = np.arange(0.0, 31.0, 7.5)
+
+
+@pytest.fixture(scope="module")
+def run() -> tuple[Problem, RowSpace, list[Step]]:
+    problem, space = isopeel.strip(), isopeel.row_space("N2", (20, 2))
+    return problem, space, list(isopeel.trace(problem, space, np.radians(ANGLES)))
+
+
+@pytest.fixture
+def long_curve() -> Curve:
+    """A moment that rises to its plateau at 60 degrees and oscillates there by 0.004 peak to peak."""
+    angle = np.linspace(0, 120, 1201)
+    moment = np.where(angle < 60, angle * 1.63 / 60, 1.63 + 0.002 * np.sin(angle - 60))
+    zeros = frozen(np.zeros(1201))
+    return Curve(
+        Column("theta_deg", "degree"),
+        Column("moment", "E0 L0^3"),
+        frozen(angle),
+        frozen(moment),
+        np.zeros(1201, dtype=np.int64),
+        zeros,
+        zeros,
+        zeros,
+    )
+
+
+def pixels(path: Path) -> FloatArray:
+    with Image.open(path) as image:
+        return np.asarray(image, dtype=np.float64)
+
+
+def data(line: Line2D) -> tuple[FloatArray, FloatArray]:
+    x, y = np.asarray(line.get_xydata(), dtype=np.float64).T
+    return x, y
+
+
+def texts(figure: Figure) -> list[str]:
+    return [text.get_text() for axes in figure.axes for text in axes.texts]
+
+
+def test_a_short_run_has_one_panel_with_its_curve(run: tuple[Problem, RowSpace, list[Step]]) -> None:
+    problem, _, steps = run
+    curve = Curve.of(steps, problem.drive)
+    figure = moment_figure(curve, None, beam_peeling(problem))
+    (axes,) = figure.axes
+    (line,) = axes.lines  # the closed form begins to tell something at its onset, at 53.8 degrees
+    np.testing.assert_array_equal(data(line), [curve.parameter, curve.reaction])
+    assert axes.get_xlabel() == "rotation of the driven face / degree"
+    assert axes.get_ylabel() == "moment $M$ / $E_0 L_0^3$"
+    assert axes.get_xlim() == (0.0, 30.0)
+
+
+def test_a_single_step_can_be_drawn(run: tuple[Problem, RowSpace, list[Step]], tmp_path: Path) -> None:
+    problem, space, steps = run
+    save(moment_figure(Curve.of(steps[:1], problem.drive)), tmp_path / "moment.png")
+    save(shapes_figure(problem, space, {0.0: steps[0].displacement}), tmp_path / "shapes.png")
+    assert pixels(tmp_path / "moment.png").shape[:2] == (520, 700)  # 2.6 x 3.5 inches at 200 dpi
+
+
+def test_the_closed_form_and_the_plateau_are_drawn_and_named(long_curve: Curve) -> None:
+    plateau = PlateauReading((90.0, 110.0), 1.63, 1e-4, 0.004, 0.002, -0.002)
+    figure = moment_figure(long_curve, plateau, beam_peeling(isopeel.strip()))
+    whole, enlarged = figure.axes
+    _, level, onset = whole.lines
+    np.testing.assert_allclose(data(level)[1], 1.6315, atol=5e-5)  # the published digits
+    np.testing.assert_allclose(data(onset)[0], 53.8, atol=0.05)
+    angle, deviation = data(enlarged.lines[-1])
+    inside = (long_curve.parameter >= 87) & (long_curve.parameter <= 113)  # 15 % wider each way
+    np.testing.assert_array_equal(angle, long_curve.parameter[inside])
+    # drawn in thousandths; 1e-12 is round-off of the difference, a thousandfold
+    np.testing.assert_allclose(deviation, 1e3 * (long_curve.reaction[inside] - 1.63), rtol=0, atol=1e-12)
+    # 1e-4 per degree over 20 degrees, in thousandths
+    np.testing.assert_allclose(data(enlarged.lines[0]), [[90, 110], [-1, 1]], rtol=1e-12)
+    assert enlarged.get_xlim() == (87.0, 113.0)
+    assert "$10^{-3}$" in enlarged.get_ylabel()
+    assert texts(figure) == [
+        "closed form 1.6315",
+        "onset 53.8°",
+        "mean 1.63, amplitude $4.00\\times 10^{-3}$\n"
+        "slopes $2.00\\times 10^{-3}$, $-2.00\\times 10^{-3}$ per degree\n"
+        "drift taken out $1.00\\times 10^{-4}$ per degree",
+    ]
+
+
+def test_shapes_share_one_scale_and_hold_the_body(
+    run: tuple[Problem, RowSpace, list[Step]], tmp_path: Path
+) -> None:
+    problem, space, steps = run
+    fields = {float(angle): step.displacement for angle, step in zip(ANGLES, steps, strict=True)}
+    figure = shapes_figure(problem, space, fields)
+    upper, lower, bar = figure.axes
+    meshes = [mesh for axes in (upper, lower) for mesh in axes.collections if isinstance(mesh, TriMesh)]
+    # 7.5 degrees lift the end by 50 sin(7.5)/2 = 3 nm, too little to be told from the next shape: 3 % of 200
+    assert texts(figure) == ["0°", "15°", "30°"]
+    assert len(meshes) == 4
+    # as many cells per element as the figure takes, so that it meets the same extreme values
+    largest = max(
+        np.abs(sample_fields(problem, space, u, (15, 8)).first_invariant).max() for u in fields.values()
+    )
+    assert {mesh.get_clim() for mesh in meshes} == {(-largest, largest)}
+    last = sample_fields(problem, space, fields[30.0]).position.reshape(-1, 2)
+    assert upper.get_xlim()[0] < last[:, 0].min() < last[:, 0].max() < upper.get_xlim()[1]
+    assert upper.get_ylim()[0] < last[:, 1].min() < last[:, 1].max() < upper.get_ylim()[1]
+    assert [axes.get_aspect() for axes in (upper, lower)] == [1.0, 1.0]
+    assert bar.get_ylabel() == r"$I_1 = \mathrm{tr}\,\sigma / E$"
+    save(figure, tmp_path / "shapes.png")
+    height, width, _ = pixels(tmp_path / "shapes.png").shape
+    assert (width, height) == (1440, int(200 * figure.get_figheight()))  # 7.2 inches at 200 dpi
+
+
+def test_the_front_is_enlarged_where_the_gap_opens() -> None:
+    problem, space = isopeel.strip(), isopeel.row_space("L1", (40, 2))
+    displacement = np.zeros((space.size, 2))
+    places = 200 * space.greville[:, 0]
+    displacement[:, 1] = np.maximum(places - 100, 0) / 10  # a ramp of slope 1/10 from x = 100
+    figure = shapes_figure(problem, space, {1.0: displacement})
+    lower = figure.axes[1]
+    # a gap of 3 r_eq is reached where the lift is 2 r_eq = 0.509, at x = 105.1; points are 0.375 apart
+    assert np.mean(lower.get_xlim()) == pytest.approx(105.1, abs=0.4)
+
+
+def test_each_kind_of_row_has_a_panel() -> None:
+    contact, rest, across = space_figure(isopeel.row_space("L1+N2.1", (40, 4))).axes
+    assert contact.get_title("left") == r"$N_i(\xi)$, contact row: degree 3, $C^1$"
+    assert rest.get_title("left") == r"$N_i(\xi)$, rows 2 to 5: degree 1, $C^0$"
+    assert across.get_title("left") == r"$M_j(\eta)$, across the rows: degree 1, $C^0$"
+    # on six elements 2 (6 - 1) + 4 = 14 cubics, and 7 hat functions; one more line holds the knots
+    assert [len(axes.lines) for axes in (contact, rest, across)] == [15, 8, 6]
+    assert contact.get_xlim() == (0.0, 0.15)
+    ends = [data(line) for line in rest.lines[:-1]]
+    assert [x[-1] for x, y in ends if y[-1] == 1] == [0.15]  # one hat stands on the last knot shown
+
+
+def test_the_users_settings_neither_matter_nor_change(long_curve: Curve, tmp_path: Path) -> None:
+    save(moment_figure(long_curve), tmp_path / "ours.png")
+    with mpl.rc_context({"font.size": 30, "lines.linewidth": 9, "savefig.dpi": 17}):
+        save(moment_figure(long_curve), tmp_path / "theirs.png")
+        assert mpl.rcParams["font.size"] == 30
+    np.testing.assert_array_equal(pixels(tmp_path / "ours.png"), pixels(tmp_path / "theirs.png"))
+
+
+def test_bad_input_is_named(run: tuple[Problem, RowSpace, list[Step]], tmp_path: Path) -> None:
+    problem, space, _ = run
+    with pytest.raises(InputError, match="at least one state"):
+        shapes_figure(problem, space, {})
+    with pytest.raises(InputError, match=r"\.png, \.pdf, \.svg"):
+        save(Figure(), tmp_path / "figure.docx")

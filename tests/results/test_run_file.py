@@ -1,0 +1,145 @@
+import os
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+
+from isopeel.errors import InputError
+from isopeel.problem import strip
+from isopeel.results.curve import Curve
+from isopeel.results.provenance import Provenance
+from isopeel.results.run_file import Failure, RunWriter, read_run, run_attributes
+from isopeel.solve.trace import Step
+from isopeel.splines.rows import row_space
+
+PROBLEM = strip()
+SPACE = row_space("L1+N2", (6, 2))
+PROVENANCE = Provenance(
+    {"isopeel": "0.1.0", "numpy": "2"}, "here", "0123abc-dirty", "2021-02-03T04:05:06+00:00", "isopeel run"
+)
+
+
+def steps(degrees: list[float]) -> list[Step]:
+    random = np.random.default_rng(1)
+    return [
+        Step(
+            number=k,
+            parameter=float(np.radians(angle)),
+            reaction=float(random.normal()),
+            displacement=random.normal(size=(SPACE.size, 2)),
+            stored_energy=float(random.normal()),
+            adhesive_energy=float(random.normal()),
+            iterations=(1e-3, 1e-9, 1e-20)[: k + 1],
+            seconds=0.1,
+        )
+        for k, angle in enumerate(degrees)
+    ]
+
+
+def writer(path: Path) -> RunWriter:
+    return RunWriter(path, PROBLEM.drive, 'name = "µ"\n', run_attributes(PROBLEM, SPACE, PROVENANCE))
+
+
+def columns(curve: Curve) -> list[list[float]]:
+    return [
+        column.tolist()
+        for column in (
+            curve.parameter,
+            curve.reaction,
+            curve.iterations,
+            curve.stored_energy,
+            curve.adhesive_energy,
+            curve.seconds,
+        )
+    ]
+
+
+def test_a_run_is_read_back_to_the_last_bit(tmp_path: Path) -> None:
+    taken = steps([0, 4, 9.5, 12, 16, 20, 24, 27])
+    failure = Failure(31.5, "the tangent is singular: pivot 3 vanishes", (1e-3, float("inf")))
+    with writer(tmp_path / "run.h5") as run:
+        for step in taken:
+            run.append(step)
+        run.end("not converged", failure)
+    stored = read_run(tmp_path / "run.h5")
+    assert columns(stored.curve) == columns(Curve.of(taken, PROBLEM.drive))
+    assert stored.curve.parameter_column == PROBLEM.drive.parameter_column
+    assert stored.curve.reaction_column == PROBLEM.drive.reaction_column
+    # the first step at or beyond 0, 10 and 20 degrees, and the last one
+    assert list(stored.fields) == [0, 12, 20, 27]
+    for angle, number in ((0, 0), (12, 3), (20, 5), (27, 7)):
+        assert np.array_equal(stored.fields[angle], taken[number].displacement)
+    assert (stored.ending, stored.failure, stored.case_text) == ("not converged", failure, 'name = "µ"\n')
+    assert stored.attributes == {
+        "space": "L1+N2",
+        "mesh": "6x2",
+        "dofs": 2 * SPACE.size,
+        "traction": "reference",
+        "platform": "here",
+        "started": "2021-02-03T04:05:06+00:00",
+        "command_line": "isopeel run",
+        "version_isopeel": "0.1.0",
+        "version_numpy": "2",
+        "git_revision": "0123abc-dirty",
+    }
+    assert os.listdir(tmp_path) == ["run.h5"]
+
+
+def test_columns_carry_their_units(tmp_path: Path) -> None:
+    with writer(tmp_path / "run.h5") as run:
+        run.append(steps([0])[0])
+    with h5py.File(tmp_path / "run.h5") as file:
+        units = {name: column.attrs["unit"] for name, column in file["curve"].items()}
+    assert units == {
+        "theta_deg": "degree",
+        "moment": "E0 L0^3",
+        "iterations": "1",
+        "stored_energy": "E0 L0^2",
+        "adhesive_energy": "E0 L0^2",
+        "seconds": "s",
+    }
+
+
+def test_an_exception_leaves_all_steps_before_it(tmp_path: Path) -> None:
+    taken = steps([0, 1, 2])
+    with pytest.raises(ZeroDivisionError), writer(tmp_path / "run.h5") as run:
+        for step in taken:
+            run.append(step)
+        raise ZeroDivisionError
+    stored = read_run(tmp_path / "run.h5")
+    assert columns(stored.curve) == columns(Curve.of(taken, PROBLEM.drive))
+    assert (stored.ending, stored.failure, list(stored.fields)) == ("running", None, [0, 2])
+
+
+def test_a_run_without_steps_is_read_back(tmp_path: Path) -> None:
+    with writer(tmp_path / "run.h5"):
+        pass
+    stored = read_run(tmp_path / "run.h5")
+    assert (len(stored.curve), dict(stored.fields)) == (0, {})
+
+
+def test_a_full_disk_leaves_what_was_saved_before(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def fill_up(path: Path, image: bytes) -> int:
+        with path.open("wb") as file:
+            file.write(image[:100])
+        raise OSError(28, "No space left on device")
+
+    with pytest.raises(OSError, match="No space left"), writer(tmp_path / "run.h5") as run:
+        run.append(steps([0])[0])
+        monkeypatch.setattr(Path, "write_bytes", fill_up)
+    assert read_run(tmp_path / "run.h5").ending == "running"
+    assert os.listdir(tmp_path) == ["run.h5"]
+
+
+def test_other_files_are_refused(tmp_path: Path) -> None:
+    text, foreign, old = (tmp_path / name for name in ("text.h5", "foreign.h5", "old.h5"))
+    text.write_text("no HDF5")
+    with h5py.File(foreign, "w") as file:
+        file["curve"] = [1.0]
+    with h5py.File(old, "w") as file:
+        file.attrs["format"] = "isopeel run 1"
+    for path in (text, foreign, old, tmp_path, tmp_path / "none.h5"):
+        with pytest.raises(InputError) as caught:
+            read_run(path)
+        assert (caught.value.field, caught.value.value) == ("FILE", str(path))

@@ -1,0 +1,241 @@
+import tomllib
+from importlib import resources
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from isopeel.case import Case, load_case, parse_mesh, shipped_cases
+from isopeel.errors import InputError
+from isopeel.physics.adhesion import FormulaAdhesion
+from isopeel.physics.materials import FormulaMaterial, NeoHooke
+from isopeel.problem import strip
+
+STRIP = resources.files("isopeel").joinpath("cases", "strip.toml").read_text("utf-8")
+
+
+def changed(old: str, new: str) -> str:
+    assert STRIP.count(old) == 1
+    return STRIP.replace(old, new)
+
+
+def test_the_shipped_strip_is_the_one_of_the_literature() -> None:
+    case = load_case("strip")
+    problem, published = case.problem(), strip()
+    # exactly: quantities are converted without rounding
+    assert problem.body.material == published.body.material
+    assert problem.adhesion == published.adhesion
+    assert np.array_equal(problem.body.shape.control_points, published.body.shape.control_points)
+    assert (case.space().name, case.space().elements) == ("N2.1", (200, 10))
+    assert case.reading is not None
+    assert case.reading.window == (98.0, 101.4)
+
+
+def test_sections_with_defaults_may_be_left_out() -> None:
+    start = STRIP.index("[discretization]")
+    case = Case.parse(STRIP[:start].replace('traction = "reference"', ""))
+    full = load_case("strip")
+    assert (case.discretization, case.drive, case.adhesion) == (
+        full.discretization,
+        full.drive,
+        full.adhesion,
+    )
+    assert case.reading is None
+
+
+def test_angles_are_multiples_of_the_step_and_end_where_asked() -> None:
+    case = load_case("strip")
+    asked = [float(f"{k}e-1") for k in range(1201)]
+    # one rounding from degrees to radians and one back
+    np.testing.assert_allclose(np.degrees(case.angles()), asked, rtol=3e-16, atol=0)
+    shorter = np.degrees(case.overridden(to=3.0, step=0.7).angles())
+    np.testing.assert_allclose(shorter, [0, 0.7, 1.4, 2.1, 2.8, 3.0], rtol=3e-16, atol=0)
+    assert np.degrees(case.overridden(to=0.05).angles()) == pytest.approx([0, 0.05], rel=3e-16)
+
+
+def test_overrides_give_a_new_case_that_can_be_read_back() -> None:
+    case = load_case("strip")
+    other = case.overridden(space="L1+N2", mesh="20x2", to=3.0, step=0.5, traction="projected")
+    assert case == load_case("strip")
+    assert (other.discretization.space, other.space().elements) == ("L1+N2", (20, 2))
+    assert (other.drive.to, other.drive.step, other.adhesion.traction) == (3.0, 0.5, "projected")
+    assert Case.parse(other.text) == other
+    assert Case.parse(case.text) == case
+
+
+FORMULAS = """
+name = "formulas"
+[body]
+length = "0.2 um"
+height = "10 nm"
+[material]
+law = "formula"
+energy = "mu/2*(I1 - 3 - 2*log(J)) + bulk/2*log(J)**2"
+[material.constants]
+mu = "0.8 GPa"
+bulk = "0.6 GPa"
+[adhesion]
+law = "formula"
+potential = "W*((s/r)**8 - k*(s/r)**2)"
+length = "150 nm"
+[adhesion.constants]
+W = "30 mJ/m^2"
+s = "4 angstrom"
+k = 2
+"""
+
+
+def test_laws_may_be_formulas_with_constants_that_have_units() -> None:
+    case = Case.parse(FORMULAS)
+    problem = case.problem()
+    material, law = problem.body.material, problem.adhesion.law
+    assert isinstance(material, FormulaMaterial)
+    assert isinstance(law, FormulaAdhesion)
+    assert material.constants == {"mu": 0.4, "bulk": 0.3}  # in 2 GPa
+    assert law.constants == {"W": 0.015, "s": 0.4, "k": 2.0}  # in 2 J/m^2 and nm
+    # neo-Hooke with mu and lambda: E = mu (3 lambda + 2 mu)/(lambda + mu), nu = lambda/(2 (lambda + mu))
+    same = NeoHooke(0.4 * (3 * 0.3 + 2 * 0.4) / (0.3 + 0.4), 0.3 / (2 * (0.3 + 0.4)))
+    assert material.youngs_modulus == pytest.approx(same.youngs_modulus, rel=1e-14)  # round-off
+    # Phi' = 0: 8 (s/r)^6 = 2 k
+    assert law.equilibrium_gap == pytest.approx(
+        0.4 * (8 / 4) ** (1 / 6), rel=1e-12
+    )  # a root finder's tolerance
+    assert problem.name == "formulas"
+    assert Case.parse(case.text) == case
+
+
+BAD_VALUES = [
+    ('youngs_modulus = "2 GPa"', 'youngs_modulus = "2 nm"', "material.youngs_modulus", "a stress is needed"),
+    ('youngs_modulus = "2 GPa"', 'youngs_modulus = "-2 GPa"', "material.youngs_modulus", "positive"),
+    ('youngs_modulus = "2 GPa"', 'youngs_modulus = "0 GPa"', "material.youngs_modulus", "positive"),
+    ('youngs_modulus = "2 GPa"', "youngs_modulus = 2.0", "material.youngs_modulus", "no unit"),
+    ('youngs_modulus = "2 GPa"', 'youngs_modulus = "2"', "material.youngs_modulus", "no unit"),
+    ('youngs_modulus = "2 GPa"', 'youngs_modulus = "2 GPaa"', "material.youngs_modulus", "known unit"),
+    ('youngs_modulus = "2 GPa"', 'youngs_modulus = "nan GPa"', "material.youngs_modulus", "finite"),
+    ('youngs_modulus = "2 GPa"', "youngs_modulus = inf", "material.youngs_modulus", "unit"),
+    ('youngs_modulus = "2 GPa"', "youngs_modulus = true", "material.youngs_modulus", "a stress is needed"),
+    ('youngs_modulus = "2 GPa"', "youngs_modulus = []", "material.youngs_modulus", "a stress is needed"),
+    ('youngs_modulus = "2 GPa"', "", "material.youngs_modulus", "missing"),
+    ("poissons_ratio = 0.2", "poissons_ratio = 0.5", "material.poissons_ratio", "(-1, 0.5)"),
+    ("poissons_ratio = 0.2", "poissons_ratio = -1", "material.poissons_ratio", "(-1, 0.5)"),
+    ("poissons_ratio = 0.2", "poissons_ratio = nan", "material.poissons_ratio", "(-1, 0.5)"),
+    ("poissons_ratio = 0.2", 'poissons_ratio = "0.2"', "material.poissons_ratio", "without quotes"),
+    ('law = "neo-hooke"', 'law = "ogden"', "material.law", "neo-hooke, formula"),
+    ('law = "neo-hooke"', "", "material.law", "neo-hooke, formula"),
+    ('height = "10 nm"', 'height = "0 nm"', "body.height", "positive"),
+    ('height = "10 nm"', 'heigth = "10 nm"', "body.heigth", "length, height"),
+    ("[body]", "[bodies]", "bodies", "name, body, material"),
+    ('name = "strip"', 'name = "../strip"', "name", "letters"),
+    ('name = "strip"', "name = 3", "name", "letters"),
+    ('length = "150 nm"', 'length = "201 nm"', "adhesion.length", "at most body.length"),
+    ('length = "150 nm"', 'length = "-1 nm"', "adhesion.length", "positive"),
+    (
+        'hamaker_constant = "1e-19 J"',
+        'hamaker_constant = "1e-19 J/m"',
+        "adhesion.hamaker_constant",
+        "an energy",
+    ),
+    ('traction = "reference"', 'traction = "both"', "adhesion.traction", "'projected'"),
+    ('space = "N2.1"', 'space = "Z3"', "discretization.space", "L2, N4, N2.1"),
+    ('space = "N2.1"', "space = 3", "discretization.space", "'N2.1'"),
+    ('mesh = "200x10"', 'mesh = "0x10"', "discretization.mesh", "1 to"),
+    ('mesh = "200x10"', 'mesh = "200"', "discretization.mesh", "200x10"),
+    ('mesh = "200x10"', 'mesh = "1e9x10"', "discretization.mesh", "200x10"),
+    ('mesh = "200x10"', 'mesh = "999999999x10"', "discretization.mesh", "1 to"),
+    ('mesh = "200x10"', 'mesh = "100000x1000"', "discretization.mesh", "GiB"),
+    ('step = "0.1 deg"', 'step = "0 deg"', "drive.step", "positive"),
+    ('step = "0.1 deg"', 'step = "-1 deg"', "drive.step", "positive"),
+    ('step = "0.1 deg"', 'step = "1e-4 deg"', "drive.step", "100000 steps"),
+    ('step = "0.1 deg"', 'step = "0.1 nm"', "drive.step", "an angle"),
+    ('to = "120 deg"', 'to = "181 deg"', "drive.to", "at most 180"),
+    ('to = "120 deg"', 'to = "0 deg"', "drive.to", "above 0"),
+    ('window = ["98 deg", "101.4 deg"]', 'window = ["98 deg"]', "reading.window", "two angles"),
+    (
+        'window = ["98 deg", "101.4 deg"]',
+        'window = ["98 deg", "98 deg"]',
+        "reading.window",
+        "smaller one first",
+    ),
+    ('window = ["98 deg", "101.4 deg"]', 'window = ["98 deg", "1 nm"]', "reading.window", "two angles"),
+]
+
+
+@pytest.mark.parametrize(("old", "new", "field", "allowed"), BAD_VALUES)
+def test_bad_values_name_their_key_and_what_is_allowed(old: str, new: str, field: str, allowed: str) -> None:
+    with pytest.raises(InputError) as caught:
+        Case.parse(changed(old, new))
+    assert caught.value.field == field
+    assert allowed in caught.value.allowed
+    written = next(iter(tomllib.loads(new).values()), None)
+    if not isinstance(written, dict):
+        assert repr(caught.value.value) == repr(written)
+    assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "field"),
+    [
+        ('mu = "0.8 GPa"', 'mu = "0.8 s"', "material.constants.mu"),
+        ('mu = "0.8 GPa"', "mu = true", "material.constants.mu"),
+        ('mu = "0.8 GPa"', "mu = inf", "material.constants.mu"),
+        ('mu = "0.8 GPa"', 'mu = "-0.8 GPa"', "material.energy"),
+        ('mu = "0.8 GPa"', 'J = "0.8 GPa"', "material.constants"),
+        ("k = 2", 'k = "2 deg"', "adhesion.constants.k"),
+        ("k = 2", "", "adhesion.potential"),
+        ("k = 2", "k = -2", "adhesion.potential"),
+        ('energy = "mu/2', 'energy = "__import__(1)', "material.energy"),
+    ],
+)
+def test_bad_formulas_name_their_key(old: str, new: str, field: str) -> None:
+    assert FORMULAS.count(old) == 1
+    with pytest.raises(InputError) as caught:
+        Case.parse(FORMULAS.replace(old, new))
+    assert caught.value.field == field
+
+
+@pytest.mark.parametrize(
+    ("option", "value"), [("mesh", "0x1"), ("space", "Z3"), ("traction", "x"), ("to", 200.0)]
+)
+def test_bad_overrides_name_the_option(option: str, value: object) -> None:
+    with pytest.raises(InputError) as caught:
+        load_case("strip").overridden(**{option: value})  # type: ignore[arg-type]
+    assert (caught.value.field, caught.value.value) == (f"--{option}", value)
+
+
+def test_files_that_are_no_case_are_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    broken, binary, nested = (tmp_path / name for name in ("broken.toml", "binary.toml", "nested.toml"))
+    broken.write_text('name = "x"\nlength 3\n')
+    binary.write_bytes(b"name\xff")
+    nested.write_text("a = " + "[" * 100_000)
+    for path, allowed in (
+        (tmp_path / "none.toml", "does not exist"),
+        (tmp_path, "is no file"),
+        (broken, "line 2"),
+        (binary, "byte 4"),
+        (nested, "not TOML"),
+    ):
+        with pytest.raises(InputError) as caught:
+            load_case(path)
+        assert (caught.value.field, caught.value.value) == ("CASE", str(path))
+        assert allowed in caught.value.allowed
+
+    def refuse(*_: object) -> str:
+        raise PermissionError(13, "Permission denied")
+
+    monkeypatch.setattr(Path, "read_text", refuse)
+    with pytest.raises(InputError, match="Permission denied"):
+        load_case(broken)
+
+
+def test_a_file_is_read_like_a_shipped_case(tmp_path: Path) -> None:
+    path = tmp_path / "mine.toml"
+    path.write_text(STRIP)
+    assert load_case(path) == load_case("strip")
+    assert shipped_cases() == ("strip",)
+
+
+def test_meshes_are_two_numbers() -> None:
+    assert parse_mesh("mesh", "160x8") == (160, 8)
+    for text in ("160", "160x", "-1x2", "2 x 3", "1.5x2"):
+        with pytest.raises(InputError, match=r"length x height"):
+            parse_mesh("mesh", text)

@@ -1,0 +1,269 @@
+import csv
+import json
+import signal
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import isopeel
+from isopeel.cli import main
+from isopeel.results.run_file import RunWriter
+
+SMALL = ("--mesh", "20x2", "--space", "L1", "--to", "3", "--step", "1")
+FILES = {"curve.csv", "run.h5", "summary.json", "moment.png", "shapes.png"}
+
+
+@pytest.fixture(autouse=True)
+def _in_a_folder_of_its_own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+
+
+def table(path: Path) -> tuple[list[str], np.ndarray[Any, np.dtype[np.float64]]]:
+    with path.open(newline="") as file:
+        heading, *rows = csv.reader(file)
+    return heading, np.array(rows, dtype=np.float64).reshape(len(rows), len(heading))
+
+
+def summary(folder: Path) -> dict[str, Any]:
+    found: dict[str, Any] = json.loads((folder / "summary.json").read_text())
+    return found
+
+
+def the_error(capsys: pytest.CaptureFixture[str]) -> str:
+    """Return the one line on standard error."""
+    error = capsys.readouterr().err
+    assert error.startswith("isopeel: ")
+    assert error.endswith("\n")
+    assert error.count("\n") == 1
+    assert "Traceback" not in error
+    return error
+
+
+def test_a_run_leaves_its_files(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["run", "strip", *SMALL]) == 0
+    out = Path("out/strip")
+    assert {path.name for path in out.iterdir()} == FILES
+    heading, rows = table(out / "curve.csv")
+    assert heading[:3] == ["theta_deg", "moment", "iterations"]
+    assert rows[:, 0].tolist() == [0, 1, 2, 3]
+    stored = isopeel.read_run(out / "run.h5")
+    curve = stored.curve
+    same = (curve.parameter, curve.reaction, curve.iterations, curve.stored_energy, curve.adhesive_energy)
+    # both files hold all digits
+    assert np.array_equal(rows[:, :5], np.stack(same, axis=1))
+    # the moment's work, by the trapezoidal rule on a curve that is straight to 3e-4, is the energy gained
+    energy = curve.stored_energy + curve.adhesive_energy
+    work = np.trapezoid(curve.reaction, np.radians(curve.parameter))
+    assert energy[-1] - energy[0] == pytest.approx(work, rel=1e-3)
+    assert isopeel.Case.parse(stored.case_text).discretization.mesh == "20x2"
+    assert stored.fields[3.0].shape == (21 * 3, 2)
+    for figure in ("moment.png", "shapes.png"):
+        assert (out / figure).read_bytes().startswith(b"\x89PNG")
+    shown = capsys.readouterr()
+    assert "L1, 20x2, 126 DOFs" in shown.out
+    assert shown.err == ""
+
+
+def test_the_summary_tells_what_was_read_and_why_not() -> None:
+    assert main(["run", "strip", *SMALL]) == 0
+    found = summary(Path("out/strip"))
+    assert (found["case"], found["space"], found["mesh"], found["dofs"]) == ("strip", "L1", "20x2", 126)
+    assert (found["angle"], found["completed"], found["failure"]) == (3.0, True, None)
+    for name in ("plateau", "amplitude", "slopes", "window", "onset"):
+        assert found[name] is None
+    assert "98 to 101.4 deg" in found["note"]
+    # physics.md section 3: sqrt(2 E' I W), its onset and radius, as rounded there
+    assert found["closed_form"]["moment"] == pytest.approx(1.6315, abs=5e-5)
+    assert found["closed_form"]["onset"] == pytest.approx(53.8, abs=0.05)
+    assert found["closed_form"]["radius"] == pytest.approx(53.2, abs=0.05)
+    _, rows = table(Path("out/strip/curve.csv"))
+    assert found["newton_iterations"] == rows[:, 2].sum()
+    assert found["newton_iterations_per_step"] == rows[:, 2].mean()
+    assert found["wall_time_s"] > rows[:, 5].sum()
+    assert set(found["versions"]) == {"isopeel", "python", "numpy", "scipy", "numba"}
+
+
+def test_a_plateau_is_read_where_the_case_says(tmp_path: Path) -> None:
+    text = isopeel.load_case("strip").text
+    Path("mine.toml").write_text(text.replace('["98 deg", "101.4 deg"]', '["2 deg", "10 deg"]'))
+    arguments = ("--mesh", "20x2", "--space", "N2", "--to", "10", "--step", "1", "--traction", "projected")
+    assert main(["run", "mine.toml", "--out", str(tmp_path / "a" / "b"), *arguments]) == 0
+    found = summary(tmp_path / "a" / "b")
+    _, rows = table(tmp_path / "a" / "b" / "curve.csv")
+    assert found["plateau"] == pytest.approx(rows[2:, 1].mean(), rel=1e-14)  # the order of a sum
+    assert (found["window"], found["traction"]) == ([2.0, 10.0], "projected")
+    assert "plateau" not in found["note"]
+
+
+def test_no_equilibrium_ends_with_3_and_keeps_what_converged(capsys: pytest.CaptureFixture[str]) -> None:
+    # elements of 20 nm bend so badly that 20 degrees more ask for several states at once
+    arguments = ("--mesh", "10x1", "--space", "L1", "--to", "80", "--step", "20")
+    assert main(["run", "strip", *arguments]) == 3
+    out = Path("out/strip")
+    assert {path.name for path in out.iterdir()} == FILES
+    _, rows = table(out / "curve.csv")
+    stored, found = isopeel.read_run(out / "run.h5"), summary(out)
+    assert stored.failure is not None
+    assert 1 <= len(rows) < 5
+    assert stored.curve.parameter.tolist() == rows[:, 0].tolist() == [20.0 * k for k in range(len(rows))]
+    assert stored.ending == "not converged"
+    assert stored.failure.parameter == found["failure"]["angle"] == 20.0 * len(rows)
+    assert (found["completed"], found["angle"]) == (False, rows[-1, 0])
+    error = capsys.readouterr().err
+    assert f"no equilibrium at {20 * len(rows)} deg: {stored.failure.reason}" in error
+    for measure in stored.failure.iterations:
+        assert f"{measure:.3e}" in error
+    assert "Traceback" not in error
+
+
+def test_ctrl_c_ends_with_130_and_keeps_what_converged(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    append = RunWriter.append
+
+    def interrupted(self: RunWriter, step: isopeel.Step) -> None:
+        append(self, step)
+        if step.number == 2:
+            signal.raise_signal(signal.SIGINT)
+
+    monkeypatch.setattr(RunWriter, "append", interrupted)
+    assert main(["run", "strip", *SMALL]) == 130
+    assert "interrupted" in the_error(capsys)
+    out = Path("out/strip")
+    assert {path.name for path in out.iterdir()} == FILES
+    _, rows = table(out / "curve.csv")
+    assert rows[:, 0].tolist() == isopeel.read_run(out / "run.h5").curve.parameter.tolist() == [0, 1, 2]
+    assert (summary(out)["completed"], summary(out)["failure"]) == (False, None)
+
+
+def test_ctrl_c_before_the_first_step_ends_with_130(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def interrupted(_: RunWriter, step: isopeel.Step) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(RunWriter, "append", interrupted)
+    assert main(["run", "strip", *SMALL]) == 130
+    the_error(capsys)
+    assert table(Path("out/strip/curve.csv"))[1].shape[0] == 0
+    assert summary(Path("out/strip"))["angle"] is None
+
+
+@pytest.mark.parametrize(
+    ("arguments", "told"),
+    [
+        (["strip", "--mesh", "0x10"], ["--mesh", "'0x10'", "1 to 100000 elements"]),
+        (["strip", "--mesh", "200"], ["--mesh", "'200'", "200x10"]),
+        (["strip", "--mesh", "1e9x10"], ["--mesh", "'1e9x10'", "200x10"]),
+        (["strip", "--mesh", "1000000x10"], ["--mesh", "'1000000x10'", "1 to 100000 elements"]),
+        (["strip", "--space", "X3"], ["--space", "'X3'", "L2, N4, N2.1"]),
+        (["strip", "--step", "0"], ["--step", "0.0", "positive"]),
+        (["strip", "--step", "-0.1"], ["--step", "-0.1", "positive"]),
+        (["strip", "--step", "nan"], ["--step", "nan", "finite"]),
+        (["strip", "--step", "1e-9"], ["--step", "1e-09", "100000 steps"]),
+        (["strip", "--to", "181"], ["--to", "181.0", "180 degrees"]),
+        (["strip", "--to", "inf"], ["--to", "inf", "finite"]),
+        (["strip", "--traction", "x"], ["--traction", "'x'", "'projected'"]),
+        (["strip", "--out", "file"], ["--out", "'file'", "written"]),
+        (["strip", "--out", "file/x"], ["--out", "'file/x'", "written"]),
+        (["none.toml"], ["CASE", "'none.toml'", "shipped case: strip"]),
+        (["."], ["CASE", "'.'", "TOML file"]),
+        (["file"], ["CASE", "'file'", "line 1"]),
+        (["bad.toml"], ["body.length", "'2 GPa'", "a length is needed, such as '200 nm'"]),
+        (["strip", "--steps", "3"], ["--steps"]),
+        (["strip", "--step", "abc"], ["--step"]),
+        (["strip", "more"], ["more"]),
+        ([], ["CASE"]),
+    ],
+)
+def test_bad_input_ends_with_2_and_one_line(
+    arguments: list[str], told: list[str], capsys: pytest.CaptureFixture[str]
+) -> None:
+    Path("file").write_text("no TOML")
+    text = isopeel.load_case("strip").text
+    Path("bad.toml").write_text(text.replace('length = "200 nm"', 'length = "2 GPa"'))
+    assert main(["run", *arguments]) == 2
+    error = the_error(capsys)
+    for words in told:
+        assert words in error
+    assert not Path("out").exists()
+
+
+def test_an_earlier_run_stays_until_the_new_one_starts(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["run", "strip", *SMALL]) == 0
+    before = {path: path.read_bytes() for path in Path("out/strip").iterdir()}
+    assert main(["run", "strip", "--mesh", "0x1"]) == 2
+    assert {path: path.read_bytes() for path in Path("out/strip").iterdir()} == before
+    assert main(["run", "strip", *SMALL, "--to", "1"]) == 0
+    assert summary(Path("out/strip"))["angle"] == 1.0
+
+
+def test_a_full_disk_ends_with_2(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    def fill_up(*_: object) -> int:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(Path, "write_bytes", fill_up)
+    assert main(["run", "strip", *SMALL]) == 2
+    assert "No space left on device" in the_error(capsys)
+
+
+def test_spaces_draws_and_tells(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["spaces", "L1+N2.1@2", "--mesh", "20x4", "--out", "figures/space.png"]) == 0
+    assert Path("figures/space.png").read_bytes().startswith(b"\x89PNG")
+    words = [line.split() for line in capsys.readouterr().out.splitlines()]
+    # 2 rows of (n - 1)(p - c) + p + 1 = 19 x 2 + 4 cubics on 2 elements each, 3 rows of 20 + 1 hats
+    assert "contact 2 3 C1 2 elements 84 168".split() in words
+    assert "bulk 3 1 C0 2 elements 63 126".split() in words
+    assert "a displacement field has 294 DOFs on 20x4 elements".split() in words
+    assert main(["spaces", "H3"]) == 0
+    assert Path("out/N2.1.png").exists()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "told"),
+    [
+        (["L0"], ["NAME", "'L0'"]),
+        (["L2", "--mesh", "0x1"], ["--mesh", "'0x1'"]),
+        (["L2", "--mesh", "3"], ["--mesh", "'3'"]),
+        (["L2", "--out", "a.xyz"], ["--out", "'a.xyz'", ".png"]),
+        (["L2", "--out", "file/a.png"], ["file", "written"]),
+    ],
+)
+def test_spaces_refuses_what_makes_no_sense(
+    arguments: list[str], told: list[str], capsys: pytest.CaptureFixture[str]
+) -> None:
+    Path("file").touch()
+    assert main(["spaces", *arguments]) == 2
+    error = the_error(capsys)
+    for words in told:
+        assert words in error
+
+
+def test_version_help_and_unknown_commands(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["--version"]) == 0
+    assert capsys.readouterr().out == f"isopeel {isopeel.__version__}\n"
+    assert main([]) == 0
+    assert "spaces" in capsys.readouterr().out
+    assert main(["peel"]) == 2
+    assert "'peel'" in the_error(capsys)
+
+
+def test_help_does_not_wait_for_a_compiler() -> None:
+    script = (
+        "import sys; from isopeel.cli import main; main(['run', '--help']); print('numba' in sys.modules)"
+    )
+    told = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True).stdout
+    assert "--traction" in told
+    assert told.splitlines()[-1] == "False"
+
+
+def test_the_package_gives_all_its_names() -> None:
+    for name in isopeel.__all__:
+        assert getattr(isopeel, name).__name__ == name
+    assert set(isopeel.__all__) <= set(dir(isopeel))
+    with pytest.raises(AttributeError, match="no attribute 'peel'"):
+        _ = isopeel.peel  # type: ignore[attr-defined]
