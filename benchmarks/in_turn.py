@@ -66,9 +66,9 @@ def table(programs: list[Program]) -> Table:
     result = Table(
         "",
         *("wall ms", "median", "CPU ms", "Newton", "ratio", "median", "range"),
-        title="per load step: milliseconds, Newton iterations, wall time relative to isopeel's",
-        caption="forms: assembled by scikit-fem's forms; hand-tuned: by matrix products.\n"
-        "Medians and range are of blocks, what stands before them is of all steps.",
+        title="milliseconds and Newton iterations per load step",
+        caption="ratio: of wall time to isopeel's; median and range: of blocks\n"
+        "forms: assembled by scikit-fem's forms; hand-tuned: by matrix products",
         box=SIMPLE_HEAD,
         pad_edge=False,
     )

@@ -80,9 +80,12 @@ def main(
     block: Annotated[int, typer.Option(min=1, help="Load steps of one program before the next's turn.")] = 50,
 ) -> None:
     """Time isopeel and its peers in turn on one thread; no time is shown unless all moments agree."""
-    if not (0 <= start < to and step > 0):
-        value = f"{start:g}, {to:g}, {step:g}"
-        raise isopeel.InputError("--from, --to, --step", value, "0 <= from < to and 0 < step are needed")
+    if not (start >= 0 and 0 < step < 2 * (to - start)):
+        value, allowed = (
+            f"{start:g}, {to:g}, {step:g}",
+            "0 <= from, and to at least a step beyond, are needed",
+        )
+        raise isopeel.InputError("--from, --to, --step", value, allowed)
     untimed = untimed_angles(start, step)
     count = round((to - start) / step)
     angles = np.deg2rad(np.concatenate([untimed, start + step * np.arange(1, count + 1)]))

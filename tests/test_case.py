@@ -122,6 +122,7 @@ BAD_VALUES = [
     ("poissons_ratio = 0.2", 'poissons_ratio = "0.2"', "material.poissons_ratio", "without quotes"),
     ('law = "neo-hooke"', 'law = "ogden"', "material.law", "neo-hooke, formula"),
     ('law = "neo-hooke"', "", "material.law", "neo-hooke, formula"),
+    ('length = "200 nm"', 'length = "-200 nm"', "body.length", "positive"),
     ('height = "10 nm"', 'height = "0 nm"', "body.height", "positive"),
     ('height = "10 nm"', 'heigth = "10 nm"', "body.heigth", "length, height"),
     ("[body]", "[bodies]", "bodies", "name, body, material"),

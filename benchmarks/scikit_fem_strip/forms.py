@@ -5,8 +5,9 @@ a number, so that assembly condenses; all x come before all y, so that the block
 """
 
 import numpy as np
-from scipy.sparse import csr_matrix, triu
+from scipy.sparse import csr_matrix
 from skfem import BilinearForm, DiscreteField, LinearForm
+from skfem.assembly.form.coo_data import COOData
 from skfem.assembly.form.form import FormExtraParams
 from skfem.helpers import dot, grad
 
@@ -19,26 +20,40 @@ class FormsAssembly:
 
     def __init__(self, strip: Strip) -> None:
         self._strip = strip
-        (self._x, _), (self._y, self._contact_y) = (
+        (self._x, _), (self._y, self._contact) = (
             strip.bases(numbers, strip.unknowns + 1) for numbers in strip.unknown
         )
+        _, entries = self._assemble(np.zeros(strip.unknown.shape))
+        rows, columns = entries.indices
+        self._upper = np.flatnonzero((rows <= columns) & (columns < strip.unknowns))
+        self._places = rows[self._upper], columns[self._upper]
 
     def __call__(self, displacement: FloatArray) -> tuple[FloatArray, csr_matrix]:
+        residual, entries = self._assemble(displacement)
+        # COOData.tocsr leaves out what is zero by chance: with that PARDISO could not reuse its analysis
+        tangent = csr_matrix((entries.data[self._upper], self._places), shape=(self._strip.unknowns,) * 2)
+        return residual[:-1], tangent
+
+    def _assemble(self, displacement: FloatArray) -> tuple[FloatArray, COOData]:
+        """Return the residual and the entries of the tangent, to be summed, without the block yx."""
         F = deformation_gradient(self._strip.bulk, displacement)
         inverse, factor = invert(F)
         P = stress(F, inverse, factor)
         rise = interpolate(self._strip.contact, displacement[1])
         traction, stiffness = adhesion(EQUILIBRIUM_GAP + rise)
-        x, y, contact = self._x, self._y, self._contact_y
-        residual = INTERNAL_FORCE.assemble(x, P=P[0]) + INTERNAL_FORCE.assemble(y, P=P[1])
-        residual -= ADHESIVE_FORCE.assemble(contact, traction=traction)
-        tangent = (
-            _tangent(moduli(0, 0, inverse, factor)).assemble(x)
-            + _tangent(moduli(0, 1, inverse, factor)).assemble(y, x)
-            + _tangent(moduli(1, 1, inverse, factor)).assemble(y)
-            - ADHESIVE_TANGENT.assemble(contact, stiffness=stiffness)
+        x, y, contact = self._x, self._y, self._contact
+        residual = (
+            INTERNAL_FORCE.assemble(x, P=P[0])
+            + INTERNAL_FORCE.assemble(y, P=P[1])
+            + ADHESIVE_FORCE.assemble(contact, traction=traction)
         )
-        return residual[:-1], triu(tangent[:-1, :-1], format="csr")
+        entries = (
+            _tangent(moduli(0, 0, inverse, factor)).elemental(x)
+            + _tangent(moduli(0, 1, inverse, factor)).elemental(y, x)
+            + _tangent(moduli(1, 1, inverse, factor)).elemental(y)
+            + ADHESIVE_TANGENT.elemental(contact, stiffness=stiffness)
+        )
+        return residual, entries
 
 
 def _tangent(block: FloatArray) -> BilinearForm:
@@ -57,5 +72,5 @@ def _tangent(block: FloatArray) -> BilinearForm:
 
 
 INTERNAL_FORCE = LinearForm(lambda v, w: dot(w.P, grad(v)))
-ADHESIVE_FORCE = LinearForm(lambda v, w: w.traction * v)
-ADHESIVE_TANGENT = BilinearForm(lambda u, v, w: w.stiffness * u * v)
+ADHESIVE_FORCE = LinearForm(lambda v, w: -w.traction * v)
+ADHESIVE_TANGENT = BilinearForm(lambda u, v, w: -w.stiffness * u * v)

@@ -1,4 +1,4 @@
-"""PARDISO as an expert uses it: symmetric, with the analysis of a pattern reused."""
+"""PARDISO as an expert uses it: symmetric, with the analysis of the pattern reused."""
 
 import numpy as np
 from pypardiso import PyPardisoSolver
@@ -15,14 +15,10 @@ PARDISO_PARAMETERS = {1: 1, 2: 0, 10: 8, 21: 1}
 
 
 class SymmetricSolver:
-    """Solves with upper triangles: by Cholesky, or LDL^T where that fails; analyses only new patterns."""
+    """For matrices of one pattern, given as upper triangles: Cholesky, or LDL^T where that fails."""
 
     def __init__(self) -> None:
-        self._solvers = {kind: PyPardisoSolver(mtype=kind) for kind in (POSITIVE_DEFINITE, INDEFINITE)}
-        for solver in self._solvers.values():
-            for parameter, value in PARDISO_PARAMETERS.items():
-                solver.set_iparm(parameter, value)
-        self._pattern: dict[int, csr_matrix] = {}
+        self._solvers: dict[int, PyPardisoSolver] = {}
 
     def solve(self, matrix: csr_matrix, right_hand_side: FloatArray) -> FloatArray:
         try:
@@ -33,18 +29,18 @@ class SymmetricSolver:
         return self._solve(INDEFINITE, matrix, right_hand_side)
 
     def _solve(self, kind: int, matrix: csr_matrix, right_hand_side: FloatArray) -> FloatArray:
+        if kind not in self._solvers:
+            self._solvers[kind] = _analyse(kind, matrix)
         # PyPardisoSolver.solve would analyse the pattern each time and refine the solution twice
-        solver = self._solvers[kind]
-        if not _same_pattern(self._pattern.get(kind), matrix):
-            solver.set_phase(ANALYSIS)
-            solver._call_pardiso(matrix, np.zeros_like(right_hand_side))
-            self._pattern[kind] = matrix
-        solver.set_phase(FACTORIZATION_AND_SOLUTION)
-        solution: FloatArray = solver._call_pardiso(matrix, right_hand_side)
+        solution: FloatArray = self._solvers[kind]._call_pardiso(matrix, right_hand_side)
         return solution
 
 
-def _same_pattern(known: csr_matrix | None, matrix: csr_matrix) -> bool:
-    return known is not None and all(
-        np.array_equal(getattr(known, name), getattr(matrix, name)) for name in ("indptr", "indices")
-    )
+def _analyse(kind: int, pattern: csr_matrix) -> PyPardisoSolver:
+    solver = PyPardisoSolver(mtype=kind)
+    for parameter, value in PARDISO_PARAMETERS.items():
+        solver.set_iparm(parameter, value)
+    solver.set_phase(ANALYSIS)
+    solver._call_pardiso(pattern, np.zeros(pattern.shape[0]))
+    solver.set_phase(FACTORIZATION_AND_SOLUTION)
+    return solver

@@ -35,8 +35,7 @@ class Strip:
         self.face = numbers[-rows:]
         # one unknown for the whole face: its centre's
         free = np.minimum(numbers, self.face[0])
-        along_x = np.where(free < rows, -1, free - rows)
-        along_y = along_x[-1] + 1 + free
+        along_x, along_y = free - rows, free + free[-1] - rows + 1
         self.unknowns = int(along_y[-1]) + 1
         along_x[:rows] = self.unknowns
         self.unknown: IntArray = np.array([along_x, along_y])

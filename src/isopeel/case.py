@@ -72,7 +72,7 @@ class Case(Section):
 
     @model_validator(mode="after")
     def _parts_fit_together(self) -> Self:
-        if self.adhesion.length > self.body.length:
+        if self.adhesion.length > self.body.length > 0:
             raise InputError("adhesion.length", self.adhesion.length, "at most body.length can adhere")
         self.problem()
         self.space()

@@ -88,6 +88,22 @@ def run(
 
 
 @app.command()
+def paper(
+    mesh: Annotated[str, typer.Option(metavar="m1|m2|m3", help="Mesh of the published study.")] = "m2",
+) -> int:
+    """Measure Table 2 of the published study on one mesh, beside the published figures."""
+    try:
+        from rich.console import Console
+
+        from isopeel.paper.table2 import show_table2
+
+        show_table2(mesh, Console(highlight=False))
+    except KeyboardInterrupt:
+        return _fail(INTERRUPTED, "interrupted")
+    return COMPLETED
+
+
+@app.command()
 def spaces(
     name: Annotated[str, typer.Argument(metavar="NAME", help="A spline space, such as N2.1 or L1+N2@2.")],
     mesh: Annotated[str, typer.Option(metavar="NXxNY", help="Elements that DOFs are told for.")] = "200x10",

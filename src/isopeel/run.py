@@ -2,7 +2,6 @@
 
 import json
 from collections.abc import Iterable
-from math import degrees
 from pathlib import Path
 from tempfile import TemporaryFile
 from time import perf_counter
@@ -101,9 +100,7 @@ def _write_results(
     """Write the table, the figures and the summary, and return the latter."""
     run.curve.write_csv(out / "curve.csv")
     closed_form = beam_peeling(problem)
-    # the plateau oscillates while the front passes an element: the angle that one element adds to the arc
-    element = case.body.length / space.elements[0]
-    period = degrees(element / closed_form.radius) if closed_form else None
+    period = closed_form.period_deg(space.elements[0]) if closed_form else None
     plateau = read_plateau(run.curve, case.reading.window, period) if case.reading else None
     summary = summarize(case, run, plateau, onset_angle(run.curve), closed_form, wall_time)
     text = json.dumps(summary, indent=2, allow_nan=False)

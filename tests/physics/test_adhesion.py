@@ -78,9 +78,7 @@ def test_derivative_and_smooth_regularisation(curvature: float) -> None:
 
 
 def test_a_formula_gives_the_same_law() -> None:
-    formula = FormulaAdhesion(
-        "A/(2*pi*r0**3) * (r0**9/(360*r**8) - r0**3/(6*r**2))", {"A": 0.05, "r0": 0.4}
-    )
+    formula = FormulaAdhesion("A/(2*pi*r0**3) * (r0**9/(360*r**8) - r0**3/(6*r**2))", {"A": 0.05, "r0": 0.4})
     gaps = np.linspace(0.26, 2.0, 30)  # above the equilibrium gap, where the formula has no regularisation
     for ours, derived in zip(law_at(LAW, gaps), law_at(formula, gaps), strict=True):
         np.testing.assert_allclose(ours, derived, rtol=0, atol=1e-12)  # round-off of values up to 60

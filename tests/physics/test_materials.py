@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+
 from isopeel import FormulaMaterial, InputError, NeoHooke
 from isopeel.arrays import FloatArray
 from isopeel.physics.batch import evaluate_material

@@ -1,4 +1,3 @@
-import os
 from pathlib import Path
 
 import h5py
@@ -83,7 +82,7 @@ def test_a_run_is_read_back_to_the_last_bit(tmp_path: Path) -> None:
         "version_numpy": "2",
         "git_revision": "0123abc-dirty",
     }
-    assert os.listdir(tmp_path) == ["run.h5"]
+    assert [path.name for path in tmp_path.iterdir()] == ["run.h5"]
 
 
 def test_columns_carry_their_units(tmp_path: Path) -> None:
@@ -103,10 +102,15 @@ def test_columns_carry_their_units(tmp_path: Path) -> None:
 
 def test_an_exception_leaves_all_steps_before_it(tmp_path: Path) -> None:
     taken = steps([0, 1, 2])
-    with pytest.raises(ZeroDivisionError), writer(tmp_path / "run.h5") as run:
-        for step in taken:
-            run.append(step)
-        raise ZeroDivisionError
+
+    def fail_after_three() -> None:
+        with writer(tmp_path / "run.h5") as run:
+            for step in taken:
+                run.append(step)
+            raise ZeroDivisionError
+
+    with pytest.raises(ZeroDivisionError):
+        fail_after_three()
     stored = read_run(tmp_path / "run.h5")
     assert columns(stored.curve) == columns(Curve.of(taken, PROBLEM.drive))
     assert (stored.ending, stored.failure, list(stored.fields)) == ("running", None, [0, 2])
@@ -125,11 +129,14 @@ def test_a_full_disk_leaves_what_was_saved_before(tmp_path: Path, monkeypatch: p
             file.write(image[:100])
         raise OSError(28, "No space left on device")
 
-    with pytest.raises(OSError, match="No space left"), writer(tmp_path / "run.h5") as run:
+    run = writer(tmp_path / "run.h5")
+    with run:
         run.append(steps([0])[0])
-        monkeypatch.setattr(Path, "write_bytes", fill_up)
-    assert read_run(tmp_path / "run.h5").ending == "running"
-    assert os.listdir(tmp_path) == ["run.h5"]
+    monkeypatch.setattr(Path, "write_bytes", fill_up)
+    with pytest.raises(OSError, match="No space left"), run:
+        pass
+    assert len(read_run(tmp_path / "run.h5").curve) == 1
+    assert [path.name for path in tmp_path.iterdir()] == ["run.h5"]
 
 
 def test_other_files_are_refused(tmp_path: Path) -> None:

@@ -17,9 +17,9 @@ HELD = -1
 class Constraints:
     """The map u = T z + g(parameter) from unknowns z to the coefficients u of the displacement.
 
-    Each coefficient follows one unknown or none (T has one 1 in a row, or none), so that a condensation with T is
-    exact and costs nothing: `unknowns` (size, 2) is the number of the unknown, or HELD. The side that the
-    drive moves shares one unknown per free translation.
+    Each coefficient follows one unknown or none (T has one 1 in a row, or none), so that a condensation
+    with T is exact and costs nothing: `unknowns` (size, 2) is the number of the unknown, or HELD. The side
+    that the drive moves shares one unknown per free translation.
     """
 
     unknowns: IntArray
@@ -45,7 +45,8 @@ class Constraints:
 
     def condense(self, forces: FloatArray) -> FloatArray:
         """T^T f (count,) of forces f (size, 2) that work on the coefficients."""
-        return np.bincount(self.unknowns.ravel() + 1, forces.ravel(), minlength=self.count + 1)[1:]
+        totals = np.bincount(self.unknowns.ravel() + 1, forces.ravel(), minlength=self.count + 1)
+        return totals[1:].astype(np.float64, copy=False)
 
     def reaction(self, forces: FloatArray, parameter: float) -> float:
         """Generalised force that works on the drive's parameter."""
@@ -68,7 +69,9 @@ def constrain(problem: Problem, space: RowSpace, elements: Sequence[IntArray]) -
         held = space.side_functions(fixed.side)
         for component in fixed.components:
             if np.isin(held, driven).any():
-                raise InputError("fixed", fixed.side, f"it meets the side {problem.drive.side}, which the drive moves")
+                raise InputError(
+                    "fixed", fixed.side, f"it meets the side {problem.drive.side}, which the drive moves"
+                )
             groups[held, component] = HELD
     numberings = [_number(groups, space.greville, axis) for axis in (0, 1)]
     unknowns = min(numberings, key=lambda numbering: half_bandwidth(numbering, elements))

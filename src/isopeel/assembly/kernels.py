@@ -1,8 +1,8 @@
 """Compiled loops over elements (total Lagrangian): forces, energies and tangents.
 
-The bulk is assembled LANES elements at a time: every array ends with the lane, and the innermost loops run over it, so
-that they fill the processor's vector registers whatever the degree. Index names: a, b functions of an element; i, k
-components; J, L reference directions; q quadrature points; lane the element of a batch.
+The bulk is assembled LANES elements at a time: every array ends with the lane, and the innermost loops run
+over it, so that they fill the processor's vector registers whatever the degree. Index names: a, b functions
+of an element; i, k components; J, L reference directions; q quadrature points; lane the element of a batch.
 """
 
 from typing import Any
@@ -13,7 +13,8 @@ from numba import njit
 from isopeel.arrays import FloatArray, IntArray
 from isopeel.physics.batch import BatchFunction
 
-#: Elements of a batch: enough that the test for overlapping arrays, made before each innermost loop, costs little.
+#: Elements of a batch: enough that the test for overlapping arrays, made before each innermost loop, costs
+#: little.
 LANES = 64
 
 # Reordered sums let loops run in vector registers; nan must stay nan, because it is how an inverted
@@ -38,8 +39,8 @@ def bulk(
 ) -> float:
     """Add internal forces int P_iJ dN_a/dX_J dV and their tangent; return the stored energy.
 
-    Shapes as in `BatchTable`; unknowns (B, 2, m, LANES); u, forces (size, 2); band (unknowns + 1, width), whose last row
-    takes what no unknown wants, untouched without `with_tangent`.
+    Shapes as in `BatchTable`; unknowns (B, 2, m, LANES); u, forces (size, 2); band (unknowns + 1, width),
+    whose last row takes what no unknown wants, untouched without `with_tangent`.
     """
     batches, m, _ = functions.shape
     Q = weights.shape[1]
@@ -147,9 +148,17 @@ def _column(A: Any, G: Any, weights: Any, b: int, flux: Any, K: Any) -> None:
 
 @_compiled
 def _scatter(
-    flat: Any, diagonal: int, row: Any, column: Any, row_start: Any, column_start: Any, value: Any, place: Any, same: bool
+    flat: Any,
+    diagonal: int,
+    row: Any,
+    column: Any,
+    row_start: Any,
+    column_start: Any,
+    value: Any,
+    place: Any,
+    same: bool,
 ) -> None:
-    """Add symmetric entries (LANES,), and their mirror images where the whole band is stored (`diagonal` > 0).
+    """Add symmetric entries (LANES,), and their mirror images where the whole band is stored, `diagonal` > 0.
 
     Entry (i, j) of the matrix lies at flat[start_j + diagonal + i]. Two coefficients that follow one
     unknown meet their mirror image on the diagonal, unless they are the `same`.

@@ -30,8 +30,8 @@ class Equilibrium:
 class BandMatrix:
     """Tangent in LAPACK's band storage, transposed: row j of `entries` holds column j of the matrix.
 
-    symmetric: entries[j, i - j] = A_ij for i >= j (pbtrf, lower); general: entries[j, 2 b + i - j] with half-bandwidth
-    b, whose first b columns are left free for gbtrf.
+    symmetric: entries[j, i - j] = A_ij for i >= j (pbtrf, lower); general: entries[j, 2 b + i - j] with
+    half-bandwidth b, whose first b columns are left free for gbtrf.
     """
 
     workspace: FloatArray  # (n + 1, width); the last row holds nothing
@@ -94,7 +94,7 @@ class System:
     def linearize(
         self, displacement: FloatArray, storage: Storage | None = None
     ) -> tuple[Equilibrium, BandMatrix]:
-        """The same with the tangent dR/dz; `general` storage on request (for a tangent that is not positive definite)."""
+        """The same with the tangent dR/dz, in `general` storage where it may not be positive definite."""
         storage = storage or self.storage
         width = self.half_bandwidth + 1 if storage == "symmetric" else 3 * self.half_bandwidth + 1
         if storage not in self._workspaces:

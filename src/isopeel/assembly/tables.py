@@ -70,11 +70,11 @@ def element_tables(shape: NurbsSurface, space: RowSpace) -> tuple[ElementTable, 
     groups: dict[int, list[ElementTable]] = defaultdict(list)
     for row in range(space.elements[1]):
         # points of one element: eta runs fastest
-        points = np.broadcast_arrays(xi[:, :, None], eta[row])
-        elements, quadrature = xi.shape[0], points[0][0].size
-        flat = [np.ascontiguousarray(p).ravel() for p in points]
-        basis = space.basis(*flat, row)
-        gradients, determinant = _reference_gradients(shape, basis, *flat)
+        elements, quadrature = xi.shape[0], xi.shape[1] * eta.shape[1]
+        x = np.repeat(xi.ravel(), eta.shape[1])
+        y = np.tile(eta[row], xi.size)
+        basis = space.basis(x, y, row)
+        gradients, determinant = _reference_gradients(shape, basis, x, y)
         m = basis.functions.shape[1]
         weights = (xi_weights[:, :, None] * eta_weights[row]).reshape(elements, quadrature)
         groups[m].append(
@@ -82,7 +82,7 @@ def element_tables(shape: NurbsSurface, space: RowSpace) -> tuple[ElementTable, 
                 functions=basis.functions.reshape(elements, quadrature, m)[:, 0],
                 gradients=gradients.reshape(elements, quadrature, 2, m),
                 weights=weights * determinant.reshape(elements, quadrature),
-                positions=shape.evaluate(*flat).reshape(elements, quadrature, 2),
+                positions=shape.evaluate(x, y).reshape(elements, quadrature, 2),
             )
         )
     names = ("functions", "gradients", "weights", "positions")
@@ -131,7 +131,7 @@ def side_table(shape: NurbsSurface, space: RowSpace, side: Side, start: float, e
 
 
 def _batches(array: NDArray[Number], fill: float | None = None) -> NDArray[Number]:
-    """Split the first axis (E,) into batches, (B, ..., LANES); fill up with a value or with the last entry."""
+    """Split the first axis (E,) into batches, (B, ..., LANES); fill up by a value or by the last entry."""
     elements = len(array)
     batches = -(-elements // LANES)
     filled = np.concatenate([array, np.repeat(array[-1:], batches * LANES - elements, axis=0)])

@@ -1,14 +1,16 @@
 """User-written formulas: a parser that admits formulas only, and their translation to batch functions.
 
-The text never reaches `eval`: Python's parser turns it into a tree, and only numbers, known names, the four operations,
-powers and the functions in `FUNCTIONS` are carried over into a SymPy expression.
+The text never reaches `eval`: Python's parser turns it into a tree, and only numbers, known names, the four
+operations, powers and the functions in `FUNCTIONS` are carried over into a SymPy expression.
 """
 
 import ast
+import operator
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from functools import lru_cache
 from keyword import iskeyword
+from typing import Any
 
 import numpy as np
 import sympy
@@ -30,11 +32,11 @@ FUNCTIONS = {
     "cosh": sympy.cosh,
     "tanh": sympy.tanh,
 }
-_OPERATIONS = {
-    ast.Add: lambda a, b: a + b,
-    ast.Sub: lambda a, b: a - b,
-    ast.Mult: lambda a, b: a * b,
-    ast.Div: lambda a, b: a / b,
+_OPERATIONS: dict[type[ast.operator], Callable[[Any, Any], Any]] = {
+    ast.Add: operator.add,
+    ast.Sub: operator.sub,
+    ast.Mult: operator.mul,
+    ast.Div: operator.truediv,
 }
 _LONGEST = 2000  # characters: far more than any law of the literature, and little to parse
 _NAMESPACE = {name: getattr(np, name) for name in [*FUNCTIONS, "arctan", "pi"] if hasattr(np, name)}
@@ -81,7 +83,8 @@ def _translate(node: ast.expr, symbols: Mapping[str, sympy.Symbol]) -> sympy.Exp
                 return sympy.Float(float(base) ** float(exponent))
             return base**exponent
         case ast.BinOp(left=left, op=op, right=right) if type(op) in _OPERATIONS:
-            return _OPERATIONS[type(op)](_translate(left, symbols), _translate(right, symbols))
+            combine = _OPERATIONS[type(op)]
+            return combine(_translate(left, symbols), _translate(right, symbols))
         case ast.Call(func=ast.Name(id=name), args=[argument], keywords=[]) if name in FUNCTIONS:
             return FUNCTIONS[name](_translate(argument, symbols))
     raise ValueError(f"{type(node).__name__} is not part of a formula")

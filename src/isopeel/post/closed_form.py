@@ -18,6 +18,12 @@ class BeamPeeling:
     radius: float  # of the arc that the peeled part forms
     onset_deg: float  # rotation at which peeling begins
 
+    length: float  # of the strip
+
+    def period_deg(self, elements: int) -> float:
+        """Rotation in which the front passes one of equal elements: the period of a mesh's oscillation."""
+        return degrees(self.length / elements / self.radius)
+
 
 def beam_peeling(problem: Problem) -> BeamPeeling | None:
     """Closed form of a straight strip peeled by a rotated end; None where the problem is another one.
@@ -45,4 +51,5 @@ def beam_peeling(problem: Problem) -> BeamPeeling | None:
     free = np.diff(ends[:, 0])[0 if drive.side == "left" else 2]
     stiffness = plane_strain_modulus(problem.body.material) * float(height) ** 3 / 12
     moment = sqrt(2 * stiffness * adhesion.law.work_of_adhesion)
-    return BeamPeeling(moment, stiffness / moment, degrees(abs(float(free)) * moment / stiffness))
+    radius = stiffness / moment
+    return BeamPeeling(moment, radius, degrees(abs(float(free)) / radius), float(length))

@@ -19,8 +19,8 @@ _SAME = 1e-9
 class PlateauReading:
     """What a window of the plateau tells; in the units of the curve, slopes per unit of its parameter.
 
-    The oscillation comes from the mesh: one period is the passage of one element. Amplitude and slopes are read
-    after the drift of the plateau, a straight line, was taken out, because the drift across a
+    The oscillation comes from the mesh: one period is the passage of one element. Amplitude and slopes are
+    read after the drift of the plateau, a straight line, was taken out, because the drift across a
     window can be larger than the oscillation.
     """
 

@@ -91,4 +91,5 @@ class RotatedSide:
     @staticmethod
     def _arms(points: FloatArray) -> FloatArray:
         # any point of the line would do: another one differs by a translation, which is free
-        return points - points.mean(axis=0)
+        arms: FloatArray = points - points.mean(axis=0)
+        return arms

@@ -27,9 +27,9 @@ class AdhesiveSide:
     """The part of a side, from parameter `start` to `end` in [0, 1], that a substrate attracts.
 
     Force on the body, F_c = -int N^T T n_o dA per reference area dA (`reference`; it has a potential), or the
-    same with dA projected on the substrate, times -n_o . F^-T N_o (`projected`; its tangent is not symmetric), with
-    the substrate's normal n_o and the outward normal N_o of the side (Sadhana 46:3, 2021, Eq. 19, read
-    in two ways).
+    same with dA projected on the substrate, times -n_o . F^-T N_o (`projected`; its tangent is not
+    symmetric), with the substrate's normal n_o and the outward normal N_o of the side (Sadhana 46:3, 2021,
+    Eq. 19, read in two ways).
     """
 
     side: Side

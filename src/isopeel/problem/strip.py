@@ -22,8 +22,8 @@ def strip(
 
     The lower face adheres for 0 <= x <= `adhering_length`; the left face keeps u_x = 0. Defaults: the strip
     of Sauer (Int. J. Numer. Methods Eng. 87, 2011) and of Sadhana 46:3 (2021) in its units, lengths in
-    L0 = 1 nm and stresses in E0 = 2 GPa, so that moments come in E0 L0^3 for a width L0. Raises InputError for
-    lengths that make no strip.
+    L0 = 1 nm and stresses in E0 = 2 GPa, so that moments come in E0 L0^3 for a width L0. Raises InputError
+    for lengths that make no strip.
     """
     for name, value in (("length", length), ("height", height)):
         if not 0 < value < float("inf"):

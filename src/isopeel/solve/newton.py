@@ -13,9 +13,9 @@ from isopeel.solve.linear import Factor, NotPositiveDefiniteError, SingularError
 class NewtonSettings:
     """When Newton's method stops.
 
-    It ends with the first correction whose energy residual per unknown, |R . dz|/n, is below `tolerance` times
-    the elastic scale E x area of the body; the correction itself is still applied. `iteration_limit` corrections
-    are made at most.
+    It ends with the first correction whose energy residual per unknown, |R . dz|/n, is below `tolerance`
+    times the elastic scale E x area of the body; the correction itself is still applied. `iteration_limit`
+    corrections are made at most.
     """
 
     tolerance: float = 1e-20

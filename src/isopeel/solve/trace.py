@@ -5,7 +5,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from time import perf_counter
 
-from threadpoolctl import threadpool_limits
+from threadpoolctl import ThreadpoolController
 
 from isopeel.arrays import FloatArray
 from isopeel.assembly.system import System
@@ -44,16 +44,16 @@ def trace(
     nothing is hidden in the generator's state that the steps don't hold. Raises ConvergenceError where a
     step finds no equilibrium; all steps before it have been yielded.
     """
-    return trace_system(System(problem, space), parameters, settings or NewtonSettings())
+    return _trace(System(problem, space), parameters, settings or NewtonSettings())
 
 
-def trace_system(system: System, parameters: Iterable[float], settings: NewtonSettings) -> Iterator[Step]:
-    """The same for an assembled system."""
+def _trace(system: System, parameters: Iterable[float], settings: NewtonSettings) -> Iterator[Step]:
+    libraries = ThreadpoolController()
     history: deque[tuple[float, FloatArray]] = deque(maxlen=PREDICTOR_POINTS)
     for number, parameter in enumerate(parameters):
         began = perf_counter()
         # the factorization of a narrow band gains nothing from threads, and loses by their start
-        with threadpool_limits(limits=1, user_api="blas"):
+        with libraries.limit(limits=1, user_api="blas"):
             start = extrapolate(history, parameter, system.constraints.count)
             result = newton(system, start, parameter, settings)
         history.append((parameter, result.unknown_values))

@@ -23,8 +23,8 @@ class FormulaMaterial:
 
     `energy` may use the components F11 F12 F21 F22 F33, the three-dimensional invariants I1 = tr C,
     I2 = ((tr C)^2 - tr C^2)/2 with C = F^T F, and J = det F, and the names in `constants` (with values in
-    the units of the problem). P = d psi/dF and dP/dF are derived by SymPy; F33 = 1 (plane strain) is set after
-    the derivatives. Raises InputError unless the state F = I is free of stress and stable.
+    the units of the problem). P = d psi/dF and dP/dF are derived by SymPy; F33 = 1 (plane strain) is set
+    after the derivatives. Raises InputError unless the state F = I is free of stress and stable.
     """
 
     energy: str

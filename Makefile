@@ -1,0 +1,40 @@
+# Everything happens in a virtual environment of its own, .venv, made on first use.
+PYTHON ?= python3
+BIN := .venv/bin
+# one thread for BLAS: the factorization of a narrow band gains nothing from more
+export OMP_NUM_THREADS := 1
+
+.PHONY: strip test lint long table benchmark clean
+
+strip: .venv/run  ## run the shipped strip to its figures, in out/strip
+	$(BIN)/isopeel run strip
+
+test: .venv/develop  ## run the tests
+	$(BIN)/python -m pytest --cov=isopeel --cov-report=term:skip-covered
+
+lint: .venv/develop  ## check style and types
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+
+long: .venv/develop  ## run the tests that take minutes
+	$(BIN)/python -m pytest -m long
+
+table: .venv/run  ## measure Table 2 of the published study on its mesh m2
+	$(BIN)/isopeel paper --mesh m2
+
+benchmark: .venv/develop  ## time isopeel and scikit-fem in turn
+	$(BIN)/python benchmarks/load_step.py
+
+clean:
+	rm -rf .venv out
+
+.venv/run: pyproject.toml
+	$(PYTHON) -c 'import sys; sys.exit(0 if sys.version_info >= (3, 11) else "isopeel needs Python 3.11 or newer, this is " + sys.version)'
+	test -x $(BIN)/python || $(PYTHON) -m venv .venv
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable .
+	touch $@
+
+.venv/develop: .venv/run
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[dev,benchmark]'
+	touch $@

@@ -1,0 +1,1 @@
+"""The published benchmark: its tables as data, and our own numbers beside them."""
