@@ -68,7 +68,8 @@ def table(programs: list[Program]) -> Table:
         *("wall ms", "median", "CPU ms", "Newton", "ratio", "median", "range"),
         title="milliseconds and Newton iterations per load step",
         caption="ratio: of wall time to isopeel's; median and range: of blocks\n"
-        "forms: assembled by scikit-fem's forms; hand-tuned: by matrix products",
+        "plain: as scikit-fem's examples show it; forms: as an expert writes it;\n"
+        "hand-tuned: assembled by matrix products",
         box=SIMPLE_HEAD,
         pad_edge=False,
     )

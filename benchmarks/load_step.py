@@ -6,7 +6,7 @@ os.environ.update(dict.fromkeys([f"{name}_NUM_THREADS" for name in ("OMP", "MKL"
 
 import platform
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from importlib.metadata import version
 from pathlib import Path
 from typing import Annotated
@@ -21,13 +21,10 @@ import isopeel
 from in_turn import Program, advance_in_turn, table
 from isopeel.arrays import FloatArray
 from isopeel.case import parse_mesh
-from scikit_fem_strip import ENERGY_TOLERANCE, Assembly, BlasAssembly, FormsAssembly, LoadStep, Strip, trace
+from scikit_fem_strip import ENERGY_TOLERANCE, PEERS, LoadStep, Strip, trace
 from scikit_fem_strip.problem import HEIGHT, LENGTH
 
-PEERS: dict[str, tuple[str, Callable[[Strip], Assembly]]] = {
-    "forms": ("forms", FormsAssembly),
-    "blas": ("hand-tuned", BlasAssembly),
-}
+LABELS = {"plain": "plain", "forms": "forms", "blas": "hand-tuned"}
 PEER_DEGREES = {"L1": 1, "L2": 2, "L4": 4}
 UNTIMED_STEP = 0.5  # degrees
 PACKAGES = ("isopeel", "numpy", "scipy", "numba", "scikit-fem", "pypardiso", "mkl")
@@ -40,10 +37,8 @@ def build(space: str, mesh: tuple[int, int], peers: list[str], angles: FloatArra
     if unknown := set(peers) - set(PEERS):
         raise isopeel.InputError("--peers", unknown.pop(), f"the peers are {', '.join(PEERS)}")
     strip = Strip(PEER_DEGREES[space], mesh)
-    programs = [Program("isopeel", isopeel_path(space, mesh, angles))]
-    for label, assembly in (PEERS[name] for name in peers):
-        programs.append(Program(label, trace(strip, assembly(strip), angles)))
-    return programs
+    programs = [Program(LABELS[name], trace(strip, *PEERS[name](strip), angles)) for name in peers]
+    return [Program("isopeel", isopeel_path(space, mesh, angles)), *programs]
 
 
 def isopeel_path(space: str, mesh: tuple[int, int], angles: FloatArray) -> Iterator[LoadStep]:
@@ -76,7 +71,7 @@ def main(
     start: Annotated[float, typer.Option("--from", help="Degrees that untimed steps lead to.")] = 0.0,
     to: Annotated[float, typer.Option(help="Last angle in degrees.")] = 120.0,
     step: Annotated[float, typer.Option(help="Degrees per load step.")] = 0.1,
-    peers: Annotated[str, typer.Option(help="What to compare with.")] = "forms,blas",
+    peers: Annotated[str, typer.Option(help="What to compare with.")] = "plain,forms,blas",
     block: Annotated[int, typer.Option(min=1, help="Load steps of one program before the next's turn.")] = 50,
 ) -> None:
     """Time isopeel and its peers in turn on one thread; no time is shown unless all moments agree."""

@@ -7,8 +7,8 @@ from isopeel.post.reading import read_plateau
 
 
 def main(
-    names: tuple[str, ...] = ("N2", "Q1N2.1", "N2.1"),
-    elements: tuple[int, int] = (200, 4),
+    names: tuple[str, ...] = ("N4", "Q1N2.1", "N2.1"),
+    elements: tuple[int, int] = (200, 10),
     window: tuple[float, float] = (95.0, 98.3),
 ) -> dict[str, float]:
     """Return the peak-to-peak oscillation of the moment in a window of angles, in E0 L0^3, of each space."""

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.polynomial import Polynomial
 from skfem import Dofs, MeshQuad
-from skfem.element import ElementH1
+from skfem.element import Element, ElementH1
 from skfem.refdom import RefQuad
 
 from scikit_fem_strip.problem import FloatArray, IntArray
@@ -32,8 +32,6 @@ class ElementQuadLagrangeByLinear(ElementH1):  # type: ignore[misc]
 class NumberedDofs(Dofs):  # type: ignore[misc]
     """Degrees of freedom by their numbers (functions, elements), below `count`."""
 
-    def __init__(
-        self, mesh: MeshQuad, element: ElementQuadLagrangeByLinear, numbers: IntArray, count: int
-    ) -> None:
+    def __init__(self, mesh: MeshQuad, element: Element, numbers: IntArray, count: int) -> None:
         self.topo, self.element, self.N = mesh, element, count
         self.element_dofs = numbers.astype(np.int32)

@@ -20,7 +20,7 @@ class SymmetricSolver:
     def __init__(self) -> None:
         self._solvers: dict[int, PyPardisoSolver] = {}
 
-    def solve(self, matrix: csr_matrix, right_hand_side: FloatArray) -> FloatArray:
+    def __call__(self, matrix: csr_matrix, right_hand_side: FloatArray) -> FloatArray:
         try:
             return self._solve(POSITIVE_DEFINITE, matrix, right_hand_side)
         except PyPardisoError as error:

@@ -1,4 +1,4 @@
-"""The strip's mesh, bases and unknowns, which both assemblies share."""
+"""The strip's mesh, bases and unknowns, which all assemblies share."""
 
 import numpy as np
 from skfem import CellBasis, FacetBasis, MeshQuad

@@ -9,11 +9,12 @@ import numpy as np
 from scipy.sparse import csr_matrix
 
 from scikit_fem_strip.problem import FloatArray
-from scikit_fem_strip.solver import SymmetricSolver
 from scikit_fem_strip.strip import Strip
 
-#: From a displacement (2, nodes) to the residual (unknowns,) and the upper triangle of the exact tangent.
+#: From a displacement (2, nodes) to the residual (unknowns,) and the exact tangent, as the solver stores it.
 Assembly: TypeAlias = Callable[[FloatArray], tuple[FloatArray, csr_matrix]]
+#: From a tangent and a right-hand side to the solution (unknowns,).
+Solver: TypeAlias = Callable[[csr_matrix, FloatArray], FloatArray]
 
 #: Newton stops after the update du with |R . du| / (number of unknowns) below this, in E0 nm^3.
 ENERGY_TOLERANCE = 2e-17
@@ -29,11 +30,10 @@ class LoadStep:
     iterations: int
 
 
-def trace(strip: Strip, assembly: Assembly, angles: Iterable[float]) -> Iterator[LoadStep]:
+def trace(strip: Strip, assembly: Assembly, solver: Solver, angles: Iterable[float]) -> Iterator[LoadStep]:
     """Yield the equilibrium at each angle (radians), from the unstressed strip on.
 
     Raises ArithmeticError where Newton finds none."""
-    solver = SymmetricSolver()
     history: deque[tuple[float, FloatArray]] = deque(maxlen=3)
     for theta in angles:
         state = _extrapolate(history, theta, strip.unknowns + 1)
@@ -42,11 +42,11 @@ def trace(strip: Strip, assembly: Assembly, angles: Iterable[float]) -> Iterator
         yield LoadStep(theta, strip.moment(strip.displacement(state, theta), theta), iterations)
 
 
-def _solve(strip: Strip, assembly: Assembly, solver: SymmetricSolver, state: FloatArray, theta: float) -> int:
+def _solve(strip: Strip, assembly: Assembly, solver: Solver, state: FloatArray, theta: float) -> int:
     """Bring a state to equilibrium, in place; return the number of iterations."""
     for iteration in range(1, MOST_ITERATIONS + 1):
         residual, tangent = assembly(strip.displacement(state, theta))
-        update = solver.solve(tangent, -residual)
+        update = solver(tangent, -residual)
         state[:-1] += update
         if abs(residual @ update) < ENERGY_TOLERANCE * strip.unknowns:
             return iteration

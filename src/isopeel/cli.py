@@ -40,6 +40,13 @@ def _fail(code: int, message: str) -> int:
     return code
 
 
+def _degrees(text: str) -> float:
+    try:
+        return float(text)
+    except ValueError as error:
+        raise typer.BadParameter(f"{text!r} cannot be used; a number of degrees is needed") from error
+
+
 @app.callback(invoke_without_command=True)
 def _root(
     context: typer.Context,
@@ -57,12 +64,14 @@ def _root(
 def run(
     case: Annotated[str, typer.Argument(metavar="CASE", help="A TOML file, or a shipped case: strip.")],
     out: Annotated[
-        Path | None, typer.Option(metavar="DIR", help="Folder of the results.  [default: out/NAME]")
+        Path | None, typer.Option(metavar="DIR", help="Folder of the results; out/NAME when left out.")
     ] = None,
     space: Annotated[str | None, typer.Option(metavar="NAME", help="Spline space, such as N2.1.")] = None,
     mesh: Annotated[str | None, typer.Option(metavar="NXxNY", help="Elements, such as 200x10.")] = None,
-    to: Annotated[float | None, typer.Option(metavar="DEGREES", help="Last angle.")] = None,
-    step: Annotated[float | None, typer.Option(metavar="DEGREES", help="Step of the angle.")] = None,
+    to: Annotated[float | None, typer.Option(parser=_degrees, metavar="DEGREES", help="Last angle.")] = None,
+    step: Annotated[
+        float | None, typer.Option(parser=_degrees, metavar="DEGREES", help="Step of the angle.")
+    ] = None,
     traction: Annotated[
         str | None,
         typer.Option(metavar="reference|projected", help="Area that the adhesive traction acts on."),
@@ -108,7 +117,7 @@ def spaces(
     name: Annotated[str, typer.Argument(metavar="NAME", help="A spline space, such as N2.1 or L1+N2@2.")],
     mesh: Annotated[str, typer.Option(metavar="NXxNY", help="Elements that DOFs are told for.")] = "200x10",
     out: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="File of the figure.  [default: out/NAME.png]")
+        Path | None, typer.Option(metavar="FILE", help="File of the figure; out/NAME.png when left out.")
     ] = None,
 ) -> int:
     """Draw the functions of a spline space, and tell its degrees, continuities, supports and DOFs."""
