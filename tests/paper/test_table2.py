@@ -17,7 +17,7 @@ class Figures(NamedTuple):
     fall: float
 
 
-#: Measured before by two independent codes at m2, with another treatment of the drift, as they were noted down.
+#: Measured before by two independent codes at m2, with another treatment of the drift, as noted down.
 ALL_ROWS = {
     "L1": Figures(5.64, 8.16, -55.5),
     "N2": Figures(4.46, 7.3, -36.0),
@@ -76,7 +76,7 @@ def test_an_unknown_mesh_is_refused() -> None:
 @pytest.mark.parametrize(("run", "known"), [("L1", ALL_ROWS["L1"]), ("L1+L4", CONTACT_ROW["L4"])])
 def test_a_cheap_entry(run: str, known: Figures) -> None:
     ours = figures(Run(run, "m2"))
-    # rises agree to the digits noted down and the drift of 0.02e-3 per degree that was or was not taken out
+    # to the digits noted down, and the drift of 0.02e-3 per degree that was or was not taken out
     assert ours.rise == pytest.approx(known.rise, rel=0.02)
     assert ours.fall == pytest.approx(known.fall, rel=0.03)
     assert ours.amplitude == pytest.approx(known.amplitude, rel=0.08)  # see below

@@ -48,7 +48,7 @@ def test_amplitude_and_slopes_do_not_see_the_drift(drift: float, start: float) -
 
 
 def test_a_straight_line_through_a_sawtooth_would_be_wrong() -> None:
-    """Why the mean over a period is used: a fit to the curve itself takes part of the oscillation for drift."""
+    """Why the mean over a period is used: a fit to the curve takes part of the oscillation for drift."""
     angles = np.round(np.arange(0, 110, 0.01), 10)
     curve = curve_of(angles, 1.63 + sawtooth(angles, 1e-4))
     fitted, averaged = read_plateau(curve, (98, 101.4)), read_plateau(curve, (98, 101.4), PERIOD)
