@@ -86,9 +86,9 @@ def test_a_cheap_entry(run: str, known: Figures) -> None:
 def test_the_whole_table_at_m2() -> None:
     """Held against the figures that two other codes gave.
 
-    Their window is ours, their treatment of the drift is not known; it moves small amplitudes most. What we
-    find: amplitudes with all rows within 2 %, with the contact row alone 7 to 12 % lower; slopes within 2.5 %,
-    but the steepest falls of smooth spaces with all rows up to 5 % flatter.
+    Their window is ours, their treatment of the drift is not known; it moves small amplitudes most. We
+    find amplitudes within 2 % with all rows, 7 to 12 % lower with the contact row alone; slopes within
+    2.5 %, but the steepest falls of smooth spaces with all rows up to 5 % flatter.
     """
     runs = [Run(name, "m2") for name in ALL_ROWS] + [Run(f"L1+{name}", "m2") for name in CONTACT_ROW]
     measured = {m.run.space: m.plateau for m in measure_all(runs, workers=2)}
