@@ -77,7 +77,7 @@ def test_the_summary_tells_what_was_read_and_why_not() -> None:
     for name in ("plateau", "amplitude", "slopes", "window", "onset"):
         assert found[name] is None
     assert "98 to 101.4 deg" in found["note"]
-    # physics.md section 3: sqrt(2 E' I W), its onset and radius, as rounded there
+    # sqrt(2 E' I W), its onset and radius, as published, rounded
     assert found["closed_form"]["moment"] == pytest.approx(1.6315, abs=5e-5)
     assert found["closed_form"]["onset"] == pytest.approx(53.8, abs=0.05)
     assert found["closed_form"]["radius"] == pytest.approx(53.2, abs=0.05)

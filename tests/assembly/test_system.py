@@ -20,8 +20,10 @@ from isopeel import (
     strip,
 )
 from isopeel.arrays import FloatArray
-from isopeel.assembly.system import BandMatrix, System
-from isopeel.splines.nurbs import NurbsSurface, annulus_sector, rectangle
+from isopeel.assembly.system import BandMatrix, Storage, System
+from isopeel.physics.batch import SUBSTRATE_SIGNATURE, compile_batch
+from isopeel.problem import Traction
+from isopeel.splines.nurbs import NurbsSurface, Side, annulus_sector, rectangle
 from isopeel.splines.space import SplineSpace
 
 MATERIAL = NeoHooke(youngs_modulus=1.0, poissons_ratio=0.2)
@@ -32,15 +34,15 @@ SPACES = ["L1", "L2", "L4", "N2", "N4", "N2.1", "L1+N2.1", "L1+L4", "N2+N4@2", "
 
 
 def problem_of(
-    shape: NurbsSurface, traction: str = "reference", side: str = "bottom", law: VanDerWaals = LAW
+    shape: NurbsSurface, traction: Traction = "reference", side: Side = "bottom", law: VanDerWaals = LAW
 ) -> Problem:
     lowest = float(shape.control_points[..., 1].min())
     adhesion = AdhesiveSide(
-        side=side,  # type: ignore[arg-type]
+        side=side,
         law=law,
         substrate=Flat(lowest - 0.27),
         end=0.7,
-        traction=traction,  # type: ignore[arg-type]
+        traction=traction,
     )
     return Problem("test", Body(shape, MATERIAL), adhesion, (FixedSide("left", (0,)),), RotatedSide("right"))
 
@@ -123,7 +125,7 @@ def test_a_linear_row_on_a_curved_body_turns_with_a_known_error() -> None:
     ],
 )
 def test_tangent_is_the_derivative_of_the_residual(
-    traction: str, shape: NurbsSurface, name: str, side: str, storage: str
+    traction: Traction, shape: NurbsSurface, name: str, side: Side, storage: Storage
 ) -> None:
     system = System(problem_of(shape, traction, side), row_space(name, (5, 2)))
     rng = np.random.default_rng(3)
@@ -133,7 +135,7 @@ def test_tangent_is_the_derivative_of_the_residual(
     def residual(values: FloatArray) -> FloatArray:
         return system.equilibrium(system.constraints.displacement(values, angle)).residual
 
-    _, matrix = system.linearize(system.constraints.displacement(z, angle), storage)  # type: ignore[arg-type]
+    _, matrix = system.linearize(system.constraints.displacement(z, angle), storage)
     tangent = dense(matrix)
     step = 1e-6
     for _ in range(5):
@@ -142,6 +144,49 @@ def test_tangent_is_the_derivative_of_the_residual(
         # central differences; the law's stiffness reaches 60, its third derivative 1e4
         scale = np.abs(difference).max()
         np.testing.assert_allclose(tangent @ direction, difference, rtol=0, atol=1e-7 * scale)
+
+
+class Circle:
+    """A convex substrate, as a user would add one: an object with numbers and a batch function."""
+
+    def __init__(self, x: float, y: float, radius: float) -> None:
+        self.parameters = np.array([x, y, radius])
+        self.kernel = compile_batch(SUBSTRATE_SIGNATURE, _circle, cache=False)
+
+
+def _circle(
+    position: FloatArray,
+    parameters: FloatArray,
+    count: int,
+    gap: FloatArray,
+    normal: FloatArray,
+    curvature: FloatArray,
+) -> None:
+    for n in range(count):
+        x = position[0, n] - parameters[0]
+        y = position[1, n] - parameters[1]
+        distance = np.sqrt(x * x + y * y)
+        gap[n] = distance - parameters[2]
+        normal[0, n] = x / distance
+        normal[1, n] = y / distance
+        curvature[n] = 1.0 / parameters[2]
+
+
+@pytest.mark.parametrize("traction", ["reference", "projected"])
+def test_tangent_turns_with_the_normal_of_a_curved_substrate(traction: Traction) -> None:
+    problem = problem_of(rectangle(8.0, 2.0), traction)
+    curved = replace(problem.adhesion, substrate=Circle(3.0, -4.3, 4.0), end=0.9)
+    system = System(replace(problem, adhesion=curved), row_space("N2", (6, 2)))
+    rng = np.random.default_rng(8)
+    z, direction = 0.02 * rng.standard_normal((2, system.constraints.count))
+    _, matrix = system.linearize(system.constraints.displacement(z, 0.02))
+
+    def residual(values: FloatArray) -> FloatArray:
+        return system.equilibrium(system.constraints.displacement(values, 0.02)).residual
+
+    difference = (residual(z + 1e-5 * direction) - residual(z - 1e-5 * direction)) / 2e-5
+    change = dense(matrix) @ direction
+    np.testing.assert_allclose(change, difference, rtol=0, atol=1e-7 * np.abs(change).max())  # as above
 
 
 @pytest.mark.parametrize("name", ["L2", "N4"])

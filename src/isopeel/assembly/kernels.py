@@ -233,16 +233,7 @@ def adhesion(
         for q in range(Q):
             phi = 1.0
             if projected:
-                for i in range(2):
-                    for J in range(2):
-                        F[i, J] = 1.0 if i == J else 0.0
-                        for a in range(m):
-                            F[i, J] += u[functions[e, a], i] * gradients[e, q, J, a]
-                determinant = F[0, 0] * F[1, 1] - F[0, 1] * F[1, 0]
-                H[0, 0] = F[1, 1] / determinant
-                H[0, 1] = -F[0, 1] / determinant
-                H[1, 0] = -F[1, 0] / determinant
-                H[1, 1] = F[0, 0] / determinant
+                _inverse_deformation(u, functions[e], gradients[e, q], F, H)
                 for i in range(2):
                     v[i] = H[0, i] * normals[e, q, 0] + H[1, i] * normals[e, q, 1]
                     w[i] = H[i, 0] * n[0, q] + H[i, 1] * n[1, q]
@@ -281,3 +272,18 @@ def adhesion(
                             if row >= 0 and column >= 0 and (diagonal > 0 or row >= column):
                                 band[column, diagonal + row - column] += K[i, a, k, b]
     return energy
+
+
+@_compiled
+def _inverse_deformation(u: Any, functions: Any, gradients: Any, F: Any, H: Any) -> None:
+    """Deformation gradient F at one point, and H = F^-1."""
+    for i in range(2):
+        for J in range(2):
+            F[i, J] = 1.0 if i == J else 0.0
+            for a in range(functions.size):
+                F[i, J] += u[functions[a], i] * gradients[J, a]
+    determinant = F[0, 0] * F[1, 1] - F[0, 1] * F[1, 0]
+    H[0, 0] = F[1, 1] / determinant
+    H[0, 1] = -F[0, 1] / determinant
+    H[1, 0] = -F[1, 0] / determinant
+    H[1, 1] = F[0, 0] / determinant

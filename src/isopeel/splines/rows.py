@@ -35,8 +35,10 @@ class RowSpace:
 
     `across` holds the M_j, `rows` one space along xi for each of them; all rows have the same elements. With
     `weights` (one array per row) the functions are rational: w_ij M_j N_i^(j) / sum_kl w_kl M_l N_k^(l).
-    Functions are numbered row by row. physics.md section 2 of the design notes; with one space for all rows
-    it is the tensor-product NURBS space (Piegl and Tiller, The NURBS Book, Eq. 4.12).
+    Functions are numbered row by row. With one space for all rows this is the tensor-product NURBS space
+    (Piegl and Tiller, The NURBS Book, Eq. 4.12), with another one in the first row an enriched contact
+    element (Sauer, Int. J. Numer. Methods Eng. 87, 2011; Corbett and Sauer, Comput. Methods Appl. Mech.
+    Eng. 275, 2014).
     """
 
     name: str
@@ -172,7 +174,7 @@ class RowSpace:
 
 
 def row_space(name: str, elements: tuple[int, int], across_degree: int = 1) -> RowSpace:
-    """Build the space of a name of physics.md section 2 on a uniform mesh (elements along xi, along eta).
+    """Build the space of a name (see `splines.names`) on a uniform mesh (elements along xi, along eta).
 
     Raises InputError for a name or a mesh that makes no sense.
     """
