@@ -181,9 +181,18 @@ def test_predictor_is_exact_for_parabolas() -> None:
     def state(x: float) -> np.ndarray:
         return np.array([1 + x, 2 - x + 3 * x**2])
 
-    history = [(x, state(x)) for x in (0.0, 0.3, 0.4)]
+    history = {x: state(x) for x in (0.0, 0.3, 0.4)}
     np.testing.assert_allclose(extrapolate(history, 0.9, 2), state(0.9), rtol=1e-14)
-    np.testing.assert_array_equal(extrapolate([], 0.9, 2), np.zeros(2))
+    np.testing.assert_array_equal(extrapolate({}, 0.9, 2), np.zeros(2))
+
+
+def test_a_drive_may_turn_back() -> None:
+    """Up, down and up again: reversible adhesion leads back through the same states."""
+    angles = np.radians([0.0, 2.0, 4.0, 2.0, 4.0, 4.0, 0.0])
+    moments = [step.reaction for step in trace(strip(), row_space("N2", (60, 3)), angles)]
+    np.testing.assert_allclose(moments[3:5], moments[1:3], rtol=1e-9)  # what the tolerance leaves
+    assert moments[5] == pytest.approx(moments[4], rel=1e-9)
+    assert moments[6] == pytest.approx(0.0, abs=1e-9)
 
 
 def test_constraints_map_there_and_back() -> None:

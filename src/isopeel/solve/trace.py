@@ -40,9 +40,8 @@ def trace(
 ) -> Iterator[Step]:
     """Trace the equilibria of a problem on a space through the given values of the drive's parameter.
 
-    Newton's method starts each step from the parabola through the last three states. To stop early, break;
-    nothing is hidden in the generator's state that the steps don't hold. Raises ConvergenceError where a
-    step finds no equilibrium; all steps before it have been yielded.
+    Newton's method starts each step from the parabola through the last three states. To stop early,
+    break. Raises ConvergenceError where a step finds no equilibrium; all steps before it have been yielded.
     """
     return _trace(System(problem, space), parameters, settings or NewtonSettings())
 
@@ -54,7 +53,8 @@ def _trace(system: System, parameters: Iterable[float], settings: NewtonSettings
         began = perf_counter()
         # the factorization of a narrow band gains nothing from threads, and loses by their start
         with libraries.limit(limits=1, user_api="blas"):
-            start = extrapolate(history, parameter, system.constraints.count)
+            # a drive that turns back meets a parameter again: its last state counts
+            start = extrapolate(dict(history), parameter, system.constraints.count)
             result = newton(system, start, parameter, settings)
         history.append((parameter, result.unknown_values))
         result.displacement.setflags(write=False)
