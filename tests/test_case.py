@@ -7,8 +7,9 @@ import pytest
 
 from isopeel.case import Case, load_case, parse_mesh, shipped_cases
 from isopeel.errors import InputError
-from isopeel.physics.adhesion import FormulaAdhesion
-from isopeel.physics.materials import FormulaMaterial, NeoHooke
+from isopeel.physics.adhesion.formula import FormulaAdhesion
+from isopeel.physics.materials import NeoHooke
+from isopeel.physics.materials.formula import FormulaMaterial
 from isopeel.problem import strip
 
 STRIP = resources.files("isopeel").joinpath("cases", "strip.toml").read_text("utf-8")

@@ -6,8 +6,10 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from isopeel.case import Case, load_case
     from isopeel.errors import InputError
-    from isopeel.physics.adhesion import FormulaAdhesion, VanDerWaals
-    from isopeel.physics.materials import FormulaMaterial, NeoHooke
+    from isopeel.physics.adhesion import VanDerWaals
+    from isopeel.physics.adhesion.formula import FormulaAdhesion
+    from isopeel.physics.materials import NeoHooke
+    from isopeel.physics.materials.formula import FormulaMaterial
     from isopeel.physics.substrates import Flat
     from isopeel.problem import AdhesiveSide, Body, FixedSide, Problem, RotatedSide, strip
     from isopeel.results.curve import Curve
@@ -48,8 +50,10 @@ __all__ = [
 _MODULES = {
     "case": ("Case", "load_case"),
     "errors": ("InputError",),
-    "physics.adhesion": ("FormulaAdhesion", "VanDerWaals"),
-    "physics.materials": ("FormulaMaterial", "NeoHooke"),
+    "physics.adhesion": ("VanDerWaals",),
+    "physics.adhesion.formula": ("FormulaAdhesion",),
+    "physics.materials": ("NeoHooke",),
+    "physics.materials.formula": ("FormulaMaterial",),
     "physics.substrates": ("Flat",),
     "problem": ("AdhesiveSide", "Body", "FixedSide", "Problem", "RotatedSide", "strip"),
     "results.curve": ("Curve",),

@@ -5,8 +5,8 @@ from typing import Annotated, Literal
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
 
-from isopeel.physics.adhesion import AdhesionLaw, FormulaAdhesion, VanDerWaals
-from isopeel.physics.materials import FormulaMaterial, Material, NeoHooke
+from isopeel.physics.adhesion import AdhesionLaw, VanDerWaals
+from isopeel.physics.materials import Material, NeoHooke
 from isopeel.problem import Traction
 from isopeel.units import parse_quantity
 
@@ -95,6 +95,8 @@ class FormulaMaterialSection(Section):
 
     def material(self) -> Material:
         """Build the material."""
+        from isopeel.physics.materials.formula import FormulaMaterial
+
         return FormulaMaterial(self.energy, self.constants)
 
 
@@ -124,6 +126,8 @@ class FormulaAdhesionSection(_AdhesionSection):
 
     def adhesion_law(self) -> AdhesionLaw:
         """Build the law."""
+        from isopeel.physics.adhesion.formula import FormulaAdhesion
+
         return FormulaAdhesion(self.potential, self.constants)
 
 

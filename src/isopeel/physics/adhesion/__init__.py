@@ -1,7 +1,9 @@
-"""Adhesion laws: normal traction between two surfaces as a function of their gap."""
+"""Adhesion laws: normal traction between two surfaces as a function of their gap.
+
+Laws from a formula are in `adhesion.formula`, which loads SymPy: a second that most runs can save.
+"""
 
 from isopeel.physics.adhesion.base import AdhesionLaw
-from isopeel.physics.adhesion.formula import FormulaAdhesion
 from isopeel.physics.adhesion.van_der_waals import VanDerWaals
 
-__all__ = ["AdhesionLaw", "FormulaAdhesion", "VanDerWaals"]
+__all__ = ["AdhesionLaw", "VanDerWaals"]
