@@ -20,6 +20,7 @@ from isopeel.case_sections import (
     FormulaAdhesionSection,
     FormulaMaterialSection,
     NeoHookeSection,
+    OutputSection,
     ReadingSection,
     Section,
     VanDerWaalsSection,
@@ -50,6 +51,7 @@ class Case(Section):
     discretization: DiscretizationSection = DiscretizationSection()
     drive: DriveSection = DriveSection()
     reading: ReadingSection | None = None
+    output: OutputSection = OutputSection()
     _document: dict[str, Any] = PrivateAttr(default_factory=dict)
 
     @classmethod
@@ -233,6 +235,7 @@ _SECTIONS: dict[tuple[int | str, ...], type[Section]] = {
     ("discretization",): DiscretizationSection,
     ("drive",): DriveSection,
     ("reading",): ReadingSection,
+    ("output",): OutputSection,
 }
 
 

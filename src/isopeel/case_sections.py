@@ -151,3 +151,11 @@ class ReadingSection(Section):
     """The window of angles, in degrees, that the plateau is read in."""
 
     window: Annotated[tuple[float, float], BeforeValidator(_window), Field(description=_A_WINDOW)]
+
+
+class OutputSection(Section):
+    """The angles, in degrees, that the displacement is kept at: multiples of one, and the last."""
+
+    fields_every: Annotated[
+        _Angle, Field(gt=0, description="a positive angle is needed, such as '10 deg'")
+    ] = 10.0

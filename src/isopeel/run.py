@@ -46,7 +46,7 @@ def run_case(case: Case, out: Path, console: Console) -> StoredRun:
     for name in FILES:
         (out / name).unlink(missing_ok=True)
     attributes = run_attributes(problem, space, Provenance.of_this_process())
-    with RunWriter(out / "run.h5", problem.drive, case.text, attributes) as writer:
+    with RunWriter(out / "run.h5", problem.drive, case.text, attributes, case.output.fields_every) as writer:
         _follow(steps, problem.drive, angles, writer, console)
     run = read_run(out / "run.h5")
     summary = _write_results(case, problem, space, run, out, perf_counter() - began)
