@@ -37,10 +37,10 @@ def parse_quantity(text: str) -> Quantity:
     stress^a length^(a + b). The conversion is exact until the value is rounded to a float, so that
     "200 nm" is 200.0 to the last bit. Raises ValueError that says why a text is no such quantity.
     """
-    parts = _QUANTITY.fullmatch(text.strip()) if len(text) <= _LONGEST else None
-    if parts is None:
+    written = _QUANTITY.fullmatch(text.strip()) if len(text) <= _LONGEST else None
+    if written is None:
         raise ValueError("it is not a number and a unit")
-    number, unit = parts.groups()
+    number, unit = written.groups()
     if unit is None:
         raise ValueError("it has no unit")
     if not isfinite(float(number)):
@@ -48,9 +48,13 @@ def parse_quantity(text: str) -> Quantity:
     registry = _registry()
     try:
         units = registry.parse_units(unit)
+        factor, base = registry.get_base_units(units)
     except pint.UndefinedUnitError as error:
         raise ValueError(f"{unit!r} is not a known unit") from error
-    factor, base = registry.get_base_units(units)
+    parts = [name for name, _ in registry.Quantity(1, units).unit_items()]
+    # radians have no dimension, so that an angle would pass unseen in a product
+    if len(parts) > 1 and any("radian" in str(registry.get_base_units(part)[1]) for part in parts):
+        raise ValueError(f"{unit!r} mixes an angle with other units")
     powers = {name: Fraction(power) for name, power in units.dimensionality.items()}
     mass, length, time = (powers.pop(f"[{name}]", Fraction(0)) for name in ("mass", "length", "time"))
     angle = base == registry.Unit("radian")

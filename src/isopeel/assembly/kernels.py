@@ -36,8 +36,8 @@ def bulk(
     band: FloatArray,
     diagonal: int,
     with_tangent: bool,
-) -> float:
-    """Add internal forces int P_iJ dN_a/dX_J dV and their tangent; return the stored energy.
+) -> tuple[float, float]:
+    """Add internal forces int P_iJ dN_a/dX_J dV and their tangent; return the stored energy and least det F.
 
     Shapes as in `BatchTable`; unknowns (B, 2, m, LANES); u, forces (size, 2); band (unknowns + 1, width),
     whose last row takes what no unknown wants, untouched without `with_tangent`.
@@ -57,6 +57,7 @@ def bulk(
     place = np.empty(LANES, np.int64)
     flat = band.ravel()
     energy = 0.0
+    lowest = np.inf
     for e in range(batches):
         G = gradients[e]
         for a in range(m):
@@ -71,6 +72,8 @@ def bulk(
                     for a in range(m):
                         _add_product(total, local[i, a], G[q, J, a])
                     F[i, J, here] = total
+        for point in range(points):
+            lowest = min(lowest, F[0, 0, point] * F[1, 1, point] - F[0, 1, point] * F[1, 0, point])
         material(F, parameters, points, density, P, A)
         for q in range(Q):
             here = slice(q * LANES, (q + 1) * LANES)
@@ -106,7 +109,7 @@ def bulk(
                             place,
                             i == k and a == b,
                         )
-    return energy
+    return energy, lowest
 
 
 @_inlined

@@ -4,11 +4,13 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
+from psutil import virtual_memory
 
 from isopeel.arrays import FloatArray, IntArray
 from isopeel.assembly import kernels
 from isopeel.assembly.constraints import Constraints, constrain, half_bandwidth
 from isopeel.assembly.tables import BatchTable, ElementTable, SideTable, element_tables, side_table
+from isopeel.errors import InputError
 from isopeel.problem import Problem
 from isopeel.splines.rows import RowSpace
 
@@ -22,6 +24,7 @@ class Equilibrium:
 
     stored_energy: float
     adhesive_energy: float
+    lowest_determinant: float  # of F at the quadrature points
     forces: FloatArray  # (size, 2), on every coefficient
     residual: FloatArray  # (count,), on every unknown
 
@@ -44,13 +47,33 @@ class BandMatrix:
         return self.workspace[:-1]
 
 
+def bytes_needed(space: RowSpace) -> int:
+    """Estimate of a system's memory from above: its tables, and its tangent stored for a pivoted LU."""
+    points = (space.degree + 1) * (space.across.degree + 1)
+    elements = space.elements[0] * space.elements[1]
+    # as many functions as points in an element; tables by element and by batch; positions, weights
+    tables = elements * points * (2 * 2 * points + 8)
+    # unknowns are numbered along the shorter side first, and degree + 1 functions of a row overlap
+    along, across = (space.degree + 1) * len(space.rows), (space.across.degree + 1) * space.rows[0].size
+    half_bandwidth = 2 * min(along, across)
+    return 8 * (tables + 2 * space.size * (3 * half_bandwidth + 1))
+
+
 class System:
     """Forces and tangents of a problem on a space. Tables are made once; the pattern never changes.
+
+    Raises InputError where the memory does not suffice, or where problem and space do not fit together.
 
     Tangents share one array per storage: each call of `linearize` overwrites the last one's.
     """
 
     def __init__(self, problem: Problem, space: RowSpace) -> None:
+        needed, free = bytes_needed(space), virtual_memory().available
+        if needed > free:
+            allowed = (
+                f"it needs up to {needed / 2**30:.1f} GiB of memory, and {free / 2**30:.1f} GiB are free"
+            )
+            raise InputError("mesh", "{}x{}".format(*space.elements), allowed)
         shape = problem.body.shape
         adhesion = problem.adhesion
         self.problem = problem
@@ -110,9 +133,9 @@ class System:
         diagonal = 0 if matrix is None or matrix.storage == "symmetric" else 2 * self.half_bandwidth
         material, adhesion = self.problem.body.material, self.problem.adhesion
         forces = np.zeros_like(displacement)
-        stored = 0.0
+        stored, lowest = 0.0, np.inf
         for batches in self._batches:
-            stored += kernels.bulk(
+            energy, determinant = kernels.bulk(
                 material.kernel,
                 material.parameters,
                 batches.functions,
@@ -125,6 +148,8 @@ class System:
                 diagonal,
                 matrix is not None,
             )
+            stored += energy
+            lowest = min(lowest, determinant)
         side = self.adhesive
         adhesive = kernels.adhesion(
             adhesion.law.kernel,
@@ -145,4 +170,4 @@ class System:
             diagonal,
             matrix is not None,
         )
-        return Equilibrium(stored, adhesive, forces, self.constraints.condense(forces))
+        return Equilibrium(stored, adhesive, lowest, forces, self.constraints.condense(forces))

@@ -6,7 +6,7 @@ from typing import Protocol
 import numpy as np
 
 from isopeel.arrays import FloatArray
-from isopeel.splines.nurbs import Side
+from isopeel.splines.nurbs import Side, check_side
 
 
 @dataclass(frozen=True)
@@ -16,6 +16,10 @@ class Column:
     name: str
     unit: str
     factor: float = 1.0
+
+    def shown(self, value: float) -> float:
+        """The value in the unit of the column, without the round-off of its conversion."""
+        return round(value * self.factor, 12)
 
 
 class Drive(Protocol):
@@ -59,6 +63,10 @@ class RotatedSide:
     """
 
     side: Side
+
+    def __post_init__(self) -> None:
+        """Check the side."""
+        check_side("drive.side", self.side)
 
     @property
     def parameter_column(self) -> Column:

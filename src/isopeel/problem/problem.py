@@ -1,14 +1,14 @@
 """A peeling problem, as data."""
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, get_args
 
 from isopeel.errors import InputError
 from isopeel.physics.adhesion import AdhesionLaw
 from isopeel.physics.materials import Material
 from isopeel.physics.substrates import Substrate
 from isopeel.problem.drives import Drive
-from isopeel.splines.nurbs import NurbsSurface, Side
+from isopeel.splines.nurbs import NurbsSurface, Side, check_side
 
 #: Area that the adhesive traction acts on: the reference area, or its projection on the substrate.
 Traction = Literal["reference", "projected"]
@@ -40,7 +40,10 @@ class AdhesiveSide:
     traction: Traction = "reference"
 
     def __post_init__(self) -> None:
-        """Check the interval."""
+        """Check the side, the interval and the kind of traction."""
+        check_side("adhesion.side", self.side)
+        if self.traction not in get_args(Traction):
+            raise InputError("adhesion.traction", self.traction, f"it is {' or '.join(get_args(Traction))}")
         if not 0 <= self.start < self.end <= 1:
             raise InputError("adhesion", (self.start, self.end), "need 0 <= start < end <= 1 along the side")
 
@@ -52,10 +55,19 @@ class FixedSide:
     side: Side
     components: tuple[int, ...]
 
+    def __post_init__(self) -> None:
+        """Check the side and the components."""
+        check_side("fixed.side", self.side)
+        if not set(self.components) <= {0, 1}:
+            raise InputError("fixed.components", self.components, "components are 0 (x) and 1 (y)")
+
 
 @dataclass(frozen=True)
 class Problem:
-    """A body, where it adheres, what is held, and the drive. Any consistent units; width 1."""
+    """A body, where it adheres, what is held, and the drive.
+
+    Any consistent units: results call the unit of length L0 and that of stress E0, and are for a width of L0.
+    """
 
     name: str
     body: Body

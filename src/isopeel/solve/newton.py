@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from isopeel.arrays import FloatArray
-from isopeel.assembly.system import Equilibrium, System
+from isopeel.assembly.system import BandMatrix, Equilibrium, System
 from isopeel.solve.linear import Factor, NotPositiveDefiniteError, SingularError, factorize
 
 
@@ -33,12 +33,16 @@ class NewtonResult:
 
 
 class ConvergenceError(ArithmeticError):
-    """No equilibrium was found; says why, and holds the energy residuals of the iterations made."""
+    """No equilibrium was found at a value of the drive's parameter.
 
-    def __init__(self, reason: str, iterations: tuple[float, ...]) -> None:
+    Holds the reason, the energy residuals of the iterations made, and the parameter.
+    """
+
+    def __init__(self, reason: str, iterations: tuple[float, ...], parameter: float) -> None:
         self.reason = reason
         self.iterations = iterations
-        super().__init__(reason)
+        self.parameter = parameter
+        super().__init__(f"no equilibrium at {parameter:g}: {reason}")
 
 
 def newton(system: System, start: FloatArray, parameter: float, settings: NewtonSettings) -> NewtonResult:
@@ -50,53 +54,61 @@ def newton(system: System, start: FloatArray, parameter: float, settings: Newton
     z = start
     threshold = settings.tolerance * system.energy_scale
     measures: list[float] = []
-    for _ in range(settings.iteration_limit):
-        u = system.constraints.displacement(z, parameter)
-        correction, measure = _correction(system, u, tuple(measures))
-        z = z + correction
-        measures.append(measure)
-        if measure < threshold:
-            return _accept(system, z, parameter, tuple(measures))
-    raise ConvergenceError(
-        f"the energy residual per unknown is {measures[-1]:.1e} after {len(measures)} iterations,"
-        f" not below {threshold:.1e}",
-        tuple(measures),
-    )
-
-
-def _correction(system: System, u: FloatArray, measures: tuple[float, ...]) -> tuple[FloatArray, float]:
-    equilibrium, matrix = system.linearize(u)
-    _check(system, u, equilibrium, measures)
     try:
-        factor: Factor = factorize(matrix)
-    except NotPositiveDefiniteError:
-        # past a limit point, or on the way to a solution: Newton's correction is still defined
-        _, matrix = system.linearize(u, "general")
-        try:
-            factor = factorize(matrix)
-        except SingularError as error:
-            raise ConvergenceError(f"the tangent is singular: {error}", measures) from error
+        for _ in range(settings.iteration_limit):
+            correction, measure = _correction(system, system.constraints.displacement(z, parameter))
+            z = z + correction
+            measures.append(measure)
+            if measure <= threshold:
+                u = system.constraints.displacement(z, parameter)
+                return NewtonResult(z, u, _accepted(system, u), tuple(measures))
+    except _StoppedError as error:
+        raise ConvergenceError(str(error), tuple(measures), parameter) from error
+    reason = (
+        f"the energy residual per unknown is {measures[-1]:.1e} after {len(measures)} iterations,"
+        f" not below {threshold:.1e}"
+    )
+    raise ConvergenceError(reason, tuple(measures), parameter)
+
+
+class _StoppedError(ArithmeticError):
+    """The iteration cannot go on; says why."""
+
+
+def _correction(system: System, u: FloatArray) -> tuple[FloatArray, float]:
+    """Newton's correction of a state, and its energy residual per unknown."""
+    equilibrium, matrix = system.linearize(u)
+    if not np.isfinite(equilibrium.residual).all():
+        raise _StoppedError(_inversion(system, u) or "the forces are not finite")
+    try:
+        correction = -_factor(system, u, matrix).solve(equilibrium.residual)
     except SingularError as error:
-        raise ConvergenceError(f"the tangent is singular: {error}", measures) from error
-    correction = -factor.solve(equilibrium.residual)
+        raise _StoppedError(f"the tangent is singular: {error}") from error
     return correction, abs(float(equilibrium.residual @ correction)) / len(correction)
 
 
-def _accept(system: System, z: FloatArray, parameter: float, measures: tuple[float, ...]) -> NewtonResult:
-    u = system.constraints.displacement(z, parameter)
+def _factor(system: System, u: FloatArray, matrix: BandMatrix) -> Factor:
+    try:
+        return factorize(matrix)
+    except NotPositiveDefiniteError:
+        # past a limit point, or on the way to a solution: Newton's correction is still defined
+        return factorize(system.linearize(u, "general")[1])
+
+
+def _accepted(system: System, u: FloatArray) -> Equilibrium:
     equilibrium = system.equilibrium(u)
-    _check(system, u, equilibrium, measures)
-    return NewtonResult(z, u, equilibrium, measures)
+    if not np.isfinite(equilibrium.residual).all():
+        raise _StoppedError(_inversion(system, u) or "the forces are not finite")
+    # a law that stays finite where the body is turned inside out may balance there
+    if equilibrium.lowest_determinant <= 0:
+        raise _StoppedError(_inversion(system, u) or "an element is inverted")
+    return equilibrium
 
 
-def _check(system: System, u: FloatArray, equilibrium: Equilibrium, measures: tuple[float, ...]) -> None:
-    """Raise ConvergenceError with the cause where a state has no finite forces."""
-    if np.isfinite(equilibrium.residual).all():
-        return
+def _inversion(system: System, u: FloatArray) -> str | None:
+    """Where the body is turned inside out, if it is."""
     inverted = system.inverted_point(u)
     if inverted is None:
-        raise ConvergenceError("the forces are not finite", measures)
+        return None
     place, determinant = inverted
-    raise ConvergenceError(
-        f"an element is inverted: det F = {determinant:.3g} at X = ({place[0]:.4g}, {place[1]:.4g})", measures
-    )
+    return f"an element is inverted: det F = {determinant:.3g} at X = ({place[0]:.4g}, {place[1]:.4g})"

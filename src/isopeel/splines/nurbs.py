@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from math import comb, cos, pi, sin
-from typing import Literal, Self, TypeAlias
+from typing import Literal, Self, TypeAlias, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -151,8 +151,7 @@ class NurbsSurface:
 
     def boundary(self, side: Side) -> NurbsCurve:
         """Return the curve at the start ("left") or end ("right") of xi, or that ("bottom", "top") of eta."""
-        if side not in ("left", "right", "bottom", "top"):
-            raise InputError("side", side, "a side is one of left, right, bottom, top")
+        check_side("side", side)
         across = 0 if side in ("left", "right") else 1
         end = 0 if side in ("left", "bottom") else -1
         points, weights = (
@@ -195,6 +194,12 @@ class NurbsSurface:
         points = np.moveaxis(points, 0, direction)
         spaces = (space, self.spaces[1]) if direction == 0 else (self.spaces[0], space)
         return type(self)(spaces, points[..., :-1] / points[..., -1:], points[..., -1])
+
+
+def check_side(field: str, side: str) -> None:
+    """Raise InputError unless a side is one of the four."""
+    if side not in get_args(Side):
+        raise InputError(field, side, f"a side is one of {', '.join(get_args(Side))}")
 
 
 def rectangle(length: float, height: float) -> NurbsSurface:

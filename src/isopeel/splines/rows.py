@@ -117,14 +117,15 @@ class RowSpace:
 
     def _interpolate(self, function: SurfaceFunction) -> FloatArray:
         """The same for polynomial rows: across first, at the Greville points of each row, then along it."""
-        coefficients = []
-        for j, row in enumerate(self.rows):
-            xi = np.repeat(row.greville, self.across.size)
-            values = function(xi, np.tile(self.across.greville, row.size))
-            values = values.reshape(row.size, self.across.size, *values.shape[1:])
-            curve = self.across.interpolate(np.moveaxis(values, 1, 0))[j]
-            coefficients.append(row.interpolate(curve))
-        return np.concatenate(coefficients)
+        curves: dict[SplineSpace, FloatArray] = {}  # by space, since most rows share one
+        for row in self.rows:
+            if row not in curves:
+                values = function(
+                    np.repeat(row.greville, self.across.size), np.tile(self.across.greville, row.size)
+                )
+                values = values.reshape(row.size, self.across.size, *values.shape[1:])
+                curves[row] = self.across.interpolate(np.moveaxis(values, 1, 0))
+        return np.concatenate([row.interpolate(curves[row][j]) for j, row in enumerate(self.rows)])
 
     def _denominator(self, xi: FloatArray, eta: FloatArray) -> FloatArray:
         """sum_kl w_kl M_l(eta) N_k^(l)(xi) at points (n,)."""
@@ -180,7 +181,7 @@ def row_space(name: str, elements: tuple[int, int], across_degree: int = 1) -> R
     """
     parsed = parse_space_name(name)
     for count, finest, direction in zip(elements, FINEST_MESH, ("length", "height"), strict=True):
-        if not 1 <= count <= finest:
+        if not 1 <= count <= finest or count != int(count):
             shown = f"{elements[0]}x{elements[1]}"
             raise InputError("mesh", shown, f"there can be 1 to {finest} elements along the {direction}")
     across = SplineSpace.uniform(across_degree, across_degree - 1, elements[1])
