@@ -1,5 +1,7 @@
 """Adhesion laws and substrates against closed forms, quadrature and finite differences."""
 
+import pickle
+
 import numpy as np
 import pytest
 from scipy.integrate import quad
@@ -87,9 +89,61 @@ def test_a_formula_gives_the_same_law() -> None:
     assert formula.work_of_adhesion == pytest.approx(LAW.work_of_adhesion, rel=1e-10)
 
 
-@pytest.mark.parametrize("potential", ["-1/(1 + r)", "r", "exp(r)", "0*r"])
-def test_a_formula_without_equilibrium_is_refused(potential: str) -> None:
-    with pytest.raises(InputError, match="minimum over the gap"):
+NAMES_OF_THE_KERNEL = ["n", "count", "gap", "traction", "potential", "parameters", "range", "shared_0", "nan"]
+
+
+@pytest.mark.parametrize("name", NAMES_OF_THE_KERNEL)
+def test_constants_do_not_meet_the_names_of_the_kernel(name: str) -> None:
+    plain = FormulaAdhesion("W*((s/r)**(2*m)/m - 2*(s/r)**m/m)", {"W": 0.01, "s": 0.3, "m": 4.0})
+    named = FormulaAdhesion(plain.potential.replace("m", f"{name}"), {"W": 0.01, "s": 0.3, name: 4.0})
+    gaps = np.linspace(0.25, 1.0, 7)
+    # the same formula: only the order of its operations may change with the names
+    np.testing.assert_allclose(law_at(named, gaps), law_at(plain, gaps), rtol=1e-13)
+
+
+@pytest.mark.parametrize("scale", [1e-9, 1.0, 1e3])
+def test_a_formula_may_have_any_unit_of_length(scale: float) -> None:
+    law = FormulaAdhesion("W*((s/r)**8/3 - 4/3*(s/r)**2)", {"W": 0.01, "s": 0.25 * scale})
+    assert law.equilibrium_gap == pytest.approx(0.25 * scale, rel=1e-12)
+    assert law.work_of_adhesion == pytest.approx(0.01, rel=1e-10)
+
+
+def test_a_law_that_is_singular_at_contact_ends_there() -> None:
+    singular = FormulaAdhesion("W*((s/r)**8/3 - 4/3*(s/r)**2)", {"W": 0.01, "s": 0.25})
+    assert np.isnan(law_at(singular, np.array([-0.1, 0.0]))).all()
+
+
+def test_the_exponential_law_has_its_equilibrium_at_contact() -> None:
+    law = FormulaAdhesion("-W*(1 + r/d)*exp(-r/d)", {"W": 0.01, "d": 0.3})
+    assert law.equilibrium_gap == pytest.approx(0.0, abs=1e-12)  # the first gap of the search
+    assert law.work_of_adhesion == pytest.approx(0.01, rel=1e-14)
+    _, traction, _ = law_at(law, np.array([-0.1, 0.3]))
+    # T = -W r/d^2 exp(-r/d); strongest attraction W/(e d) at r = d
+    np.testing.assert_allclose(traction, [0.01 / 0.9 * np.exp(1 / 3), -0.01 / 0.3 / np.e], rtol=1e-13)
+
+
+def test_laws_from_formulas_travel_to_other_processes() -> None:
+    law = FormulaAdhesion("W*((s/r)**8/3 - 4/3*(s/r)**2)", {"W": 0.01, "s": 0.25})
+    assert pickle.loads(pickle.dumps(law)) == law
+
+
+@pytest.mark.parametrize(
+    ("potential", "reason"),
+    [
+        ("-1/(1 + r)", "minimum over the gap"),
+        ("r", "minimum over the gap"),
+        ("exp(r)", "minimum over the gap"),
+        ("0*r", "minimum over the gap"),
+        ("exp(-r)", "minimum over the gap"),
+        ("(r - 1)**2*exp(-r)", "work of adhesion must be positive"),
+        ("cosh(r - 1)", "work of adhesion must be positive and finite"),
+        ("sqrt((r - 1)**2)", "without jumps"),
+        ("(-1)**0.5*r", "a formula uses"),
+        ("r + 2**(1/0)", "a formula uses"),
+    ],
+)
+def test_a_formula_that_is_no_law_is_refused(potential: str, reason: str) -> None:
+    with pytest.raises(InputError, match=reason):
         FormulaAdhesion(potential)
 
 

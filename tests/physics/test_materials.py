@@ -109,6 +109,9 @@ def test_neo_hooke_refuses_unstable_constants(modulus: float, ratio: float, fiel
         ("-mu/2*(I1 - 3 - 2*log(J))", "stiffness at F = I must be positive"),
         ("mu*sqrt(I1 - 3)", "finite at F = I"),
         ("mu*(I1 - 3", "a formula uses"),
+        ("mu/2*(I1 - 3 - 2*log(J)) + mu*F12**2*F11", "must not change when the body is turned"),
+        ("mu/2*(I1 - 3 - 2*log(J)) + mu*(F12 - F21)**2", "must not change when the body is turned"),
+        ("mu/2*(I1 - 3 - 2*log(J)) + sqrt((J - 1)**2)**3", "without jumps"),
         ("kappa*(J - 1)**2", "a formula uses"),
     ],
 )

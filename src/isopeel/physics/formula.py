@@ -7,7 +7,7 @@ operations, powers and the functions in `FUNCTIONS` are carried over into a SymP
 import ast
 import operator
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from functools import lru_cache
 from keyword import iskeyword
 from typing import Any
@@ -39,7 +39,7 @@ _OPERATIONS: dict[type[ast.operator], Callable[[Any, Any], Any]] = {
     ast.Div: operator.truediv,
 }
 _LONGEST = 2000  # characters: far more than any law of the literature, and little to parse
-_NAMESPACE = {name: getattr(np, name) for name in [*FUNCTIONS, "arctan", "pi"] if hasattr(np, name)}
+_NAMESPACE = {name: getattr(np, name) for name in (*FUNCTIONS, "pi", "nan")}
 
 
 def parse_formula(field: str, text: str, names: tuple[str, ...]) -> sympy.Expr:
@@ -53,7 +53,7 @@ def parse_formula(field: str, text: str, names: tuple[str, ...]) -> sympy.Expr:
     try:
         tree = ast.parse(text.strip(), mode="eval").body
         expression = _translate(tree, {name: sympy.Symbol(name, real=True) for name in names})
-    except (SyntaxError, ValueError, RecursionError, MemoryError, ZeroDivisionError, OverflowError) as error:
+    except (SyntaxError, ValueError, TypeError, ArithmeticError, RecursionError, MemoryError) as error:
         raise InputError(field, text, allowed) from error
     if expression.has(sympy.zoo, sympy.nan, sympy.oo, -sympy.oo) or expression.has(sympy.I):
         raise InputError(field, text, "a formula must have finite real numbers")
@@ -100,19 +100,39 @@ def check_constants(field: str, constants: Mapping[str, float], reserved: tuple[
             raise InputError(f"{field}.{name}", value, "it must be finite")
 
 
+def check_smooth(field: str, text: str, expressions: Iterable[sympy.Expr]) -> None:
+    """Raise InputError where derivatives of a formula have jumps, or functions that a formula has not."""
+    for expression in expressions:
+        functions = {type(part).__name__ for part in expression.atoms(sympy.Function)}
+        if functions - set(FUNCTIONS) or expression.has(sympy.zoo, sympy.nan, sympy.I):
+            raise InputError(field, text, "its second derivatives must be smooth, without jumps")
+
+
 def batch_source(
-    arguments: str, inputs: Mapping[str, str], constants: tuple[str, ...], outputs: Mapping[str, sympy.Expr]
+    arguments: str,
+    inputs: Mapping[str, str],
+    constants: tuple[str, ...],
+    outputs: Mapping[str, sympy.Expr],
+    guard: str | None = None,
 ) -> str:
     """Write a batch function: for every point n, read the inputs, and set each output to its expression.
 
     `inputs` maps variable names to array entries, `outputs` array entries to expressions; common parts
-    of the expressions are computed once.
+    of the expressions are computed once. Where `guard`, a condition on the entries, does not hold, the
+    outputs are nan.
     """
-    shared, reduced = sympy.cse(list(outputs.values()), symbols=sympy.numbered_symbols("shared_"))
+    # the user's names get a prefix, so that they cannot meet those of the function itself
+    private = {symbol: sympy.Symbol(f"user_{symbol}") for e in outputs.values() for symbol in e.free_symbols}
+    expressions = [expression.xreplace(private) for expression in outputs.values()]
+    shared, reduced = sympy.cse(expressions, symbols=sympy.numbered_symbols("shared_"))
     lines = [f"def batch({arguments}):"]
-    lines += [f"    {name} = parameters[{k}]" for k, name in enumerate(constants)]
+    lines += [f"    user_{name} = parameters[{k}]" for k, name in enumerate(constants)]
     lines += ["    for n in range(count):"]
-    lines += [f"        {name} = {entry}" for name, entry in inputs.items()]
+    if guard is not None:
+        lines += [f"        if not ({guard}):"]
+        lines += [f"            {entry} = nan" for entry in outputs]
+        lines += ["            continue"]
+    lines += [f"        user_{name} = {entry}" for name, entry in inputs.items()]
     lines += [f"        {symbol} = {_code(expression)}" for symbol, expression in shared]
     pairs = zip(outputs, reduced, strict=True)
     lines += [f"        {entry} = {_code(expression)}" for entry, expression in pairs]

@@ -1,9 +1,8 @@
 """An adhesion law from one expression of its potential."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cache, cached_property
-from types import MappingProxyType
 
 import numpy as np
 import sympy
@@ -12,7 +11,17 @@ from scipy.optimize import brentq
 from isopeel.arrays import FloatArray
 from isopeel.errors import InputError
 from isopeel.physics.batch import ADHESION_SIGNATURE, BatchFunction
-from isopeel.physics.formula import batch_source, check_constants, compile_source, parse_formula
+from isopeel.physics.formula import (
+    batch_source,
+    check_constants,
+    check_smooth,
+    compile_source,
+    parse_formula,
+)
+
+#: Gaps that the equilibrium is looked for at, 0.1 % apart: from 1 pm in metres to 1 m in nanometres. The
+#: last one counts as infinite.
+_GAPS = np.geomspace(1e-12, 1e9, 48_001)
 
 
 @dataclass(frozen=True)
@@ -20,21 +29,25 @@ class FormulaAdhesion:
     """Reversible adhesion law whose potential per area is one expression of the gap `r`.
 
     `potential` may use `r` and the names in `constants` (values in the units of the problem). T = -dPhi/dr
-    (repulsion positive) and dT/dr are derived by SymPy. Raises InputError unless the traction turns from
-    repulsion to attraction at some gap, the equilibrium gap.
+    (repulsion positive) and dT/dr are derived by SymPy. A potential that is not finite at r = 0 holds for
+    positive gaps only. Raises InputError unless the traction turns from repulsion to attraction at some gap,
+    the equilibrium gap, and it takes a positive, finite work to part the surfaces from there.
     """
 
     potential: str
     constants: Mapping[str, float] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        """Check the formula and that it has an equilibrium gap."""
+        """Check the formula, its equilibrium gap and its work of adhesion."""
         check_constants("adhesion.constants", self.constants, ("r",))
-        object.__setattr__(self, "constants", MappingProxyType(dict(sorted(self.constants.items()))))
+        object.__setattr__(self, "constants", dict(sorted(self.constants.items())))
+        _source(self.potential, tuple(self.constants), self._positive_gaps_only)
         if not np.isfinite(self.equilibrium_gap):
-            raise InputError(
-                "adhesion.potential", self.potential, "it must have a minimum over the gap r, its equilibrium"
-            )
+            allowed = "it must have a minimum over the gap r, the equilibrium"
+            raise InputError("adhesion.potential", self.potential, allowed)
+        if not 0 < self.work_of_adhesion < np.inf:
+            allowed = f"its work of adhesion must be positive and finite, it is {self.work_of_adhesion:g}"
+            raise InputError("adhesion.potential", self.potential, allowed)
 
     @property
     def parameters(self) -> FloatArray:
@@ -44,32 +57,45 @@ class FormulaAdhesion:
     @property
     def kernel(self) -> BatchFunction:
         """Batch function of potential, traction and its derivative."""
-        return compile_source(_source(self.potential, tuple(self.constants)), ADHESION_SIGNATURE)
+        source = _source(self.potential, tuple(self.constants), self._positive_gaps_only)
+        return compile_source(source, ADHESION_SIGNATURE)
 
     @cached_property
     def equilibrium_gap(self) -> float:
-        """The smallest gap at which T falls through zero; nan where there is none."""
+        """The smallest gap at which T falls from repulsion to attraction; nan where there is none."""
         traction = self._function(1)
-        gaps = np.geomspace(1e-6, 1e6, 24_001)  # twelve decades of the problem's length, 0.1 % apart
-        with np.errstate(all="ignore"):
-            values = np.array([traction(gap) for gap in gaps])
+        # a law that is finite at contact may have its equilibrium there, as the exponential one
+        gaps = _GAPS if self._positive_gaps_only else np.concatenate([[-_GAPS[0], 0.0], _GAPS])
+        values = traction(gaps)
+        attractive = np.flatnonzero(values < 0)
         falls = np.flatnonzero((values[:-1] > 0) & (values[1:] <= 0))
-        if not len(falls):
+        # where no attraction follows, the repulsion has only become too small to tell from zero
+        if not len(falls) or not (attractive > falls[0]).any():
             return float("nan")
-        first = falls[0]
-        return float(brentq(traction, gaps[first], gaps[first + 1], xtol=1e-15, rtol=1e-14))
+        bracket = gaps[falls[0]], gaps[falls[0] + 1]
+        return float(brentq(lambda gap: float(traction(np.array(gap))), *bracket, xtol=1e-300, rtol=1e-14))
 
     @property
     def work_of_adhesion(self) -> float:
-        """Phi(infinity) - Phi(r_eq), infinity being a gap of 10^6 lengths."""
-        potential = self._function(0)
-        return float(potential(1e6) - potential(self.equilibrium_gap))
+        """Phi(infinity) - Phi(r_eq)."""
+        near, far = self._function(0)(np.array([self.equilibrium_gap, _GAPS[-1]]))
+        return float(far - near)
 
-    def _function(self, order: int) -> "sympy.core.function.FunctionClass":
-        """Phi (order 0) or T (order 1) as a function of the gap."""
+    @property
+    def _positive_gaps_only(self) -> bool:
+        return not bool(np.isfinite(self._function(0)(np.array(0.0))))
+
+    def _function(self, order: int) -> Callable[[FloatArray], FloatArray]:
+        """Phi (order 0) or T (order 1) as a function of the gap; nan and inf where it has no value."""
         expression = _derive(self.potential, tuple(self.constants))[order]
         values = {sympy.Symbol(name, real=True): value for name, value in self.constants.items()}
-        return sympy.lambdify("r", expression.subs(values), "numpy")
+        function = sympy.lambdify("r", expression.subs(values), "numpy")
+
+        def evaluate(gaps: FloatArray) -> FloatArray:
+            with np.errstate(all="ignore"):
+                return np.broadcast_to(np.asarray(function(gaps), dtype=np.float64), gaps.shape)
+
+        return evaluate
 
 
 @cache
@@ -81,8 +107,10 @@ def _derive(potential: str, constants: tuple[str, ...]) -> tuple[sympy.Expr, sym
 
 
 @cache
-def _source(potential: str, constants: tuple[str, ...]) -> str:
+def _source(potential: str, constants: tuple[str, ...], positive_gaps_only: bool) -> str:
     arguments = "gap, curvature, parameters, count, potential, traction, derivative"
     entries = ("potential[n]", "traction[n]", "derivative[n]")
     outputs = dict(zip(entries, _derive(potential, constants), strict=True))
-    return batch_source(arguments, {"r": "gap[n]"}, constants, outputs)
+    check_smooth("adhesion.potential", potential, outputs.values())
+    guard = "gap[n] > 0.0" if positive_gaps_only else None
+    return batch_source(arguments, {"r": "gap[n]"}, constants, outputs, guard)

@@ -3,7 +3,6 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cache, cached_property
-from types import MappingProxyType
 
 import numpy as np
 import sympy
@@ -11,7 +10,13 @@ import sympy
 from isopeel.arrays import FloatArray
 from isopeel.errors import InputError
 from isopeel.physics.batch import MATERIAL_SIGNATURE, BatchFunction
-from isopeel.physics.formula import batch_source, check_constants, compile_source, parse_formula
+from isopeel.physics.formula import (
+    batch_source,
+    check_constants,
+    check_smooth,
+    compile_source,
+    parse_formula,
+)
 
 _IN_PLANE = ("F11", "F12", "F21", "F22")
 _NAMES = (*_IN_PLANE, "F33", "I1", "I2", "J")
@@ -33,7 +38,7 @@ class FormulaMaterial:
     def __post_init__(self) -> None:
         """Check the formula and its state of rest."""
         check_constants("material.constants", self.constants, _NAMES)
-        object.__setattr__(self, "constants", MappingProxyType(dict(sorted(self.constants.items()))))
+        object.__setattr__(self, "constants", dict(sorted(self.constants.items())))
         shear, lame_lambda, stress = self._at_rest
         if not np.isfinite([shear, lame_lambda, stress]).all():
             raise InputError("material.energy", self.energy, "its derivatives must be finite at F = I")
@@ -42,6 +47,10 @@ class FormulaMaterial:
         # differentiation is exact, so only the round-off of the evaluation may remain
         if abs(stress) > 1e-10 * shear:
             raise InputError("material.energy", self.energy, "its stress at F = I must vanish")
+        _source(self.energy, tuple(self.constants))
+        if not self._is_isotropic:
+            allowed = "it must not change when the body is turned, before or after its deformation"
+            raise InputError("material.energy", self.energy, allowed)
 
     @cached_property
     def _at_rest(self) -> tuple[float, float, float]:
@@ -53,6 +62,22 @@ class FormulaMaterial:
         shear = stress["F12"].diff(sympy.Symbol("F12", real=True))
         largest = max((_number(term.subs(at_rest)) for term in stress.values()), key=abs)
         return _number(shear.subs(at_rest)), _number(coupling.subs(at_rest)), largest
+
+    @property
+    def _is_isotropic(self) -> bool:
+        """Whether psi(Q F) = psi(F Q) = psi(F) at a few deformations F and rotations Q."""
+        psi, _ = _derive(self.energy, tuple(self.constants))
+        function = sympy.lambdify((*_IN_PLANE, "F33", *self.constants), psi, "numpy")
+        deformations = np.array([[[1.1, 0.2], [-0.1, 0.9]], [[0.95, -0.3], [0.1, 1.05]]])
+        for angle in (0.7, np.pi / 2, 2.0):
+            Q = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+            states = np.stack([deformations, Q @ deformations, deformations @ Q]).reshape(3, 2, 4)
+            values = function(*np.moveaxis(states, -1, 0), 1.0, *self.constants.values())
+            shear, _, _ = self._at_rest
+            # energies at strains of 20 % are some percent of the shear modulus
+            if not np.ptp(values, axis=0).max() < 1e-10 * shear:
+                return False
+        return True
 
     @property
     def youngs_modulus(self) -> float:
@@ -118,4 +143,6 @@ def _source(energy: str, constants: tuple[str, ...]) -> str:
             derivative = stress[one].diff(sympy.Symbol(other, real=True)).subs(plane)
             outputs[f"A[{index[one]}, {index[other]}, n]"] = derivative
     inputs = {name: f"F[{index[name]}, n]" for name in _IN_PLANE}
-    return batch_source("F, parameters, count, energy, P, A", inputs, constants, outputs)
+    arguments = "F, parameters, count, energy, P, A"
+    check_smooth("material.energy", energy, outputs.values())
+    return batch_source(arguments, inputs, constants, outputs)
