@@ -144,7 +144,14 @@ BAD_VALUES = [
     ('mesh = "200x10"', 'mesh = "200"', "discretization.mesh", "200x10"),
     ('mesh = "200x10"', 'mesh = "1e9x10"', "discretization.mesh", "200x10"),
     ('mesh = "200x10"', 'mesh = "999999999x10"', "discretization.mesh", "1 to"),
-    ('mesh = "200x10"', 'mesh = "100000x1000"', "discretization.mesh", "GiB"),
+    ('mesh = "200x10"', 'mesh = "1x1000"', "discretization.mesh", "200 nm x 0.01 nm"),
+    ('height = "10 nm"', 'height = "1e-200 nm"', "body.height", "between 1e-12 and 1e+12 in units"),
+    ('length = "200 nm"', 'length = "1e200 nm"', "body.length", "between 1e-12 and 1e+12 in units"),
+    ('youngs_modulus = "2 GPa"', 'youngs_modulus = "1e-320 GPa"', "material.youngs_modulus", "between"),
+    ('hamaker_constant = "1e-19 J"', 'hamaker_constant = "1e100 J"', "adhesion.hamaker_constant", "between"),
+    ("poissons_ratio = 0.2", f"poissons_ratio = 1{'0' * 400}", "material.poissons_ratio", "number"),
+    ('height = "10 nm"', 'height = "10 deg nm"', "body.height", "mixes an angle"),
+    ('step = "0.1 deg"', 'step = "1e-13 deg"', "drive.step", "in degrees"),
     ('step = "0.1 deg"', 'step = "0 deg"', "drive.step", "positive"),
     ('step = "0.1 deg"', 'step = "-1 deg"', "drive.step", "positive"),
     ('step = "0.1 deg"', 'step = "1e-4 deg"', "drive.step", "100000 steps"),
@@ -174,12 +181,20 @@ def test_bad_values_name_their_key_and_what_is_allowed(old: str, new: str, field
     assert "\n" not in str(caught.value)
 
 
+@pytest.mark.parametrize("height", ["1 mm", "0.5 fm"])
+def test_elements_that_are_needles_are_refused(height: str) -> None:
+    with pytest.raises(InputError, match="one side may be 10000 times the other") as caught:
+        Case.parse(changed('height = "10 nm"', f'height = "{height}"'))
+    assert (caught.value.field, caught.value.value) == ("discretization.mesh", "200x10")
+
+
 @pytest.mark.parametrize(
     ("old", "new", "field"),
     [
         ('mu = "0.8 GPa"', 'mu = "0.8 s"', "material.constants.mu"),
         ('mu = "0.8 GPa"', "mu = true", "material.constants.mu"),
         ('mu = "0.8 GPa"', "mu = inf", "material.constants.mu"),
+        ('mu = "0.8 GPa"', f"mu = 1{'0' * 400}", "material.constants.mu"),
         ('mu = "0.8 GPa"', 'mu = "-0.8 GPa"', "material.energy"),
         ('mu = "0.8 GPa"', 'J = "0.8 GPa"', "material.constants"),
         ("k = 2", 'k = "2 deg"', "adhesion.constants.k"),
@@ -205,16 +220,18 @@ def test_bad_overrides_name_the_option(option: str, value: object) -> None:
 
 
 def test_files_that_are_no_case_are_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    broken, binary, nested = (tmp_path / name for name in ("broken.toml", "binary.toml", "nested.toml"))
+    broken, binary, nested, digits = (tmp_path / f"{name}.toml" for name in ("a", "b", "c", "d"))
     broken.write_text('name = "x"\nlength 3\n')
     binary.write_bytes(b"name\xff")
     nested.write_text("a = " + "[" * 100_000)
+    digits.write_text("a = " + "1" * 5000)
     for path, allowed in (
         (tmp_path / "none.toml", "does not exist"),
         (tmp_path, "is no file"),
         (broken, "line 2"),
         (binary, "byte 4"),
         (nested, "not TOML"),
+        (digits, "not TOML"),
     ):
         with pytest.raises(InputError) as caught:
             load_case(path)

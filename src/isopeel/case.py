@@ -31,8 +31,8 @@ from isopeel.splines.rows import RowSpace, row_space
 
 #: More steps than this are a slip of the pen: a thousandth of a degree up to 100 degrees.
 MOST_STEPS = 100_000
-#: Larger tangents, in bytes of band storage, leave a workstation's memory.
-LARGEST_TANGENT = 32 * 2**30
+#: More, and the stiffnesses along and across an element, its square apart, leave double precision.
+LARGEST_ASPECT = 1e4
 
 
 class Case(Section):
@@ -59,7 +59,7 @@ class Case(Section):
         """Read a TOML text. Raises InputError whose field is the path of the key, or CASE for broken TOML."""
         try:
             document = tomllib.loads(text)
-        except (tomllib.TOMLDecodeError, RecursionError) as error:
+        except (ValueError, RecursionError) as error:
             raise InputError("CASE", source, f"it is not TOML: {error}") from error
         return cls._checked(document)
 
@@ -138,12 +138,10 @@ class Case(Section):
             space = row_space(self.discretization.space, mesh)
         except InputError as error:
             raise InputError(f"discretization.{error.field}", error.value, error.allowed) from error
-        # unknowns are numbered across the strip first, and degree + 1 functions of a row overlap
-        size = 2 * space.size * 2 * (space.degree + 1) * len(space.rows) * 8
-        if size > LARGEST_TANGENT:
-            allowed = (
-                f"its tangent needs {size / 2**30:.0f} GiB, at most {LARGEST_TANGENT / 2**30:.0f} are given"
-            )
+        along, across = self.body.length / mesh[0], self.body.height / mesh[1]
+        if max(along, across) > LARGEST_ASPECT * min(along, across):
+            sizes = f"{along:g} nm x {across:g} nm"
+            allowed = f"its elements are {sizes}; one side may be {LARGEST_ASPECT:g} times the other at most"
             raise InputError("discretization.mesh", self.discretization.mesh, allowed)
         return space
 

@@ -10,6 +10,9 @@ from isopeel.physics.materials import Material, NeoHooke
 from isopeel.problem import Traction
 from isopeel.units import parse_quantity
 
+#: Magnitudes, in L0 and E0 or degrees, between which products of a few powers of them stay finite.
+SMALLEST, LARGEST = 1e-12, 1e12
+
 
 def _quantity(needed: str, stress: int = 0, length: int = 0) -> Callable[[object], float]:
     """Return the reader of a quantity in E0^stress L0^length, or in degrees if both are 0."""
@@ -21,6 +24,9 @@ def _quantity(needed: str, stress: int = 0, length: int = 0) -> Callable[[object
             raise ValueError(f"{error}; {needed}") from error
         if quantity.stress != stress or quantity.length != length:
             raise ValueError(needed)
+        if quantity.value and not SMALLEST <= abs(quantity.value) <= LARGEST:
+            unit = "degrees" if quantity.angle else "units made of 1 nm and 2 GPa"
+            raise ValueError(f"it must lie between {SMALLEST:g} and {LARGEST:g} in {unit}")
         return quantity.value
 
     return read
@@ -29,7 +35,10 @@ def _quantity(needed: str, stress: int = 0, length: int = 0) -> Callable[[object
 def _constant(written: object) -> float:
     """Read a constant of a formula: a plain number, or a text with a unit made of stresses and lengths."""
     if isinstance(written, int | float) and not isinstance(written, bool):
-        return float(written)
+        try:
+            return float(written)
+        except OverflowError as error:
+            raise ValueError("it must be finite") from error
     quantity = parse_quantity(str(written))
     if quantity.angle:
         raise ValueError("write angles as plain numbers, in radians")

@@ -1,14 +1,19 @@
 """The command line."""
 
+import sys
 from collections.abc import Sequence
+from io import TextIOWrapper
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 from typer.exceptions import TyperException
 
 import isopeel
 from isopeel.errors import InputError
+
+if TYPE_CHECKING:
+    from rich.console import Console
 
 # The commands import what they need themselves: help should not wait for a compiler.
 
@@ -23,6 +28,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     0: done; 2: bad input, or a file that cannot be written; 3: no equilibrium; 130: interrupted. What went
     wrong is on standard error.
     """
+    if isinstance(sys.stdout, TextIOWrapper):
+        # a name that the terminal's encoding lacks should not end a run
+        sys.stdout.reconfigure(errors="replace")
     try:
         return int(app(arguments, standalone_mode=False) or COMPLETED)
     except InputError as error:
@@ -38,6 +46,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def _fail(code: int, message: str) -> int:
     typer.echo(f"isopeel: {message}", err=True)
     return code
+
+
+def _console() -> "Console":
+    from rich.console import Console
+
+    # paths are shown as they are: [b] and :b: mean nothing in them
+    return Console(markup=False, emoji=False, highlight=False)
 
 
 def _degrees(text: str) -> float:
@@ -79,14 +94,16 @@ def run(
 ) -> int:
     """Run CASE and leave its curve, figures, summary and fields in a folder."""
     try:
-        from rich.console import Console
-
         from isopeel.case import load_case
         from isopeel.run import failure_message, run_case
 
         chosen = load_case(case).overridden(space=space, mesh=mesh, to=to, step=step, traction=traction)
         folder = out or Path("out") / chosen.name
-        stored = run_case(chosen, folder, Console(highlight=False))
+        stored = run_case(chosen, folder, _console())
+    except InputError as error:
+        if error.field == "discretization.mesh" and error.value == mesh:
+            raise InputError("--mesh", error.value, error.allowed) from error
+        raise
     except KeyboardInterrupt:
         return _fail(INTERRUPTED, "interrupted")
     if stored.failure is not None:
@@ -102,11 +119,9 @@ def paper(
 ) -> int:
     """Measure Table 2 of the published study on one mesh, beside the published figures."""
     try:
-        from rich.console import Console
-
         from isopeel.paper.table2 import show_table2
 
-        show_table2(mesh, Console(highlight=False))
+        show_table2(mesh, _console())
     except KeyboardInterrupt:
         return _fail(INTERRUPTED, "interrupted")
     return COMPLETED
@@ -121,9 +136,7 @@ def spaces(
     ] = None,
 ) -> int:
     """Draw the functions of a spline space, and tell its degrees, continuities, supports and DOFs."""
-    from rich.console import Console
-
     from isopeel.spaces import show_space
 
-    show_space(name, mesh, out, Console(highlight=False))
+    show_space(name, mesh, out, _console())
     return COMPLETED

@@ -35,7 +35,7 @@ def progress(console: Console, drive: Drive, steps: int) -> Iterator[Callable[[S
         bar.update(
             task,
             completed=step.number + 1,
-            description=f"{angle.factor * step.parameter:7.2f} {angle.unit}  "
+            description=f"{angle.shown(step.parameter):7.2f} {angle.unit}  "
             f"{moment.name} {moment.factor * step.reaction:.6f}  {len(step.iterations)} iterations",
         )
 

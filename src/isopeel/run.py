@@ -7,17 +7,15 @@ from tempfile import TemporaryFile
 from time import perf_counter
 from typing import Any
 
-import numpy as np
 from rich.box import SIMPLE_HEAD
 from rich.console import Console
 from rich.table import Table
 
-from isopeel.arrays import FloatArray
 from isopeel.case import Case
 from isopeel.errors import InputError
 from isopeel.post.closed_form import beam_peeling
 from isopeel.post.figures import moment_figure, save, shapes_figure
-from isopeel.post.reading import onset_angle, read_plateau
+from isopeel.post.reading import read_plateau
 from isopeel.post.summary import summarize
 from isopeel.problem import Drive, Problem
 from isopeel.progress import progress
@@ -28,7 +26,7 @@ from isopeel.solve.trace import Step, trace
 from isopeel.splines.rows import RowSpace
 
 #: Files that a run leaves in its folder.
-FILES = ("curve.csv", "run.h5", "summary.json", "moment.png", "shapes.png")
+FILES = ("run.h5", "curve.csv", "summary.json", "moment.png", "shapes.png")
 
 
 def run_case(case: Case, out: Path, console: Console) -> StoredRun:
@@ -36,19 +34,28 @@ def run_case(case: Case, out: Path, console: Console) -> StoredRun:
 
     Returns what was stored; its `ending` says whether the run came to its end, found no equilibrium or
     was interrupted: all that converged before is in the files. Raises InputError where the folder
-    cannot be written, OSError where a file cannot.
+    cannot be written or the memory does not suffice, OSError where a file cannot be written, and
+    KeyboardInterrupt where there is no step yet; an earlier run stays until there is one.
     """
     began = perf_counter()
     problem, space, angles = case.problem(), case.space(), case.angles()
+    try:
+        steps = trace(problem, space, angles)
+    except InputError as error:
+        field = "discretization.mesh" if error.field == "mesh" else error.field
+        raise InputError(field, error.value, error.allowed) from error
     _check_folder(out)
-    # the tables are made here, before anything of an earlier run is replaced
-    steps = trace(problem, space, angles)
-    for name in FILES:
-        (out / name).unlink(missing_ok=True)
+    file, *others = (out / name for name in FILES)
     attributes = run_attributes(problem, space, Provenance.of_this_process())
-    with RunWriter(out / "run.h5", problem.drive, case.text, attributes, case.output.fields_every) as writer:
-        _follow(steps, problem.drive, angles, writer, console)
-    run = read_run(out / "run.h5")
+    writer = RunWriter(file, problem.drive, case.text, attributes, case.output.fields_every, others)
+    try:
+        with writer:
+            _follow(steps, problem.drive, len(angles), writer, console)
+    finally:
+        # whatever comes in between, the table holds what the file does
+        if writer.saved:
+            writer.curve.write_csv(out / "curve.csv")
+    run = read_run(file)
     summary = _write_results(case, problem, space, run, out, perf_counter() - began)
     if run.ending != "interrupted":
         _print_table(summary, out, console)
@@ -73,36 +80,36 @@ def _check_folder(out: Path) -> None:
     except OSError as error:
         allowed = f"a folder that can be written is needed: {error.strerror}"
         raise InputError("--out", str(out), allowed) from error
+    for name in FILES:
+        if (out / name).exists() and not (out / name).is_file():
+            raise InputError("--out", str(out), f"{name} in it must be a file, where there is one")
 
 
-def _follow(
-    steps: Iterable[Step], drive: Drive, angles: FloatArray, writer: RunWriter, console: Console
-) -> None:
+def _follow(steps: Iterable[Step], drive: Drive, count: int, writer: RunWriter, console: Console) -> None:
     """Hand the steps to their consumers, and note how they end."""
-    converged = 0
     try:
-        with progress(console, drive, len(angles)) as show:
+        with progress(console, drive, count) as show:
             for step in steps:
                 writer.append(step)
                 show(step)
-                converged += 1
         writer.end("completed")
     except ConvergenceError as error:
-        angle = float(np.round(angles[converged] * drive.parameter_column.factor, 12))
+        angle = drive.parameter_column.shown(error.parameter)
         writer.end("not converged", Failure(angle, error.reason, error.iterations))
     except KeyboardInterrupt:
+        if not writer.saved:
+            raise
         writer.end("interrupted")
 
 
 def _write_results(
     case: Case, problem: Problem, space: RowSpace, run: StoredRun, out: Path, wall_time: float
 ) -> dict[str, Any]:
-    """Write the table, the figures and the summary, and return the latter."""
-    run.curve.write_csv(out / "curve.csv")
+    """Write the figures and the summary, and return the latter."""
     closed_form = beam_peeling(problem)
     period = closed_form.period_deg(space.elements[0]) if closed_form else None
     plateau = read_plateau(run.curve, case.reading.window, period) if case.reading else None
-    summary = summarize(case, run, plateau, onset_angle(run.curve), closed_form, wall_time)
+    summary = summarize(case, run, plateau, closed_form, period, wall_time)
     text = json.dumps(summary, indent=2, allow_nan=False)
     (out / "summary.json").write_text(text + "\n", encoding="utf-8")
     if len(run.curve):
@@ -132,10 +139,10 @@ def _print_table(summary: dict[str, Any], out: Path, console: Console) -> None:
     per_step = _shown(summary["newton_iterations_per_step"], ".2f", "per step")
     table.add_row("Newton iterations", f"{summary['newton_iterations']}, {per_step}")
     table.add_row("time", f"{summary['wall_time_s']:.1f} s")
-    table.add_row("files in", str(out))
     console.print(table)
     if summary["note"]:
         console.print(f"not read: {summary['note']}")
+    console.print(f"files in {out}", soft_wrap=True)
 
 
 def _shown(value: float | None, digits: str, unit: str) -> str:

@@ -51,9 +51,9 @@ def parse_quantity(text: str) -> Quantity:
         factor, base = registry.get_base_units(units)
     except pint.UndefinedUnitError as error:
         raise ValueError(f"{unit!r} is not a known unit") from error
-    parts = [name for name, _ in registry.Quantity(1, units).unit_items()]
+    parts = _parts(units)
     # radians have no dimension, so that an angle would pass unseen in a product
-    if len(parts) > 1 and any("radian" in str(registry.get_base_units(part)[1]) for part in parts):
+    if len(parts) > 1 and any("radian" in _parts(registry.get_base_units(part)[1]) for part in parts):
         raise ValueError(f"{unit!r} mixes an angle with other units")
     powers = {name: Fraction(power) for name, power in units.dimensionality.items()}
     mass, length, time = (powers.pop(f"[{name}]", Fraction(0)) for name in ("mass", "length", "time"))
@@ -67,6 +67,11 @@ def parse_quantity(text: str) -> Quantity:
     except OverflowError as error:
         raise ValueError("it is not finite") from error
     return Quantity(value, mass, length + mass, angle)
+
+
+def _parts(units: Any) -> dict[str, Any]:
+    """Names of units in a product, and their powers."""
+    return dict(_registry().Quantity(1, units).unit_items())
 
 
 @cache

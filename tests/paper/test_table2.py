@@ -1,23 +1,13 @@
 """The published table and our measurement of it."""
 
-from typing import NamedTuple
-
 import pytest
 
 from isopeel import InputError, row_space
-from isopeel.paper.study import MESHES, SPACES, Run, measure_all
-from isopeel.paper.table2 import contact_row_only, published, show_table2
+from isopeel.paper.study import MESHES, SPACES, Measurement, Run, measure_all
+from isopeel.paper.table2 import Figures, Reading, contact_row_only, published, show_table2
 
-
-class Figures(NamedTuple):
-    """dM, steepest rise and steepest fall, times 1e3."""
-
-    amplitude: float
-    rise: float
-    fall: float
-
-
-#: Measured before by two independent codes at m2, with another treatment of the drift, as noted down.
+# Figures noted down before, by two other codes at m2 in the same window. Theirs with all rows fit our reading
+# with the drift of the mean taken out, those with the contact row alone the one by a line.
 ALL_ROWS = {
     "L1": Figures(5.64, 8.16, -55.5),
     "N2": Figures(4.46, 7.3, -36.0),
@@ -26,6 +16,7 @@ ALL_ROWS = {
     "N8": Figures(1.52, 3.5, -6.1),
     "L2": Figures(0.85, 2.2, -2.6),
 }
+SMALL = {"L4": 0.002, "N2.1": 0.08, "N4.1": 0.01}  # dM alone: one digit
 CONTACT_ROW = {
     "N2": Figures(4.78, 7.1, -33.0),
     "N4": Figures(2.96, 5.14, -13.0),
@@ -36,12 +27,7 @@ CONTACT_ROW = {
     "N2.1": Figures(0.355, 0.85, -1.05),
     "N4.1": Figures(0.445, 1.09, -1.30),
 }
-
-
-def figures(run: Run) -> Figures:
-    plateau = run.measure().plateau
-    assert plateau is not None
-    return Figures(1e3 * plateau.amplitude, 1e3 * plateau.steepest_rise, 1e3 * plateau.steepest_fall)
+ROUNDING = 0.02
 
 
 def test_all_rows_of_the_table_are_there() -> None:
@@ -73,34 +59,40 @@ def test_an_unknown_mesh_is_refused() -> None:
         show_table2("m4", Console())
 
 
-@pytest.mark.parametrize(("run", "known"), [("L1", ALL_ROWS["L1"]), ("L1+L4", CONTACT_ROW["L4"])])
-def test_a_cheap_entry(run: str, known: Figures) -> None:
-    ours = figures(Run(run, "m2"))
-    # to the digits noted down, and the drift of 0.02e-3 per degree that was or was not taken out
-    assert ours.rise == pytest.approx(known.rise, rel=0.02)
-    assert ours.fall == pytest.approx(known.fall, rel=0.03)
-    assert ours.amplitude == pytest.approx(known.amplitude, rel=0.08)  # see below
+def figures(measurement: Measurement, reading: Reading) -> Figures:
+    found = reading.figures(measurement)
+    assert found is not None
+    return found
+
+
+def test_a_cheap_entry_of_each_column() -> None:
+    ours, known = figures(Run("L1", "m2").measure(), Reading.MEAN), ALL_ROWS["L1"]
+    assert ours[:2] == pytest.approx(known[:2], rel=ROUNDING)
+    assert ours.fall == pytest.approx(known.fall, rel=0.025)  # not explained, see below
+    ours, known = figures(Run("L1+L4", "m2").measure(), Reading.LINE), CONTACT_ROW["L4"]
+    assert ours == pytest.approx(known, rel=ROUNDING)
 
 
 @pytest.mark.long
 def test_the_whole_table_at_m2() -> None:
-    """Held against the figures that two other codes gave.
+    """All figures that were noted down, each read as its column was.
 
-    Their window is ours, their treatment of the drift is not known; it moves small amplitudes most. We
-    find amplitudes within 2 % with all rows, 7 to 12 % lower with the contact row alone; slopes within
-    2.5 %, but the steepest falls of smooth spaces with all rows up to 5 % flatter.
+    What remains unexplained has its own tolerance: with all rows the steepest falls, up to 5 % flatter than
+    noted, and the smallest amplitude; with the contact row alone three amplitudes, 6 to 7 % lower.
     """
-    runs = [Run(name, "m2") for name in ALL_ROWS] + [Run(f"L1+{name}", "m2") for name in CONTACT_ROW]
-    measured = {m.run.space: m.plateau for m in measure_all(runs, workers=2)}
+    names = [*ALL_ROWS, *SMALL, *(f"L1+{name}" for name in CONTACT_ROW)]
+    measured = {m.run.space: m for m in measure_all([Run(name, "m2") for name in names], workers=2)}
     for name, known in ALL_ROWS.items():
-        ours = measured[name]
-        assert ours is not None
-        assert 1e3 * ours.amplitude == pytest.approx(known.amplitude, rel=0.02)
-        assert 1e3 * ours.steepest_rise == pytest.approx(known.rise, rel=0.02)
-        assert 1e3 * ours.steepest_fall == pytest.approx(known.fall, rel=0.05)
+        ours = figures(measured[name], Reading.MEAN)
+        assert ours.amplitude == pytest.approx(known.amplitude, rel=ROUNDING)
+        assert ours.rise == pytest.approx(known.rise, rel=ROUNDING)
+        assert ours.fall == pytest.approx(known.fall, rel=0.05)
+    for name, amplitude in SMALL.items():
+        # half a unit of the digit that was noted; for L4 the curvature of the drift is as large as that
+        rounding = 0.003 if name == "L4" else 0.005
+        assert figures(measured[name], Reading.MEAN).amplitude == pytest.approx(amplitude, abs=rounding)
     for name, known in CONTACT_ROW.items():
-        ours = measured[f"L1+{name}"]
-        assert ours is not None
-        assert 0.87 < 1e3 * ours.amplitude / known.amplitude < 0.94
-        assert 1e3 * ours.steepest_rise == pytest.approx(known.rise, rel=0.025)
-        assert 1e3 * ours.steepest_fall == pytest.approx(known.fall, rel=0.02)
+        ours = figures(measured[f"L1+{name}"], Reading.LINE)
+        tolerance = 0.07 if name in ("N4", "N6", "N8") else ROUNDING
+        assert ours.amplitude == pytest.approx(known.amplitude, rel=tolerance)
+        assert ours[1:] == pytest.approx(known[1:], rel=ROUNDING)

@@ -80,7 +80,7 @@ def test_a_single_step_can_be_drawn(run: tuple[Problem, RowSpace, list[Step]], t
 
 
 def test_the_closed_form_and_the_plateau_are_drawn_and_named(long_curve: Curve) -> None:
-    plateau = PlateauReading((90.0, 110.0), 1.63, 1e-4, 0.004, 0.002, -0.002)
+    plateau = PlateauReading((90.0, 110.0), 1.63, 1e-4, "running mean", 0.004, 0.002, -0.002)
     figure = moment_figure(long_curve, plateau, beam_peeling(isopeel.strip()))
     whole, enlarged = figure.axes
     _, level, onset = whole.lines

@@ -5,7 +5,7 @@ import pytest
 
 from isopeel import Curve, InputError
 from isopeel.arrays import FloatArray
-from isopeel.post.reading import onset_angle, read_plateau
+from isopeel.post.reading import onset_angle, read_plateau, unreadable
 from isopeel.problem import RotatedSide
 
 PERIOD = 1.0768
@@ -70,6 +70,36 @@ def test_mean_is_that_of_the_window() -> None:
 def test_a_run_that_ends_too_soon_is_not_read(last: float) -> None:
     angles = np.arange(0, last, 0.1)
     assert read_plateau(curve_of(angles, angles), (98, 101.4)) is None
+
+
+@pytest.mark.parametrize(
+    ("step", "window", "reason"),
+    [
+        (0.1, (98.0, 98.5), "shorter than a period"),
+        (0.2, (98.0, 101.4), "steps of 0.2 degree are too large"),
+        (1.0, (98.0, 101.4), "steps of 1 degree are too large"),
+        (2.0, (98.0, 101.4), "holds 2 steps"),
+        (0.1, (108.0, 111.4), "the run reached 110"),
+    ],
+)
+def test_an_oscillation_that_is_not_resolved_is_not_read(
+    step: float, window: tuple[float, float], reason: str
+) -> None:
+    """One sample per period would show none of it."""
+    angles = np.round(np.arange(0, 110 + step / 2, step), 10)
+    curve = curve_of(angles, 1.63 + sawtooth(angles, 1e-4))
+    assert read_plateau(curve, window, PERIOD) is None
+    assert reason in str(unreadable(curve, window, PERIOD))
+
+
+def test_the_drift_tells_what_it_was_fitted_to() -> None:
+    angles = np.round(np.arange(0, 101.5, 0.1), 10)
+    curve = curve_of(angles, 1.63 + sawtooth(angles, 1e-4))
+    early, late = read_plateau(curve, (95, 98.4), PERIOD), read_plateau(curve, (98, 101.4), PERIOD)
+    assert early is not None
+    assert late is not None
+    # the curve ends half a period too soon for the later window
+    assert (early.drift_of, late.drift_of) == ("running mean", "curve")
 
 
 def test_a_window_that_ends_before_it_begins_is_refused() -> None:

@@ -119,6 +119,9 @@ def test_an_exception_leaves_all_steps_before_it(tmp_path: Path) -> None:
 def test_a_run_without_steps_is_read_back(tmp_path: Path) -> None:
     with writer(tmp_path / "run.h5"):
         pass
+    assert list(tmp_path.iterdir()) == []
+    with writer(tmp_path / "run.h5") as run:
+        run.end("completed")
     stored = read_run(tmp_path / "run.h5")
     assert (len(stored.curve), dict(stored.fields)) == (0, {})
 

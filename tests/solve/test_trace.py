@@ -107,8 +107,8 @@ def test_other_units_give_the_same_path() -> None:
     assert theirs.reaction / (pascal * metre**2) == pytest.approx(ours.reaction, rel=1e-10)
 
 
-def test_two_enriched_rows_lie_between_one_and_all() -> None:
-    """N2+N4@ROWS with every row is N4, with none N2 (a varying-order space ends in the plain ones)."""
+def test_enriching_every_row_gives_the_richer_space() -> None:
+    """N2+N4@4 on four rows is N4."""
     angle, elements = 20.0, (40, 3)
     assert moment_at(angle, "N2+N4@4", elements, 5.0) == pytest.approx(
         moment_at(angle, "N4", elements, 5.0), rel=1e-12

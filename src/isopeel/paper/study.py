@@ -1,9 +1,10 @@
 """The published study: nine discretizations of the strip on three meshes, one run for each."""
 
+import signal
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import dataclass
-from multiprocessing import get_context
+from multiprocessing import active_children, get_context
 
 import numpy as np
 
@@ -51,6 +52,7 @@ class Run:
             reached=float(curve.parameter[-1]),
             ended=ended,
             plateau=read_plateau(curve, WINDOW, period),
+            by_line=read_plateau(curve, WINDOW),
             iterations=float(curve.iterations.mean()),
             seconds=float(curve.seconds.sum()),
         )
@@ -58,19 +60,32 @@ class Run:
 
 @dataclass(frozen=True)
 class Measurement:
-    """What a run gave. `ended` tells why it stopped early, where it did; then `plateau` may be None."""
+    """What a run gave. `ended` tells why it stopped early, where it did; then there may be no readings."""
 
     run: Run
     dofs: int
     reached: float  # degrees
     ended: str | None
-    plateau: PlateauReading | None
+    plateau: PlateauReading | None  # drift of the mean over a period taken out
+    by_line: PlateauReading | None  # drift of the curve itself taken out
     iterations: float  # Newton corrections per step
     seconds: float
 
 
 def measure_all(runs: Sequence[Run], workers: int) -> Iterator[Measurement]:
-    """Measure runs in processes of their own, yielding each as it is done."""
-    with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
-        for future in as_completed([pool.submit(run.measure) for run in runs]):
-            yield future.result()
+    """Measure runs in processes of their own, yielding each as it is done.
+
+    The processes end at once where it is interrupted, or no more is asked for.
+    """
+    others = active_children()
+    context = get_context("spawn")
+    # Ctrl-C goes to the whole group of processes; the first alone should heed it
+    with ProcessPoolExecutor(workers, context, signal.signal, (signal.SIGINT, signal.SIG_IGN)) as pool:
+        try:
+            for future in as_completed([pool.submit(run.measure) for run in runs]):
+                yield future.result()
+        except BaseException:
+            for process in active_children():
+                if process not in others:
+                    process.terminate()
+            raise

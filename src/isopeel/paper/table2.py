@@ -3,8 +3,10 @@
 import csv
 from collections.abc import Mapping
 from dataclasses import dataclass
+from enum import Enum
 from importlib import resources
 from os import cpu_count
+from typing import NamedTuple
 
 from rich.box import SIMPLE_HEAD
 from rich.console import Console
@@ -13,6 +15,35 @@ from rich.table import Table
 from isopeel.errors import InputError
 from isopeel.paper.study import MESHES, SPACES, STEP, WINDOW, Measurement, Run, measure_all
 from isopeel.splines.names import parse_space_name
+
+
+class Figures(NamedTuple):
+    """dM, steepest rise and steepest fall per degree, times 1e3, in E0 L0^3."""
+
+    amplitude: float
+    rise: float
+    fall: float
+
+
+class Reading(Enum):
+    """Two ways to read the plateau, since the published one is not told."""
+
+    MEAN = "drift of the mean over a period taken out"
+    LINE = "a line fitted to the window taken out of dM, slopes as they are"
+
+    @property
+    def caption(self) -> str:
+        """What was done, in words."""
+        return f"read between {WINDOW[0]:g} and {WINDOW[1]:g} degrees, {self.value}"
+
+    def figures(self, measurement: Measurement) -> Figures | None:
+        """The figures of a run; None where it ended before the window."""
+        plateau = measurement.plateau if self is Reading.MEAN else measurement.by_line
+        if plateau is None:
+            return None
+        kept = plateau.drift if self is Reading.LINE else 0.0
+        rise, fall = plateau.steepest_rise + kept, plateau.steepest_fall + kept
+        return Figures(1e3 * plateau.amplitude, 1e3 * rise, 1e3 * fall)
 
 
 @dataclass(frozen=True)
@@ -64,7 +95,11 @@ def show_table2(mesh: str, console: Console, workers: int | None = None) -> None
         for measurement in measure_all([Run(name, mesh) for name in names], workers or cpu_count() or 1):
             measured[measurement.run.space] = measurement
             status.update(f"{len(measured)} of {len(names)} runs traced")
-    console.print(table2(mesh, measured))
+    console.print(
+        f"dM / steepest rise / steepest fall per degree, times 1e3, in E0 L0^3; steps of {STEP:g} degree"
+    )
+    for reading in Reading:
+        console.print(table2(mesh, measured, reading))
     for name, measurement in measured.items():
         if measurement.ended:
             console.print(f"{name} ended after {measurement.reached:g} degrees: {measurement.ended}")
@@ -76,16 +111,10 @@ def _cost(name: str) -> int:
     return parsed.bulk.degree**2 * (parsed.bulk.degree - parsed.bulk.continuity) + parsed.contact.degree
 
 
-def table2(mesh: str, measured: Mapping[str, Measurement]) -> Table:
+def table2(mesh: str, measured: Mapping[str, Measurement], reading: Reading) -> Table:
     """Lay out dM / steepest rise / steepest fall, times 1e3, of each discretization in three columns."""
     nx, ny = MESHES[mesh]
-    title = (
-        f"dM / steepest rise / steepest fall per degree, times 1e3, in E0 L0^3; {mesh}: {nx} x {ny} elements"
-    )
-    caption = (
-        f"read between {WINDOW[0]:g} and {WINDOW[1]:g} degrees in steps of {STEP:g}, the drift taken out"
-    )
-    table = Table(title=title, caption=caption, box=SIMPLE_HEAD)
+    table = Table(title=f"{mesh}: {nx} x {ny} elements; {reading.caption}", box=SIMPLE_HEAD)
     for heading in ("space", "DOFs", "plateau", "all rows", "contact row only", "published"):
         table.add_column(heading, justify="left" if heading == "space" else "right")
     theirs = published(mesh)
@@ -96,8 +125,8 @@ def table2(mesh: str, measured: Mapping[str, Measurement]) -> Table:
             space,
             str(ours.dofs),
             "-" if ours.plateau is None else f"{ours.plateau.mean:.6f}",
-            _entry(ours),
-            "" if contact is None else _entry(measured[contact]),
+            _entry(ours, reading),
+            "" if contact is None else _entry(measured[contact], reading),
             "not converging"
             if row.amplitude is None
             else f"{row.amplitude:.4f} / {row.rise:.4f} / {row.fall:.4f}",
@@ -105,9 +134,8 @@ def table2(mesh: str, measured: Mapping[str, Measurement]) -> Table:
     return table
 
 
-def _entry(measurement: Measurement) -> str:
-    plateau = measurement.plateau
-    if plateau is None:
+def _entry(measurement: Measurement, reading: Reading) -> str:
+    values = reading.figures(measurement)
+    if values is None:
         return f"ended at {measurement.reached:g} deg"
-    values = (plateau.amplitude, plateau.steepest_rise, plateau.steepest_fall)
-    return " / ".join(f"{1e3 * value:#.4g}" for value in values)
+    return " / ".join(f"{value:#.4g}" for value in values)

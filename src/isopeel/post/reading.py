@@ -1,8 +1,10 @@
 """Reading a reaction curve: plateau, oscillation, steepest slopes, onset."""
 
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
 from isopeel.arrays import FloatArray
@@ -11,6 +13,8 @@ from isopeel.results.curve import Curve
 
 #: The onset is where the reaction has fallen this far below its initial straight line.
 ONSET_DEVIATION = 0.02
+#: An oscillation is seen with so many steps per period: of eight, one is within 8 % of a sine's peak.
+STEPS_PER_PERIOD = 8
 # an angle of the window and one of the curve are the same when they differ by round-off only
 _SAME = 1e-9
 
@@ -27,6 +31,7 @@ class PlateauReading:
     window: tuple[float, float]
     mean: float
     drift: float  # slope of the line that was taken out
+    drift_of: Literal["running mean", "curve"]  # what the line was fitted to
     amplitude: float  # peak to peak
     steepest_rise: float  # largest one-sided difference quotient from step to step
     steepest_fall: float  # most negative one
@@ -42,45 +47,87 @@ def check_window(window: tuple[float, float]) -> None:
         raise InputError("reading.window", window, "it must begin before it ends")
 
 
+def unreadable(curve: Curve, window: tuple[float, float], period: float | None = None) -> str | None:
+    """Why a window of a curve cannot be read, or None where it can.
+
+    The curve must cover the window; with the `period` of the oscillation known, the window must hold one
+    period, in at least STEPS_PER_PERIOD steps.
+    """
+    check_window(window)
+    start, end = window
+    inside = curve.parameter[_inside(curve, window)]
+    unit = curve.parameter_column.unit
+    if not _covers(curve, window):
+        reached = f"the run reached {curve.parameter[-1]:g}" if len(curve) else "no step converged"
+        return f"their window is {start:g} to {end:g} {unit}, and {reached}"
+    if len(inside) < 4:
+        return f"their window of {start:g} to {end:g} {unit} holds {len(inside)} steps"
+    if period is not None:
+        step = float(np.diff(inside).max())
+        if end - start < period:
+            return f"their window is shorter than a period of the oscillation, {period:.3g} {unit}"
+        if step > period / STEPS_PER_PERIOD:
+            largest = period / STEPS_PER_PERIOD
+            return (
+                f"steps of {step:g} {unit} are too large for their period, at most {largest:.2g} can be used"
+            )
+    return None
+
+
+def plateau_mean(curve: Curve, window: tuple[float, float]) -> float | None:
+    """Mean reaction in a window of the parameter; None where the curve does not cover it."""
+    if not _covers(curve, window):
+        return None
+    return float(curve.reaction[_inside(curve, window)].mean())
+
+
+def _covers(curve: Curve, window: tuple[float, float]) -> bool:
+    start, end = window
+    return bool(len(curve) and curve.parameter[0] <= start + _SAME and curve.parameter[-1] >= end - _SAME)
+
+
+def _inside(curve: Curve, window: tuple[float, float]) -> NDArray[np.bool_]:
+    start, end = window
+    inside: NDArray[np.bool_] = (curve.parameter >= start - _SAME) & (curve.parameter <= end + _SAME)
+    return inside
+
+
 def read_plateau(
     curve: Curve, window: tuple[float, float], period: float | None = None
 ) -> PlateauReading | None:
-    """Read the plateau in a window of the parameter; None where the curve does not cover it.
+    """Read the plateau in a window of the parameter; None where it is `unreadable`.
 
     The drift is fitted to the mean of the curve over one `period` of the oscillation around each step, which
     the oscillation itself does not move; without a period, or where the curve ends too soon for that, it is
     fitted to the curve.
     """
-    check_window(window)
-    start, end = window
-    inside = (curve.parameter >= start - _SAME) & (curve.parameter <= end + _SAME)
-    covered = len(curve) > 1 and curve.parameter[0] <= start + _SAME and curve.parameter[-1] >= end - _SAME
-    if not covered or np.count_nonzero(inside) < 4:
+    if unreadable(curve, window, period) is not None:
         return None
+    inside, start = _inside(curve, window), window[0]
     parameter, reaction = curve.parameter[inside], curve.reaction[inside]
-    drift, level = np.polyfit(parameter - start, _running_mean(curve, parameter, period), 1)
+    mean = None if period is None else _running_mean(curve, parameter, period)
+    drift, level = np.polyfit(parameter - start, reaction if mean is None else mean, 1)
     oscillation = reaction - level - drift * (parameter - start)
     slopes = np.diff(oscillation) / np.diff(parameter)
     return PlateauReading(
         window=window,
         mean=float(reaction.mean()),
         drift=float(drift),
+        drift_of="curve" if mean is None else "running mean",
         amplitude=float(np.ptp(oscillation)),
         steepest_rise=float(slopes.max()),
         steepest_fall=float(slopes.min()),
     )
 
 
-def _running_mean(curve: Curve, parameter: FloatArray, period: float | None) -> FloatArray:
-    """Mean of the curve over one period around each parameter, or the curve itself."""
-    spline = CubicSpline(curve.parameter, curve.reaction)
-    if period is not None:
-        before, after = parameter - period / 2, parameter + period / 2
-        if before[0] >= curve.parameter[0] and after[-1] <= curve.parameter[-1]:
-            integral = spline.antiderivative()
-            mean: FloatArray = (integral(after) - integral(before)) / period
-            return mean
-    return np.asarray(spline(parameter), dtype=np.float64)
+def _running_mean(curve: Curve, parameter: FloatArray, period: float) -> FloatArray | None:
+    """Mean of the curve over one period around each parameter; None where the curve is too short for it."""
+    before, after = parameter - period / 2, parameter + period / 2
+    if before[0] < curve.parameter[0] or after[-1] > curve.parameter[-1]:
+        return None
+    integral = CubicSpline(curve.parameter, curve.reaction).antiderivative()
+    mean: FloatArray = (integral(after) - integral(before)) / period
+    return mean
 
 
 def onset_angle(curve: Curve) -> float | None:

@@ -36,12 +36,11 @@ class Curve:
             for s in steps
         ]
         table = np.array(rows, dtype=np.float64).reshape(len(rows), 6)
-        # a hundredth of a degree is a whole number of ulps away from what was asked for: round it back
-        parameter = np.round(table[:, 0] * drive.parameter_column.factor, 12)
+        parameter = [drive.parameter_column.shown(value) for value in table[:, 0]]
         return cls(
             drive.parameter_column,
             drive.reaction_column,
-            frozen(parameter),
+            frozen(np.array(parameter, dtype=np.float64)),
             frozen(table[:, 1] * drive.reaction_column.factor),
             table[:, 5].astype(np.int64),
             frozen(table[:, 2]),

@@ -40,7 +40,8 @@ class Provenance:
             platform.platform(),
             git_revision(),
             datetime.now(UTC).isoformat(timespec="seconds"),
-            shlex.join(sys.argv),
+            # the bytes of a path need not be text
+            shlex.join(sys.argv).encode("utf-8", "backslashreplace").decode("utf-8"),
         )
 
 

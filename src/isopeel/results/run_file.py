@@ -5,7 +5,7 @@ the unit of the parameter's column, and `fields/displacement` (k, functions, 2);
 one; attributes of the root for all else.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from time import perf_counter
@@ -75,6 +75,9 @@ def run_attributes(problem: Problem, space: RowSpace, provenance: Provenance) ->
 class RunWriter:
     """Consumer of steps that keeps the file of a run up to date: about once a second, and when it is closed.
 
+    The first save removes the `outdated` files, which were made from an earlier run; `saved` says that it
+    was made.
+
     The displacement is kept at the first step at or beyond each multiple of `field_interval` (in the
     unit of the parameter's column), and at the last step. Each save replaces the file as a whole, so that
     it is sound whatever ends the process: an exception, a kill, a full disk. Raises OSError where the file
@@ -88,12 +91,14 @@ class RunWriter:
         case_text: str,
         attributes: Mapping[str, str | int],
         field_interval: float = 10.0,
+        outdated: Sequence[Path] = (),
     ) -> None:
         self._path = path
         self._drive = drive
         self._case_text = case_text
         self._attributes = attributes
         self._interval = field_interval
+        self._outdated = outdated
         self._next_field = -np.inf
         self._rows: list[Step] = []
         self._fields: dict[float, FloatArray] = {}
@@ -101,10 +106,10 @@ class RunWriter:
         self._ending: Ending = "running"
         self._failure: Failure | None = None
         self._next_save = 0.0
+        self.saved: bool = False
 
     def __enter__(self) -> Self:
-        """Replace the file of an earlier run."""
-        self._save()
+        """Touch nothing yet: the first step replaces an earlier run, and so does an end without one."""
         return self
 
     def __exit__(
@@ -114,13 +119,14 @@ class RunWriter:
         traceback: TracebackType | None,
     ) -> None:
         """Save what has come."""
-        self._save()
+        if self._rows or self._ending != "running":
+            self._save()
 
     def append(self, step: Step) -> None:
         """Take a step."""
         # the row without its field, which would fill the memory
         self._rows.append(replace(step, displacement=np.empty((0, 2))))
-        parameter = float(Curve.of([step], self._drive).parameter[0])
+        parameter = float(self._drive.parameter_column.shown(step.parameter))
         self._last = {parameter: step.displacement}
         if parameter >= self._next_field - _ROUND_OFF:
             self._fields |= self._last
@@ -129,18 +135,26 @@ class RunWriter:
         if perf_counter() >= self._next_save:
             self._save()
 
+    @property
+    def curve(self) -> Curve:
+        """The curve as far as it has come."""
+        return Curve.of(self._rows, self._drive)
+
     def end(self, ending: Ending, failure: Failure | None = None) -> None:
         """Note how the run ended."""
         self._ending, self._failure = ending, failure
 
     def _save(self) -> None:
         began = perf_counter()
-        curve = Curve.of(self._rows, self._drive)
         fields = self._fields | self._last
         write_run(
             self._path,
-            StoredRun(self._case_text, curve, fields, self._attributes, self._ending, self._failure),
+            StoredRun(self._case_text, self.curve, fields, self._attributes, self._ending, self._failure),
         )
+        if not self.saved:
+            for path in self._outdated:
+                path.unlink(missing_ok=True)
+        self.saved = True
         now = perf_counter()
         self._next_save = now + max(_SAVE_SECONDS, (now - began) / _SAVE_SHARE)
 

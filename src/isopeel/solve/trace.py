@@ -20,7 +20,11 @@ PREDICTOR_POINTS = 3
 
 @dataclass(frozen=True, eq=False)
 class Step:
-    """One converged equilibrium. Energies and reactions are per unit width, in the problem's units."""
+    """One converged equilibrium. Energies and reactions are for a unit width, in the problem's units.
+
+    The adhesive energy is the potential of the adhesive forces where these act on the reference area;
+    projected forces have none, and the work of the drive differs from the change of the energies.
+    """
 
     number: int
     parameter: float  # of the drive; an angle is in radians
