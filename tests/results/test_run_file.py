@@ -94,8 +94,8 @@ def test_columns_carry_their_units(tmp_path: Path) -> None:
         "theta_deg": "degree",
         "moment": "E0 L0^3",
         "iterations": "1",
-        "stored_energy": "E0 L0^2",
-        "adhesive_energy": "E0 L0^2",
+        "stored_energy": "E0 L0^3",
+        "adhesive_energy": "E0 L0^3",
         "seconds": "s",
     }
 

@@ -58,7 +58,7 @@ def unreadable(curve: Curve, window: tuple[float, float], period: float | None =
     inside = curve.parameter[_inside(curve, window)]
     unit = curve.parameter_column.unit
     if not _covers(curve, window):
-        reached = f"the run reached {curve.parameter[-1]:g}" if len(curve) else "no step converged"
+        reached = f"the run reached {curve.parameter[-1]:g} {unit}" if len(curve) else "no step converged"
         return f"their window is {start:g} to {end:g} {unit}, and {reached}"
     if len(inside) < 4:
         return f"their window of {start:g} to {end:g} {unit} holds {len(inside)} steps"
@@ -69,7 +69,7 @@ def unreadable(curve: Curve, window: tuple[float, float], period: float | None =
         if step > period / STEPS_PER_PERIOD:
             largest = period / STEPS_PER_PERIOD
             return (
-                f"steps of {step:g} {unit} are too large for their period, at most {largest:.2g} can be used"
+                f"steps of {step:g} {unit} are too large for a period of {period:.3g}, at most {largest:.2g}"
             )
     return None
 

@@ -16,7 +16,7 @@ from isopeel.solve.trace import Step
 class Curve:
     """Reaction against the drive's parameter, both in the units of their columns.
 
-    Energies are per unit width in E0 L0^2, or in whatever consistent units the problem has.
+    Energies and reactions are for a width of L0, the problem's unit of length; E0 is its unit of stress.
     """
 
     parameter_column: Column

@@ -242,7 +242,7 @@ def _columns(curve: Curve) -> tuple[tuple[Column, FloatArray | IntArray], ...]:
         (curve.parameter_column, curve.parameter),
         (curve.reaction_column, curve.reaction),
         (Column("iterations", "1"), curve.iterations),
-        (Column("stored_energy", "E0 L0^2"), curve.stored_energy),
-        (Column("adhesive_energy", "E0 L0^2"), curve.adhesive_energy),
+        (Column("stored_energy", "E0 L0^3"), curve.stored_energy),
+        (Column("adhesive_energy", "E0 L0^3"), curve.adhesive_energy),
         (Column("seconds", "s"), curve.seconds),
     )
