@@ -67,8 +67,5 @@ def _notes(
         covered = plateau_mean(run.curve, window) is not None
         notes.append(f"{'' if covered else 'plateau, '}amplitude and slopes: {reason}")
     if onset is None:
-        reached = (
-            f"the run reached {run.curve.parameter[-1]:g} deg" if len(run.curve) else "no step converged"
-        )
-        notes.append(f"onset: no peeling began; {reached}")
+        notes.append("onset: no peeling began")
     return notes
