@@ -1,10 +1,14 @@
 """The published table and our measurement of it."""
 
+from io import StringIO
+
 import pytest
+from rich.console import Console
 
 from isopeel import InputError, row_space
 from isopeel.paper.study import MESHES, SPACES, Measurement, Run, measure_all
 from isopeel.paper.table2 import Figures, Reading, contact_row_only, published, show_table2
+from isopeel.post.reading import PlateauReading
 
 # Figures noted down before, by two other codes at m2 in the same window. Theirs with all rows fit our reading
 # with the drift of the mean taken out, those with the contact row alone the one by a line.
@@ -53,10 +57,31 @@ def test_contact_row_only() -> None:
 
 
 def test_an_unknown_mesh_is_refused() -> None:
-    from rich.console import Console
-
     with pytest.raises(InputError, match="m1, m2, m3"):
         show_table2("m4", Console())
+
+
+def test_both_readings_and_the_notes_are_printed(monkeypatch: pytest.MonkeyPatch) -> None:
+    """With made-up runs: a drift of 0.02e-3 per degree tells the readings apart, and one run ended early."""
+    plateau = PlateauReading((98.0, 101.4), 1.63, 2e-5, "running mean", 1e-3, 3e-3, -5e-3)
+
+    def made_up(runs: list[Run], workers: int) -> list[Measurement]:
+        return [
+            Measurement(run, 100, 69.0, "no equilibrium", None, None, 2.0, 1.0)
+            if run.space == "L1"
+            else Measurement(run, 100, 102.0, None, plateau, plateau, 2.0, 1.0)
+            for run in runs
+        ]
+
+    monkeypatch.setattr("isopeel.paper.table2.measure_all", made_up)
+    console = Console(width=140, record=True, file=StringIO())
+    show_table2("m2", console)
+    printed = console.export_text()
+    assert printed.count("1.000 / 3.000 / -5.000") == 17 - 1
+    assert printed.count("1.000 / 3.020 / -4.980") == 17 - 1
+    assert printed.count("ended at 69 deg") == 2
+    assert "L1 ended after 69 degrees: no equilibrium" in printed
+    assert "published L2: printed DOFs is a misprint" in printed
 
 
 def figures(measurement: Measurement, reading: Reading) -> Figures:

@@ -120,36 +120,6 @@ def test_elements_are_half_open_and_the_last_is_closed() -> None:
             space.basis([1.0, outside])
 
 
-@pytest.mark.parametrize(
-    ("fine", "coarse"),
-    [
-        ((3, 1, 6), (2, 1, 6)),  # elevated
-        ((2, 1, 6), (2, 1, 2)),  # with knots inserted
-        ((2, 0, 6), (2, 1, 3)),  # both knots and multiplicities
-        ((4, 0, 3), (2, 1, 3)),
-        ((2, 1, 6), (2, 0, 6)),
-        ((2, 1, 6), (3, 2, 6)),
-        ((3, 2, 6), (2, 1, 6)),  # a degree higher, but one derivative more
-        ((2, 1, 6), (2, 1, 4)),
-        ((2, 1, 6), (2, 1, 6)),
-    ],
-)
-def test_containment_is_that_of_least_squares(
-    fine: tuple[int, int, int], coarse: tuple[int, int, int]
-) -> None:
-    here, there = SplineSpace.uniform(*fine), SplineSpace.uniform(*coarse)
-    points = np.linspace(0, 1, 101)
-    wanted = there.collocation(points).toarray()
-    residual = np.linalg.lstsq(here.collocation(points).toarray(), wanted, rcond=None)[1]
-    # Zero to round-off in a contained space; otherwise a function's kink cannot be matched.
-    assert here.contains(there) == (residual.max(initial=0) < 1e-20)
-
-
-def test_spaces_on_other_intervals_are_not_contained() -> None:
-    longer = SplineSpace(1, np.array([0, 0, 2, 2]))
-    assert not SplineSpace.uniform(3, 1, 4).contains(longer)
-
-
 def test_the_knot_vector_is_a_read_only_copy() -> None:
     knots = np.array([0.0, 0, 1, 1])
     space = SplineSpace(1, knots)

@@ -80,7 +80,7 @@ def contact_row_only(space: str) -> str | None:
     return None if space == "L1" else f"L1+{space}"
 
 
-def show_table2(mesh: str, console: Console, workers: int | None = None) -> None:
+def show_table2(mesh: str, console: Console) -> None:
     """Measure all discretizations on a mesh, all rows enriched and the contact row alone; print the table.
 
     Raises InputError for an unknown mesh.
@@ -92,7 +92,7 @@ def show_table2(mesh: str, console: Console, workers: int | None = None) -> None
     names.sort(key=lambda name: -_cost(name))
     measured: dict[str, Measurement] = {}
     with console.status("tracing") as status:
-        for measurement in measure_all([Run(name, mesh) for name in names], workers or cpu_count() or 1):
+        for measurement in measure_all([Run(name, mesh) for name in names], cpu_count() or 1):
             measured[measurement.run.space] = measurement
             status.update(f"{len(measured)} of {len(names)} runs traced")
     console.print(
@@ -100,6 +100,9 @@ def show_table2(mesh: str, console: Console, workers: int | None = None) -> None
     )
     for reading in Reading:
         console.print(table2(mesh, measured, reading))
+    for space, row in published(mesh).items():
+        if row.note:
+            console.print(f"published {space}: {row.note}")
     for name, measurement in measured.items():
         if measurement.ended:
             console.print(f"{name} ended after {measurement.reached:g} degrees: {measurement.ended}")

@@ -185,16 +185,6 @@ class SplineSpace:
             raise InputError("function", function, f"functions are numbered 0 to {self.size - 1}")
         return float(self.knot_vector[function]), float(self.knot_vector[function + self.degree + 1])
 
-    def contains(self, other: "SplineSpace") -> bool:
-        """Tell whether every function of the other space lies in this one, to round-off in the knots."""
-        tolerance = ROUND_OFF * np.abs(self.knot_vector).max()
-        ends_agree = np.all(np.abs(self.breakpoints[[0, -1]] - other.breakpoints[[0, -1]]) <= tolerance)
-        if other.degree > self.degree or not ends_agree:
-            return False
-        distance = np.abs(other.breakpoints[1:-1, None] - self.breakpoints[1:-1])
-        rougher = self.continuities <= other.continuities[:, None]
-        return bool(np.all(np.any((distance <= tolerance) & rougher, axis=1)))
-
 
 def _read_only(array: Array) -> Array:
     array.setflags(write=False)
