@@ -211,12 +211,13 @@ def test_bad_formulas_name_their_key(old: str, new: str, field: str) -> None:
 
 
 @pytest.mark.parametrize(
-    ("option", "value"), [("mesh", "0x1"), ("space", "Z3"), ("traction", "x"), ("to", 200.0)]
+    ("option", "value"),
+    [("mesh", "0x1"), ("space", "Z3"), ("traction", "x"), ("to", 200.0), ("contact_points", 0)],
 )
 def test_bad_overrides_name_the_option(option: str, value: object) -> None:
     with pytest.raises(InputError) as caught:
         load_case("strip").overridden(**{option: value})  # type: ignore[arg-type]
-    assert (caught.value.field, caught.value.value) == (f"--{option}", value)
+    assert (caught.value.field, caught.value.value) == (f"--{option.replace('_', '-')}", value)
 
 
 def test_files_that_are_no_case_are_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -89,6 +89,7 @@ class Case(Section):
         to: float | None = None,
         step: float | None = None,
         traction: str | None = None,
+        contact_points: int | None = None,
     ) -> Self:
         """Return the case with other values, angles in degrees.
 
@@ -100,6 +101,7 @@ class Case(Section):
             ("drive", "to"): to,
             ("drive", "step"): step,
             ("adhesion", "traction"): traction,
+            ("discretization", "contact_points"): contact_points,
         }
         changes = {path: value for path, value in given.items() if value is not None}
         document = dict(self._document)
@@ -111,7 +113,7 @@ class Case(Section):
         except InputError as error:
             for (section, key), value in changes.items():
                 if error.field == f"{section}.{key}":
-                    raise InputError(f"--{key}", value, error.allowed) from error
+                    raise InputError(f"--{key.replace('_', '-')}", value, error.allowed) from error
             raise
 
     @property

@@ -141,12 +141,16 @@ class FormulaAdhesionSection(_AdhesionSection):
 
 
 class DiscretizationSection(Section):
-    """The spline space and its elements along the length and the height."""
+    """The spline space, its elements along the length and the height, and the adhesive force's points."""
 
     space: Annotated[str, Field(description="the name of a space is needed, such as 'N2.1'")] = "N2.1"
     mesh: Annotated[str, Field(description="elements along length x height are needed, such as '200x10'")] = (
         "200x10"
     )
+    contact_points: Annotated[
+        int | None,
+        Field(strict=True, ge=1, description="a number of Gauss points on an element is needed"),
+    ] = None
 
 
 class DriveSection(Section):

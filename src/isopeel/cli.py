@@ -91,18 +91,25 @@ def run(
         str | None,
         typer.Option(metavar="reference|projected", help="Area that the adhesive traction acts on."),
     ] = None,
+    contact_points: Annotated[
+        int | None, typer.Option(metavar="N", help="Gauss points of the adhesive force on an element.")
+    ] = None,
 ) -> int:
     """Run CASE and leave its curve, figures, summary and fields in a folder."""
     try:
         from isopeel.case import load_case
         from isopeel.run import failure_message, run_case
 
-        chosen = load_case(case).overridden(space=space, mesh=mesh, to=to, step=step, traction=traction)
+        chosen = load_case(case).overridden(
+            space=space, mesh=mesh, to=to, step=step, traction=traction, contact_points=contact_points
+        )
         folder = out or Path("out") / chosen.name
         stored = run_case(chosen, folder, _console())
     except InputError as error:
-        if error.field == "discretization.mesh" and error.value == mesh:
-            raise InputError("--mesh", error.value, error.allowed) from error
+        # what only the solver can tell of an option
+        for option, value in (("mesh", mesh), ("contact_points", contact_points)):
+            if error.field == f"discretization.{option}" and error.value == value:
+                raise InputError(f"--{option.replace('_', '-')}", value, error.allowed) from error
         raise
     except KeyboardInterrupt:
         return _fail(INTERRUPTED, "interrupted")
@@ -115,15 +122,29 @@ def run(
 
 @app.command()
 def paper(
-    mesh: Annotated[str, typer.Option(metavar="m1|m2|m3", help="Mesh of the published study.")] = "m2",
+    only: Annotated[
+        list[str] | None,
+        typer.Option(metavar="PART", help="A part of the report, such as table2; repeatable."),
+    ] = None,
+    mesh: Annotated[
+        list[str] | None, typer.Option(metavar="m1|m2|m3", help="A mesh of the study; repeatable.")
+    ] = None,
+    out: Annotated[Path, typer.Option(metavar="DIR", help="Folder of the report and its runs.")] = Path(
+        "out/paper"
+    ),
 ) -> int:
-    """Measure Table 2 of the published study on one mesh, beside the published figures."""
-    try:
-        from isopeel.paper.table2 import show_table2
+    """Run the published study, and report on it beside the published figures.
 
-        show_table2(mesh, _console())
+    Runs that are finished are kept, so that the same command goes on where it was interrupted.
+    """
+    try:
+        from isopeel.paper.report import chosen_meshes, chosen_parts, make_report
+
+        console = _console()
+        page = make_report(chosen_parts(only or []), chosen_meshes(mesh or []), out, console)
     except KeyboardInterrupt:
-        return _fail(INTERRUPTED, "interrupted")
+        return _fail(INTERRUPTED, f"interrupted; finished runs are in {out}, and the same command goes on")
+    console.print(f"the report is {page}", soft_wrap=True)
     return COMPLETED
 
 

@@ -40,9 +40,10 @@ def run_case(case: Case, out: Path, console: Console) -> StoredRun:
     began = perf_counter()
     problem, space, angles = case.problem(), case.space(), case.angles()
     try:
-        steps = trace(problem, space, angles)
+        steps = trace(problem, space, angles, contact_points=case.discretization.contact_points)
     except InputError as error:
-        field = "discretization.mesh" if error.field == "mesh" else error.field
+        chosen = error.field in ("mesh", "contact_points")
+        field = f"discretization.{error.field}" if chosen else error.field
         raise InputError(field, error.value, error.allowed) from error
     _check_folder(out)
     file, *others = (out / name for name in FILES)

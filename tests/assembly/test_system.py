@@ -21,7 +21,7 @@ from isopeel import (
 )
 from isopeel.arrays import FloatArray
 from isopeel.assembly.system import BandMatrix, Storage, System
-from isopeel.physics.batch import SUBSTRATE_SIGNATURE, compile_batch
+from isopeel.physics.batch import SUBSTRATE_SIGNATURE, compile_batch, evaluate_law
 from isopeel.problem import Traction
 from isopeel.splines.nurbs import NurbsSurface, Side, annulus_sector, rectangle
 from isopeel.splines.space import SplineSpace
@@ -287,6 +287,25 @@ def test_part_of_an_element_adheres() -> None:
         # a constant potential is integrated exactly
         assert rest.adhesive_energy == pytest.approx(-LAW.work_of_adhesion * length, rel=1e-13)
         assert np.abs(rest.residual).max() < 1e-14
+
+
+@pytest.mark.parametrize("points", [1, 2, 3, 7])
+def test_the_adhesive_force_has_the_gauss_points_asked_for(points: int) -> None:
+    """On a strip lifted along a straight line, against the same rule on the law's own potential."""
+    system = System(strip(), row_space("N2", (20, 2)), points)
+    lift = system.space.interpolate(lambda xi, _eta: np.stack([0 * xi, 2e-3 * 200 * xi], axis=-1))
+    places, weights = np.polynomial.legendre.leggauss(points)
+    x = 10.0 * np.arange(15)[:, None] + 5 * (places + 1)
+    gap = LAW.equilibrium_gap + 2e-3 * x
+    potential, _, _ = evaluate_law(LAW.kernel, LAW.parameters, gap, np.zeros_like(gap))
+    expected = float(np.sum(5 * weights * potential))
+    # a sum of at most 105 terms
+    assert system.equilibrium(lift).adhesive_energy == pytest.approx(expected, rel=1e-13)
+
+
+def test_no_gauss_point_is_too_few() -> None:
+    with pytest.raises(InputError, match="contact_points"):
+        System(strip(), row_space("N2", (20, 2)), 0)
 
 
 def test_an_inverted_element_is_found() -> None:

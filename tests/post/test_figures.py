@@ -43,6 +43,7 @@ def long_curve() -> Curve:
         zeros,
         zeros,
         zeros,
+        zeros,
     )
 
 

@@ -50,6 +50,7 @@ def columns(curve: Curve) -> list[list[float]]:
             curve.stored_energy,
             curve.adhesive_energy,
             curve.seconds,
+            curve.energy_residuals,
         )
     ]
 
@@ -63,6 +64,7 @@ def test_a_run_is_read_back_to_the_last_bit(tmp_path: Path) -> None:
         run.end("not converged", failure)
     stored = read_run(tmp_path / "run.h5")
     assert columns(stored.curve) == columns(Curve.of(taken, PROBLEM.drive))
+    assert tuple(stored.curve.residuals_of(3)) == taken[3].iterations
     assert stored.curve.parameter_column == PROBLEM.drive.parameter_column
     assert stored.curve.reaction_column == PROBLEM.drive.reaction_column
     # the first step at or beyond 0, 10 and 20 degrees, and the last one
@@ -96,6 +98,7 @@ def test_columns_carry_their_units(tmp_path: Path) -> None:
         "iterations": "1",
         "stored_energy": "E0 L0^3",
         "adhesive_energy": "E0 L0^3",
+        "energy_residuals": "E0 L0^3",
         "seconds": "s",
     }
 

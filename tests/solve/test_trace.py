@@ -3,13 +3,23 @@
 import numpy as np
 import pytest
 
-from isopeel import ConvergenceError, NeoHooke, NewtonSettings, VanDerWaals, row_space, strip, trace
+from isopeel import (
+    ConvergenceError,
+    InputError,
+    NeoHooke,
+    NewtonSettings,
+    VanDerWaals,
+    row_space,
+    strip,
+    trace,
+)
 from isopeel.assembly.system import System
 from isopeel.post.closed_form import beam_peeling
 from isopeel.problem import Traction
 from isopeel.solve.linear import BandCholesky, BandLU, NotPositiveDefiniteError, factorize
 from isopeel.solve.newton import newton
 from isopeel.solve.predictor import extrapolate
+from isopeel.solve.trace import State
 
 
 def moment_at(
@@ -193,6 +203,22 @@ def test_a_drive_may_turn_back() -> None:
     np.testing.assert_allclose(moments[3:5], moments[1:3], rtol=1e-9)  # what the tolerance leaves
     assert moments[5] == pytest.approx(moments[4], rel=1e-9)
     assert moments[6] == pytest.approx(0.0, abs=1e-9)
+
+
+def test_a_path_goes_on_from_stored_states() -> None:
+    angles = np.radians(np.arange(0, 61, 4.0))
+    whole = list(trace(strip(), row_space("N2.1", (60, 3)), angles))
+    start = [State(step.parameter, step.displacement) for step in whole[8:11]]
+    rest = list(trace(strip(), row_space("N2.1", (60, 3)), angles[11:], start=start))
+    for step, known in zip(rest, whole[11:], strict=True):
+        # the same predictor, from states that were condensed and expanded again: round-off
+        assert step.reaction == pytest.approx(known.reaction, rel=1e-10)
+        assert len(step.iterations) == len(known.iterations)
+
+
+def test_a_start_of_another_space_is_refused() -> None:
+    with pytest.raises(InputError, match="start"):
+        trace(strip(), row_space("N2", (20, 2)), [0.1], start=[State(0.0, np.zeros((5, 2)))])
 
 
 def test_constraints_map_there_and_back() -> None:

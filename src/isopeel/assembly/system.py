@@ -62,12 +62,13 @@ def bytes_needed(space: RowSpace) -> int:
 class System:
     """Forces and tangents of a problem on a space. Tables are made once; the pattern never changes.
 
+    The adhesive force has `contact_points` Gauss points per element, one more than the degree by default.
     Raises InputError where the memory does not suffice, or where problem and space do not fit together.
 
     Tangents share one array per storage: each call of `linearize` overwrites the last one's.
     """
 
-    def __init__(self, problem: Problem, space: RowSpace) -> None:
+    def __init__(self, problem: Problem, space: RowSpace, contact_points: int | None = None) -> None:
         needed, free = bytes_needed(space), virtual_memory().available
         if needed > free:
             allowed = (
@@ -82,7 +83,8 @@ class System:
         functions = [table.functions for table in self.elements]
         self.constraints: Constraints = constrain(problem, self.space, functions)
         self.half_bandwidth: int = half_bandwidth(self.constraints.unknowns, functions)
-        self.adhesive: SideTable = side_table(shape, self.space, adhesion.side, adhesion.start, adhesion.end)
+        part = adhesion.start, adhesion.end
+        self.adhesive: SideTable = side_table(shape, self.space, adhesion.side, part, contact_points)
         self._batches: list[BatchTable] = [BatchTable.of(t, self.constraints) for t in self.elements]
         self._adhesive_unknowns: IntArray = self.constraints.unknowns[self.adhesive.functions]
         self._workspaces: dict[Storage, FloatArray] = {}

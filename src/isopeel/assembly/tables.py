@@ -16,6 +16,9 @@ from isopeel.splines.rows import Basis, RowSpace
 
 Number = TypeVar("Number", np.float64, np.int64)
 
+#: More Gauss points on an element than this resolve nothing: the adhesive force is smooth.
+MOST_CONTACT_POINTS = 100
+
 
 @dataclass(frozen=True, eq=False)
 class ElementTable:
@@ -92,16 +95,22 @@ def element_tables(shape: NurbsSurface, space: RowSpace) -> tuple[ElementTable, 
     )
 
 
-def side_table(shape: NurbsSurface, space: RowSpace, side: Side, start: float, end: float) -> SideTable:
-    """Table of the part from parameter `start` to `end` of a side.
+def side_table(
+    shape: NurbsSurface, space: RowSpace, side: Side, part: tuple[float, float], points: int | None = None
+) -> SideTable:
+    """Table of a part of a side, from one of its parameters to another.
 
-    Elements that the part covers in part are integrated over that part, with full accuracy.
+    Elements that the part covers in part are integrated over that part, with full accuracy. There are
+    `points` Gauss points on each, by default one more than the highest degree along the side.
     """
+    start, end = part
+    if points is not None and not 1 <= points <= MOST_CONTACT_POINTS:
+        raise InputError("contact_points", points, f"there can be 1 to {MOST_CONTACT_POINTS} on an element")
     along = space.across if side in ("left", "right") else space.rows[0]
     breakpoints = along.breakpoints
     inside = breakpoints[(breakpoints > start) & (breakpoints < end)]
     degree = space.across.degree if side in ("left", "right") else space.degree
-    parameter, weights = _gauss_points(np.concatenate([[start], inside, [end]]), degree + 1)
+    parameter, weights = _gauss_points(np.concatenate([[start], inside, [end]]), points or degree + 1)
     elements, quadrature = parameter.shape
     constant = np.full(parameter.size, 0.0 if side in ("left", "bottom") else 1.0)
     if side in ("bottom", "top"):

@@ -1,91 +1,150 @@
-"""The published study: nine discretizations of the strip on three meshes, one run for each."""
+"""The published study, and the runs beside it that tell what its figures depend on."""
 
-import signal
-from collections.abc import Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
-from dataclasses import dataclass
-from multiprocessing import active_children, get_context
+import hashlib
+import json
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from isopeel.post.closed_form import beam_peeling
-from isopeel.post.reading import PlateauReading, read_plateau
-from isopeel.problem import strip
-from isopeel.results.curve import Curve
-from isopeel.solve.newton import ConvergenceError
-from isopeel.solve.trace import Step, trace
-from isopeel.splines.rows import row_space
+from isopeel.arrays import FloatArray
+from isopeel.case import Case, load_case
+from isopeel.paper.fingerprint import code_fingerprint
+from isopeel.problem import Traction
+from isopeel.splines.names import parse_space_name
 
 #: Elements along x and y of the published meshes.
 MESHES = {"m1": (160, 8), "m2": (200, 10), "m3": (240, 12)}
 #: The published discretizations, in the order of the published table.
 SPACES = ("L1", "L2", "L4", "N2", "N4", "N6", "N8", "N2.1", "N4.1")
-#: Where the plateau is read, in degrees. The window of the published table is not known.
-WINDOW = (98.0, 101.4)
+#: The same with the contact row alone enriched over linear rows, as in enriched contact elements.
+CONTACT_ROW = tuple(f"L1+{space}" for space in SPACES[1:])
+#: What else the literature tried: Hermite of degree 5 and 7, varying order, and hybrid with Lagrange.
+LITERATURE = ("L1+N3.2", "L1+N4.3", "N2+N4", "N2+N4@2", "N2+N4@3", "L2+N2@2")
+#: Where variants of the adhesive force are compared.
+VARIANT_MESH = "m2"
+
 STEP = 0.1  # degree, as published
+_PUBLISHED_END, _PLATEAU_END = 150.0, 112.0  # degrees; the second is enough for reading the plateau
+_VARIANT_RANGE = (90.0, 102.5)  # degrees
 
 
 @dataclass(frozen=True)
 class Run:
-    """One discretization of the study on one mesh."""
+    """One path: the strip on a space and a mesh.
+
+    The published discretizations go on to the published end, others to where the plateau can be read. A
+    variant of the adhesive force, projected or with another number of Gauss points, starts on the plateau,
+    from the state of the run without it.
+    """
 
     space: str
     mesh: str
+    traction: Traction = "reference"
+    contact_points: int | None = None
 
-    def measure(self) -> "Measurement":
-        """Trace the strip just beyond the window, and read the plateau there."""
-        problem, space = strip(), row_space(self.space, MESHES[self.mesh])
-        closed_form = beam_peeling(problem)
-        assert closed_form is not None  # it is a strip
-        period = closed_form.period_deg(space.elements[0])
-        last = int(np.ceil((WINDOW[1] + period / 2) / STEP))
-        steps: list[Step] = []
-        ended = None
-        try:
-            steps.extend(trace(problem, space, np.radians(np.arange(last + 1) * STEP)))
-        except ConvergenceError as error:
-            ended = error.reason
-        curve = Curve.of(steps, problem.drive)
-        return Measurement(
-            run=self,
-            dofs=2 * space.size,
-            reached=float(curve.parameter[-1]),
-            ended=ended,
-            plateau=read_plateau(curve, WINDOW, period),
-            by_line=read_plateau(curve, WINDOW),
-            iterations=float(curve.iterations.mean()),
-            seconds=float(curve.seconds.sum()),
+    @property
+    def name(self) -> str:
+        """What to call it, in a file's name too."""
+        points = None if self.contact_points is None else f"{self.contact_points}points"
+        traction = None if self.traction == "reference" else self.traction
+        return "-".join(part for part in (self.space, self.mesh, traction, points) if part)
+
+    @property
+    def base(self) -> "Run | None":
+        """The run that a variant starts from; None where it is no variant."""
+        base = replace(self, traction="reference", contact_points=None)
+        return None if base == self else base
+
+    @property
+    def range_deg(self) -> tuple[float, float]:
+        """First and last angle."""
+        if self.base is not None:
+            return _VARIANT_RANGE
+        return 0.0, _PUBLISHED_END if self.space in SPACES else _PLATEAU_END
+
+    @property
+    def angles_deg(self) -> FloatArray:
+        """Angles of all steps."""
+        start, end = self.range_deg
+        steps: FloatArray = np.round(np.arange(round(start / STEP), round(end / STEP) + 1) * STEP, 10)
+        return steps
+
+    @property
+    def case(self) -> Case:
+        """The shipped case of the strip, with the choices of this run."""
+        return load_case("strip").overridden(
+            space=self.space,
+            mesh="{}x{}".format(*MESHES[self.mesh]),
+            to=self.range_deg[1],
+            step=STEP,
+            traction=self.traction,
+            contact_points=self.contact_points,
         )
 
+    @property
+    def key(self) -> str:
+        """Fingerprint of all that the result depends on: the case, the angles, the code that computes it."""
+        defined_by = [self.case.text, self.range_deg, code_fingerprint()]
+        return hashlib.sha256(json.dumps(defined_by).encode()).hexdigest()
 
-@dataclass(frozen=True)
-class Measurement:
-    """What a run gave. `ended` tells why it stopped early, where it did; then there may be no readings."""
+    @property
+    def cost(self) -> float:
+        """Rough measure of its time: columns of functions x functions of an element^2, and its steps."""
+        name = parse_space_name(self.space)
+        across = MESHES[self.mesh][1]
+        bulk, contact = (
+            (family.degree - family.continuity + 0.5) * (family.degree + 1) ** 1.5
+            for family in (name.bulk, name.contact)
+        )
+        rows = np.prod(MESHES[self.mesh]) / (across + 1) * (bulk * (across + 1 - name.contact_rows) + contact)
+        return float(rows * across * len(self.angles_deg))
 
-    run: Run
-    dofs: int
-    reached: float  # degrees
-    ended: str | None
-    plateau: PlateauReading | None  # drift of the mean over a period taken out
-    by_line: PlateauReading | None  # drift of the curve itself taken out
-    iterations: float  # Newton corrections per step
-    seconds: float
+
+def table_runs(meshes: Iterable[str]) -> list[Run]:
+    """The published discretizations."""
+    return [Run(space, mesh) for mesh in meshes for space in SPACES]
 
 
-def measure_all(runs: Sequence[Run], workers: int) -> Iterator[Measurement]:
-    """Measure runs in processes of their own, yielding each as it is done.
+def contact_row_runs(meshes: Iterable[str]) -> list[Run]:
+    """The published discretizations with the contact row alone enriched."""
+    return [Run(space, mesh) for mesh in meshes for space in CONTACT_ROW]
 
-    The processes end at once where it is interrupted, or no more is asked for.
-    """
-    others = active_children()
-    context = get_context("spawn")
-    # Ctrl-C goes to the whole group of processes; the first alone should heed it
-    with ProcessPoolExecutor(workers, context, signal.signal, (signal.SIGINT, signal.SIG_IGN)) as pool:
-        try:
-            for future in as_completed([pool.submit(run.measure) for run in runs]):
-                yield future.result()
-        except BaseException:
-            for process in active_children():
-                if process not in others:
-                    process.terminate()
-            raise
+
+def literature_runs(meshes: Iterable[str]) -> list[Run]:
+    """Further discretizations of the literature."""
+    return [Run(space, mesh) for mesh in meshes for space in LITERATURE]
+
+
+def traction_runs() -> list[Run]:
+    """All published discretizations and their contact rows, with the force on the projected area."""
+    return [Run(space, VARIANT_MESH, "projected") for space in (*SPACES, *CONTACT_ROW)]
+
+
+def quadrature_runs() -> list[Run]:
+    """The same with 2 to p + 2 Gauss points of the adhesive force; p + 1 is what all other runs have."""
+    runs = []
+    for space in (*SPACES, *CONTACT_ROW):
+        default = default_points(space)
+        runs += [
+            Run(space, VARIANT_MESH, contact_points=points)
+            for points in range(2, default + 2)
+            if points != default
+        ]
+    return runs
+
+
+def default_points(space: str) -> int:
+    """Gauss points of the adhesive force on an element where a run does not say: the degree and one."""
+    name = parse_space_name(space)
+    return max(name.bulk.degree, name.contact.degree) + 1
+
+
+def with_bases(runs: Iterable[Run]) -> list[Run]:
+    """The runs, each after the one that it starts from, none twice; the costliest first."""
+    found: dict[Run, None] = {}
+    for run in runs:
+        if run.base is not None:
+            found[run.base] = None
+        found[run] = None
+    return sorted(found, key=lambda run: (run.base is not None, -run.cost))

@@ -29,6 +29,16 @@ class SampledFields:
     first_invariant: FloatArray  # I1 = tr(sigma) / E (...)
 
 
+@dataclass(frozen=True, eq=False)
+class SideFields:
+    """Fields at points (n, k) along a side, as seen from the elements next to it, in the problem's units."""
+
+    position: FloatArray  # x = X + u (..., 2)
+    deformation_gradient: FloatArray  # F (..., 2, 2)
+    nominal_stress: FloatArray  # first Piola-Kirchhoff, P (..., 2, 2); nan where an element is inside out
+    normal: FloatArray  # N, outward and of unit length on the reference side (..., 2)
+
+
 def sample_fields(
     problem: Problem, space: RowSpace, displacement: FloatArray, per_element: tuple[int, int] = (1, 1)
 ) -> SampledFields:
@@ -38,37 +48,66 @@ def sample_fields(
     Continuum Mechanics for Finite Element Analysis, 2nd ed., Sec. 5.5). Raises InputError for coefficients
     of another space, or less than one cell.
     """
-    if displacement.shape != (space.size, 2):
-        raise InputError("displacement", displacement.shape, f"the space has {space.size} functions")
     if min(per_element) < 1:
         raise InputError("per_element", per_element, "an element has at least one cell each way")
-    shape, material = problem.body.shape, problem.body.material
+    material = problem.body.material
     xi, eta = (
         _nodes(along.breakpoints, cells)
         for along, cells in zip((space.rows[0], space.across), per_element, strict=True)
     )
-    X, reference_derivatives = _on_grid(*_as_rows(shape), xi, eta)
-    u, derivatives = _on_grid(space.weighted(shape), displacement, xi, eta)
-    F = np.eye(2) + derivatives @ np.linalg.inv(reference_derivatives)
+    X, x, F, _ = _deformation(problem, space, displacement, xi, eta)
     _, P, _ = evaluate_material(material.kernel, material.parameters, F)
     stress = np.zeros((*F.shape[:-2], 3, 3))
     with np.errstate(invalid="ignore", divide="ignore"):  # J <= 0 is answered by nan
         stress[..., :2, :2] = P @ np.swapaxes(F, -1, -2) / np.linalg.det(F)[..., None, None]
         stress[..., 2, 2] = material.out_of_plane_stress(F)
     invariant = np.trace(stress, axis1=-2, axis2=-1) / material.youngs_modulus
-    return SampledFields(X, X + u, F, stress, invariant)
+    return SampledFields(X, x, F, stress, invariant)
+
+
+def sample_side(
+    problem: Problem, space: RowSpace, displacement: FloatArray, side: Side, parameters: FloatArray
+) -> SideFields:
+    """Fields of coefficients (size, 2) of a displacement at parameters (n, k) in [0, 1] along a side.
+
+    Each of the n rows of parameters is seen from within the interval that it spans, which is a part of one
+    element. Raises InputError for coefficients of another space.
+    """
+    _, x, F, inverse = _deformation(problem, space, displacement, *_side_grid(side, parameters))
+    _, P, _ = evaluate_material(problem.body.material.kernel, problem.body.material.parameters, F)
+    # the gradient of the parameter that is constant on the side points into the body at its start
+    gradient = inverse[..., 0 if side in ("left", "right") else 1, :]
+    outwards = gradient * (-1 if side in ("left", "bottom") else 1)
+    normal = outwards / np.linalg.norm(outwards, axis=-1, keepdims=True)
+    fields = (values.reshape(*parameters.shape, *values.shape[4:]) for values in (x, F, P, normal))
+    return SideFields(*fields)
 
 
 def side_positions(
     problem: Problem, space: RowSpace, displacement: FloatArray, side: Side, parameters: FloatArray
 ) -> FloatArray:
     """Deformed positions (n, 2) at parameters (n,) in [0, 1] along a side."""
-    end = np.array([[0.0 if side in ("left", "bottom") else 1.0]])
     along = np.asarray(parameters, dtype=np.float64)[:, None]
-    xi, eta = (end, along) if side in ("left", "right") else (along, end)
-    X, _ = _on_grid(*_as_rows(problem.body.shape), xi, eta)
-    u, _ = _on_grid(space.weighted(problem.body.shape), displacement, xi, eta)
-    return (X + u).reshape(-1, 2)
+    _, x, _, _ = _deformation(problem, space, displacement, *_side_grid(side, along))
+    return x.reshape(-1, 2)
+
+
+def _side_grid(side: Side, parameters: FloatArray) -> tuple[FloatArray, FloatArray]:
+    end = np.array([[0.0 if side in ("left", "bottom") else 1.0]])
+    return (end, parameters) if side in ("left", "right") else (parameters, end)
+
+
+def _deformation(
+    problem: Problem, space: RowSpace, displacement: FloatArray, xi: FloatArray, eta: FloatArray
+) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+    """X, x = X + u, F = 1 + du/dX and d(xi, eta)/dX at xi (n_x, k) and eta (n_y, l)."""
+    if displacement.shape != (space.size, 2):
+        raise InputError("displacement", displacement.shape, f"the space has {space.size} functions")
+    shape = problem.body.shape
+    X, reference_derivatives = _on_grid(*_as_rows(shape), xi, eta)
+    u, derivatives = _on_grid(space.weighted(shape), displacement, xi, eta)
+    inverse = np.asarray(np.linalg.inv(reference_derivatives), dtype=np.float64)
+    return X, X + u, np.eye(2) + derivatives @ inverse, inverse
 
 
 def _nodes(breakpoints: FloatArray, cells: int) -> FloatArray:

@@ -55,7 +55,7 @@ def unreadable(curve: Curve, window: tuple[float, float], period: float | None =
     """
     check_window(window)
     start, end = window
-    inside = curve.parameter[_inside(curve, window)]
+    inside = curve.parameter[_inside(curve.parameter, window)]
     unit = curve.parameter_column.unit
     if not _covers(curve, window):
         reached = f"the run reached {curve.parameter[-1]:g} {unit}" if len(curve) else "no step converged"
@@ -78,7 +78,7 @@ def plateau_mean(curve: Curve, window: tuple[float, float]) -> float | None:
     """Mean reaction in a window of the parameter; None where the curve does not cover it."""
     if not _covers(curve, window):
         return None
-    return float(curve.reaction[_inside(curve, window)].mean())
+    return float(curve.reaction[_inside(curve.parameter, window)].mean())
 
 
 def _covers(curve: Curve, window: tuple[float, float]) -> bool:
@@ -86,9 +86,9 @@ def _covers(curve: Curve, window: tuple[float, float]) -> bool:
     return bool(len(curve) and curve.parameter[0] <= start + _SAME and curve.parameter[-1] >= end - _SAME)
 
 
-def _inside(curve: Curve, window: tuple[float, float]) -> NDArray[np.bool_]:
+def _inside(parameter: FloatArray, window: tuple[float, float]) -> NDArray[np.bool_]:
     start, end = window
-    inside: NDArray[np.bool_] = (curve.parameter >= start - _SAME) & (curve.parameter <= end + _SAME)
+    inside: NDArray[np.bool_] = (parameter >= start - _SAME) & (parameter <= end + _SAME)
     return inside
 
 
@@ -103,15 +103,28 @@ def read_plateau(
     """
     if unreadable(curve, window, period) is not None:
         return None
-    inside, start = _inside(curve, window), window[0]
-    parameter, reaction = curve.parameter[inside], curve.reaction[inside]
-    mean = None if period is None else _running_mean(curve, parameter, period)
-    drift, level = np.polyfit(parameter - start, reaction if mean is None else mean, 1)
-    oscillation = reaction - level - drift * (parameter - start)
-    slopes = np.diff(oscillation) / np.diff(parameter)
+    mean = None if period is None else running_mean(curve.parameter, curve.reaction, period)
+    return read_window(curve.parameter, curve.reaction, window, mean)
+
+
+def read_window(
+    parameter: FloatArray, reaction: FloatArray, window: tuple[float, float], mean: FloatArray | None = None
+) -> PlateauReading:
+    """The same of a curve's arrays (steps,), which must cover the window with at least four steps in it.
+
+    `mean` (steps,) is what the drift is fitted to, where it is known in all of the window.
+    """
+    inside, start = _inside(parameter, window), window[0]
+    at, values = parameter[inside], reaction[inside]
+    if mean is not None and np.isnan(mean[inside]).any():
+        mean = None
+    fitted = values if mean is None else mean[inside]
+    drift, level = np.polyfit(at - start, fitted, 1)
+    oscillation = values - level - drift * (at - start)
+    slopes = np.diff(oscillation) / np.diff(at)
     return PlateauReading(
         window=window,
-        mean=float(reaction.mean()),
+        mean=float(values.mean()),
         drift=float(drift),
         drift_of="curve" if mean is None else "running mean",
         amplitude=float(np.ptp(oscillation)),
@@ -120,13 +133,13 @@ def read_plateau(
     )
 
 
-def _running_mean(curve: Curve, parameter: FloatArray, period: float) -> FloatArray | None:
-    """Mean of the curve over one period around each parameter; None where the curve is too short for it."""
-    before, after = parameter - period / 2, parameter + period / 2
-    if before[0] < curve.parameter[0] or after[-1] > curve.parameter[-1]:
-        return None
-    integral = CubicSpline(curve.parameter, curve.reaction).antiderivative()
-    mean: FloatArray = (integral(after) - integral(before)) / period
+def running_mean(parameter: FloatArray, reaction: FloatArray, period: float) -> FloatArray:
+    """Mean of a curve over one period around each step, (steps,); nan where the curve ends before that."""
+    known = (parameter - period / 2 >= parameter[0]) & (parameter + period / 2 <= parameter[-1])
+    integral = CubicSpline(parameter, reaction).antiderivative()
+    at = parameter[known]
+    mean = np.full(len(parameter), np.nan)
+    mean[known] = (integral(at + period / 2) - integral(at - period / 2)) / period
     return mean
 
 

@@ -2,18 +2,22 @@
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import matplotlib as mpl
 from cycler import cycler
 from matplotlib.figure import Figure
 
 from isopeel.errors import InputError
+from isopeel.splines.names import parse_space_name
 
 #: Colours that stay apart for all kinds of colour vision (Okabe and Ito, 2008), the strongest first.
 BLUE, VERMILION, GREEN, ORANGE, PURPLE, SKY = "#0072B2", "#D55E00", "#009E73", "#E69F00", "#CC79A7", "#56B4E9"
 DASHES = (0, (4, 2))
+LONG_DASHES, DOT_DASHES = (0, (8, 2)), (0, (5, 1.5, 1, 1.5))
+DOT_DOT_DASHES, DOTS = (0, (5, 1.5, 1, 1.5, 1, 1.5)), (0, (1, 1.2))
 GREY, SHADE = "#666666", "#eeeeee"
 #: Perceptually uniform, and lighter from end to end, so that it survives a grey print.
 FIELD_MAP = "viridis"
@@ -62,3 +66,71 @@ def save(figure: Figure, path: Path) -> None:
         raise InputError("figure", str(path), f"its name must end in one of {', '.join(FORMATS)}")
     with style():  # some settings are read only when a figure is drawn
         figure.savefig(path)
+
+
+LineStyle = Literal["-"] | tuple[int, tuple[float, ...]]
+
+
+@dataclass(frozen=True)
+class SpaceStyle:
+    """How one spline space looks in every figure; `hollow` where the contact row alone is enriched."""
+
+    color: str
+    marker: str
+    linestyle: LineStyle
+    hollow: bool = False
+
+    @property
+    def line(self) -> dict[str, Any]:
+        """Arguments of a line without markers, as of `Axes.plot`."""
+        return {
+            "color": self.color,
+            "linestyle": self.linestyle,
+            "linewidth": 0.8 if self.hollow else 1.3,
+        }
+
+    @property
+    def marked(self) -> dict[str, Any]:
+        """Arguments of a line with markers, as of `Axes.plot`."""
+        return self.line | {
+            "marker": self.marker,
+            "markersize": 5,
+            "markeredgewidth": 1,
+            "markerfacecolor": "white" if self.hollow else self.color,
+        }
+
+
+# A family has a range of colours (cold, warm, green), whose members differ in lightness; no two spaces share
+# a marker, nor a line style and about the same grey. The last two are the Hermite spaces of degree 5 and 7.
+_STYLES = {
+    "L1": SpaceStyle("#000000", "o", "-"),
+    "L2": SpaceStyle(BLUE, "s", DASHES),
+    "L4": SpaceStyle(SKY, "D", DOTS),
+    "N2": SpaceStyle("#7A2A00", "^", "-"),
+    "N4": SpaceStyle(VERMILION, "v", LONG_DASHES),
+    "N6": SpaceStyle(ORANGE, "<", DOT_DASHES),
+    "N8": SpaceStyle(PURPLE, ">", DOT_DOT_DASHES),
+    "N2.1": SpaceStyle(GREEN, "P", "-"),
+    "N4.1": SpaceStyle("#004D38", "X", DASHES),
+    "N3.2": SpaceStyle("#9A9A2E", "p", "-"),
+    "N4.3": SpaceStyle("#5A5A1A", "*", DASHES),
+}
+_LEFT_COLORS, _LEFT_MARKERS = (GREY, "#8C6BB1", "#A6611A", "#4A5A8A"), ("8", "h", "d", "H")
+
+
+def space_style(name: str) -> SpaceStyle:
+    """Return the look of a space, the same in every figure; InputError for what is no name of a space.
+
+    The published spaces have looks of their own; L1+X, the contact row alone enriched, has that of X with
+    hollow markers and a thinner line. Other names share the colours and markers that are left.
+    """
+    parsed = parse_space_name(name)
+    bulk, contact, rows = parsed.bulk, parsed.contact, parsed.contact_rows
+    if str(bulk) == "L1" and rows == 1:
+        return replace(space_style(str(contact)), hollow=True)
+    if str(parsed) in _STYLES:
+        return _STYLES[str(parsed)]
+    # weights by which the spaces of the literature, of degrees 1, 2 and 4 with 1 to 3 contact rows, differ
+    which = 3 * bulk.degree + contact.degree + 2 * contact.continuity + rows
+    marker = _LEFT_MARKERS[(rows + contact.continuity) % len(_LEFT_MARKERS)]
+    return SpaceStyle(_LEFT_COLORS[which % len(_LEFT_COLORS)], marker, DOTS)

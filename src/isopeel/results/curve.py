@@ -27,10 +27,12 @@ class Curve:
     stored_energy: FloatArray
     adhesive_energy: FloatArray
     seconds: FloatArray
+    energy_residuals: FloatArray  # per unknown, of the corrections of all steps, one step after the other
 
     @classmethod
     def of(cls, steps: Iterable[Step], drive: Drive) -> "Curve":
         """Tabulate steps."""
+        steps = list(steps)
         rows = [
             (s.parameter, s.reaction, s.stored_energy, s.adhesive_energy, s.seconds, len(s.iterations))
             for s in steps
@@ -46,11 +48,17 @@ class Curve:
             frozen(table[:, 2]),
             frozen(table[:, 3]),
             frozen(table[:, 4]),
+            frozen(np.array([residual for s in steps for residual in s.iterations], dtype=np.float64)),
         )
 
     def __len__(self) -> int:
         """Number of steps."""
         return len(self.parameter)
+
+    def residuals_of(self, step: int) -> FloatArray:
+        """Energy residuals per unknown, |R . dz|/n, before each Newton correction of a step."""
+        ends = np.cumsum(self.iterations)
+        return self.energy_residuals[ends[step] - self.iterations[step] : ends[step]]
 
     def write_csv(self, path: Path) -> None:
         """Write the curve as a table with a header line; numbers keep all their digits."""

@@ -1,8 +1,9 @@
 """The file of a run, run.h5: its curve, displacements at chosen angles, the case, and where it comes from.
 
-Layout: `case`, the TOML text; `curve/NAME` (n,) for each column, with its `unit`; `fields/parameter` (k,) in
-the unit of the parameter's column, and `fields/displacement` (k, functions, 2); `failure`, where there was
-one; attributes of the root for all else.
+Layout: `case`, the TOML text; `curve/NAME` (n,) for each column, with its `unit`, among them
+`curve/energy_residuals` (m,), one for each Newton correction of all steps; `fields/parameter` (k,) in the
+unit of the parameter's column, and `fields/displacement` (k, functions, 2); `failure`, where there was one;
+attributes of the root for all else.
 """
 
 from collections.abc import Mapping, Sequence
@@ -26,7 +27,7 @@ from isopeel.splines.rows import RowSpace
 #: How a run ended; "running" is what the file of a killed run says.
 Ending = Literal["running", "completed", "not converged", "interrupted"]
 
-_FORMAT = "isopeel run 1"
+_FORMAT = "isopeel run 2"
 _SAVE_SECONDS = 1.0
 _SAVE_SHARE = 0.02  # of the time may go into saving
 _ROUND_OFF = 1e-9
@@ -215,7 +216,7 @@ def _stored(file: h5py.File) -> StoredRun:
         frozen(data[columns["parameter"].name]),
         frozen(data[columns["reaction"].name]),
         data["iterations"],
-        *(frozen(data[name]) for name in ("stored_energy", "adhesive_energy", "seconds")),
+        *(frozen(data[name]) for name in ("stored_energy", "adhesive_energy", "seconds", "energy_residuals")),
     )
     displacements = map(frozen, file["fields/displacement"][()])
     fields = dict(zip(file["fields/parameter"][()].tolist(), displacements, strict=True))
@@ -245,4 +246,5 @@ def _columns(curve: Curve) -> tuple[tuple[Column, FloatArray | IntArray], ...]:
         (Column("stored_energy", "E0 L0^3"), curve.stored_energy),
         (Column("adhesive_energy", "E0 L0^3"), curve.adhesive_energy),
         (Column("seconds", "s"), curve.seconds),
+        (Column("energy_residuals", "E0 L0^3"), curve.energy_residuals),
     )

@@ -1,14 +1,16 @@
 """The equilibrium path: one immutable step per requested value of the drive's parameter."""
 
 from collections import deque
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from time import perf_counter
+from typing import NamedTuple
 
 from threadpoolctl import ThreadpoolController
 
 from isopeel.arrays import FloatArray
 from isopeel.assembly.system import System
+from isopeel.errors import InputError
 from isopeel.problem import Problem
 from isopeel.solve.newton import NewtonSettings, newton
 from isopeel.solve.predictor import extrapolate
@@ -16,6 +18,13 @@ from isopeel.splines.rows import RowSpace
 
 #: Converged states that the predictor extrapolates from: three, for a parabola.
 PREDICTOR_POINTS = 3
+
+
+class State(NamedTuple):
+    """Where a path can go on from: a parameter, and displacement coefficients (functions, 2)."""
+
+    parameter: float
+    displacement: FloatArray
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,25 +50,45 @@ def trace(
     space: RowSpace,
     parameters: Iterable[float],
     settings: NewtonSettings | None = None,
+    *,
+    start: Sequence[State] = (),
+    contact_points: int | None = None,
 ) -> Iterator[Step]:
     """Trace the equilibria of a problem on a space through the given values of the drive's parameter.
 
-    Newton's method starts each step from the parabola through the last three states. To stop early,
-    break. Raises ConvergenceError where a step finds no equilibrium; all steps before it have been yielded.
+    Newton's method starts each step from the parabola through the last three states, those of `start`
+    among them, of which the last is the newest; without any, from the body as it is. The adhesive force has
+    `contact_points` Gauss points on each element, by default one more than the highest degree along it.
+
+    To stop early, break. Raises ConvergenceError where a step finds no equilibrium; all steps before it
+    have been yielded. Raises InputError where problem, space, start and points do not fit together, or the
+    memory does not suffice.
     """
-    return _trace(System(problem, space), parameters, settings or NewtonSettings())
+    system = System(problem, space, contact_points)
+    for _, displacement in start:
+        if displacement.shape != (space.size, 2):
+            raise InputError("start", displacement.shape, f"the space has {space.size} functions")
+    return _trace(system, parameters, settings or NewtonSettings(), start)
 
 
-def _trace(system: System, parameters: Iterable[float], settings: NewtonSettings) -> Iterator[Step]:
+def _trace(
+    system: System, parameters: Iterable[float], settings: NewtonSettings, start: Sequence[State]
+) -> Iterator[Step]:
     libraries = ThreadpoolController()
-    history: deque[tuple[float, FloatArray]] = deque(maxlen=PREDICTOR_POINTS)
+    history = deque(
+        (
+            (state.parameter, system.constraints.unknown_values(state.displacement, state.parameter))
+            for state in start
+        ),
+        maxlen=PREDICTOR_POINTS,
+    )
     for number, parameter in enumerate(parameters):
         began = perf_counter()
         # the factorization of a narrow band gains nothing from threads, and loses by their start
         with libraries.limit(limits=1, user_api="blas"):
             # a drive that turns back meets a parameter again: its last state counts
-            start = extrapolate(dict(history), parameter, system.constraints.count)
-            result = newton(system, start, parameter, settings)
+            guess = extrapolate(dict(history), parameter, system.constraints.count)
+            result = newton(system, guess, parameter, settings)
         history.append((parameter, result.unknown_values))
         result.displacement.setflags(write=False)
         yield Step(

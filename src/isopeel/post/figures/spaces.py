@@ -5,6 +5,7 @@ from itertools import groupby
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 
 from isopeel.arrays import FloatArray, IntArray
 from isopeel.post.style import GREY, TWO_COLUMNS, style
@@ -25,10 +26,10 @@ def space_figure(space: RowSpace) -> Figure:
         figure = Figure(figsize=(TWO_COLUMNS, 1.7 * (len(kinds) + 1)), layout="constrained")
         panels = figure.subplots(len(kinds) + 1, 1, squeeze=False)[:, 0]
         for axes, (title, row) in zip(panels, kinds, strict=False):
-            _functions(axes, row, rf"$N_i(\xi)$, {title}: {_smoothness(row)}", r"$\xi$")
+            draw_functions(axes, row, rf"$N_i(\xi)$, {title}: {_smoothness(row)}", r"$\xi$")
         across = space.across
         panels[0].set_title("▲ a knot", loc="right", color=GREY, fontsize=8)
-        _functions(panels[-1], across, rf"$M_j(\eta)$, across the rows: {_smoothness(across)}", r"$\eta$")
+        draw_functions(panels[-1], across, rf"$M_j(\eta)$, across the rows: {_smoothness(across)}", r"$\eta$")
         return figure
 
 
@@ -55,16 +56,18 @@ def _smoothness(space: SplineSpace) -> str:
     return f"degree {space.degree}{smoothness}"
 
 
-def _functions(axes: Axes, space: SplineSpace, title: str, parameter: str) -> None:
+def draw_functions(axes: Axes, space: SplineSpace, title: str, parameter: str) -> list[Line2D]:
+    """Draw the B-splines over the first few elements, with their knots; return their lines in order."""
     shown = min(SHOWN_ELEMENTS, space.elements)
     knots, counts = space.breakpoints[: shown + 1], space.multiplicities[: shown + 1]
     points = np.linspace(knots[:-1], knots[1:], _POINTS + 1, axis=1)
     elements = np.repeat(np.arange(shown), _POINTS + 1)
     values, first = space.basis(points.ravel(), 0, elements=elements)
+    lines = []
     for function in range(int(first[-1]) + space.degree + 1):
         active = (first <= function) & (function <= first + space.degree)
         column = (function - first)[active]
-        axes.plot(points.ravel()[active], values[0, active, column], linewidth=1.1, clip_on=False)
+        lines += axes.plot(points.ravel()[active], values[0, active, column], linewidth=1.1, clip_on=False)
     axes.vlines(knots, 0, 1, color=GREY, linewidth=0.4, clip_on=False)
     _knot_marks(axes, knots, counts)
     axes.set_xlim(knots[0], knots[-1])
@@ -75,6 +78,7 @@ def _functions(axes: Axes, space: SplineSpace, title: str, parameter: str) -> No
     axes.tick_params("x", length=0)
     axes.set_title(title, loc="left")
     axes.set_xlabel(parameter)
+    return lines
 
 
 def _knot_marks(axes: Axes, knots: FloatArray, counts: IntArray) -> None:

@@ -1,0 +1,151 @@
+"""Computing the runs of the study on all cores; what is finished is kept in files and not done again."""
+
+import signal
+import time
+from collections.abc import Iterable
+from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from dataclasses import dataclass
+from math import radians
+from multiprocessing import active_children, get_context
+from multiprocessing.queues import SimpleQueue
+from pathlib import Path
+from typing import NamedTuple, Protocol
+
+from isopeel.errors import InputError
+from isopeel.paper.study import Run, with_bases
+from isopeel.results.provenance import Provenance
+from isopeel.results.run_file import Failure, RunWriter, StoredRun, read_run, run_attributes
+from isopeel.solve.newton import ConvergenceError
+from isopeel.solve.trace import State, trace
+
+_REPORT_SECONDS = 0.2  # between two reports of a run
+
+
+class Report(NamedTuple):
+    """How far a run has come."""
+
+    run: Run
+    steps: int
+    of: int
+
+
+class Watcher(Protocol):
+    """Who is told how the runs go on."""
+
+    def report(self, report: Report) -> None:
+        """A run has come so far."""
+
+    def finished(self, run: Run, stored: StoredRun) -> None:
+        """A run is finished."""
+
+
+@dataclass(frozen=True)
+class Store:
+    """The folder of the finished runs. Each has one file, which is replaced when it is computed anew."""
+
+    folder: Path
+
+    def path(self, run: Run) -> Path:
+        """Where a run's file is."""
+        return self.folder / f"{run.name}.h5"
+
+    def finished(self, run: Run) -> StoredRun | None:
+        """What is there of a run; None where it is not finished, or was computed by other code."""
+        try:
+            stored = read_run(self.path(run))
+        except InputError:
+            return None
+        done = stored.ending in ("completed", "not converged")
+        return stored if done and stored.attributes.get("key") == run.key else None
+
+    def read(self, run: Run) -> StoredRun:
+        """Return a run that is finished; InputError where it is not."""
+        stored = self.finished(run)
+        if stored is None:
+            raise InputError("run", run.name, "it is not finished")
+        return stored
+
+
+def execute(runs: Iterable[Run], store: Store, workers: int, watcher: Watcher) -> None:
+    """Compute the runs that are not finished, and those they start from, in processes of their own.
+
+    A path that ends early is finished all the same; a variant whose base ended before it starts is not
+    computed. The processes end at once where this one is interrupted.
+    """
+    waiting = [run for run in with_bases(runs) if store.finished(run) is None]
+    if not waiting:
+        return
+    others = active_children()
+    context = get_context("spawn")
+    reports: SimpleQueue[Report] = context.SimpleQueue()
+    with ProcessPoolExecutor(workers, context, _start_worker, (reports,)) as pool:
+        futures: dict[Future[None], Run] = {}
+
+        def submit_ready() -> None:
+            """Hand over what does not wait for its base any more."""
+            for run in list(waiting):
+                if run.base in waiting or run.base in futures.values():
+                    continue
+                waiting.remove(run)
+                if run.base is None or _reaches(store.read(run.base), run):
+                    futures[pool.submit(_compute, run, store)] = run
+
+        try:
+            submit_ready()
+            while futures:
+                done, _ = wait(futures, _REPORT_SECONDS, FIRST_COMPLETED)
+                while not reports.empty():
+                    watcher.report(reports.get())
+                for future in done:
+                    run = futures.pop(future)
+                    future.result()
+                    watcher.finished(run, store.read(run))
+                if done:
+                    submit_ready()
+        except BaseException:
+            for process in active_children():
+                if process not in others:
+                    process.terminate()
+            raise
+
+
+def _reaches(stored: StoredRun, variant: Run) -> bool:
+    return any(abs(angle - variant.range_deg[0]) < 1e-6 for angle in stored.fields)
+
+
+_reports: "SimpleQueue[Report] | None" = None
+
+
+def _start_worker(reports: "SimpleQueue[Report]") -> None:
+    global _reports  # what a worker is given at its start has no other place to live
+    _reports = reports
+    # Ctrl-C goes to the whole group of processes; the first alone should heed it
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+
+
+def _compute(run: Run, store: Store) -> None:
+    """Trace a run into its file."""
+    case, angles = run.case, run.angles_deg
+    problem, space = case.problem(), case.space()
+    start: list[State] = []
+    if run.base is not None:
+        fields = store.read(run.base).fields
+        angle = min(fields, key=lambda angle: abs(angle - run.range_deg[0]))
+        start.append(State(radians(angle), fields[angle]))
+    attributes = run_attributes(problem, space, Provenance.of_this_process()) | {"key": run.key}
+    steps = trace(
+        problem, space, map(radians, angles), start=start, contact_points=case.discretization.contact_points
+    )
+    last_report = 0.0
+    with RunWriter(store.path(run), problem.drive, case.text, attributes, case.output.fields_every) as writer:
+        try:
+            for step in steps:
+                writer.append(step)
+                now = time.perf_counter()
+                if _reports is not None and now > last_report + _REPORT_SECONDS:
+                    last_report = now
+                    _reports.put(Report(run, step.number + 1, len(angles)))
+            writer.end("completed")
+        except ConvergenceError as error:
+            angle = problem.drive.parameter_column.shown(error.parameter)
+            writer.end("not converged", Failure(angle, error.reason, error.iterations))

@@ -1,0 +1,105 @@
+"""How the amplitude of the oscillation falls with the length of the elements, beside the published one."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from math import ceil
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.ticker import NullLocator
+
+from isopeel.errors import InputError
+from isopeel.paper.figures.amplitudes import AMPLITUDE, in_table_order
+from isopeel.paper.figures.legend import add_legend
+from isopeel.paper.study import MESHES
+from isopeel.post.style import TWO_COLUMNS, space_style, style
+
+_LENGTH = 200.0  # of the strip, in L0
+_COLUMNS = 3
+_PUBLISHED: dict[str, Any] = {
+    "color": "black",
+    "linestyle": "",
+    "marker": "_",
+    "markersize": 16,
+    "markeredgewidth": 1.4,
+}
+
+
+@dataclass(frozen=True)
+class Amplitude:
+    """dM of a space on a mesh, in E0 L0^3, with all rows enriched, the contact row alone, and as published.
+
+    None where there is no such number. Raises InputError for an unknown mesh, or what is not positive.
+    """
+
+    space: str
+    mesh: str
+    ours: float | None
+    contact_row: float | None
+    published: float | None
+
+    def __post_init__(self) -> None:
+        if self.mesh not in MESHES:
+            raise InputError("mesh", self.mesh, f"the published meshes are {', '.join(MESHES)}")
+        for value in self.values:
+            if value is not None and not value > 0:
+                raise InputError("amplitude", value, "it must be positive")
+
+    @property
+    def values(self) -> tuple[float | None, float | None, float | None]:
+        """All three."""
+        return self.ours, self.contact_row, self.published
+
+    @property
+    def element_length(self) -> float:
+        """Length of an element, in L0."""
+        return _LENGTH / MESHES[self.mesh][0]
+
+
+def convergence_figure(entries: Sequence[Amplitude]) -> Figure:
+    """Draw the three amplitudes over the length of the elements, in one panel for each space that has any.
+
+    Panels of a row share a scale. Raises InputError where there is no amplitude at all.
+    """
+    told = [entry for entry in entries if any(entry.values)]
+    if not told:
+        raise InputError("entries", list(entries), "give one amplitude at least")
+    spaces = in_table_order(entry.space for entry in told)
+    rows = ceil(len(spaces) / _COLUMNS)
+    with style():
+        figure = Figure(figsize=(TWO_COLUMNS, 0.6 + 1.9 * rows), layout="constrained")
+        panels = figure.subplots(rows, _COLUMNS, squeeze=False, sharex=True, sharey="row")
+        for axes, space in zip(panels.ravel(), spaces, strict=False):
+            _draw(axes, [entry for entry in told if entry.space == space])
+            axes.set_title(space, loc="left")
+            axes.set(xscale="log", yscale="log")
+        meshes = {entry.element_length: entry.mesh for entry in told}
+        panels[0, 0].set_xticks(list(meshes), [f"{length:.3g}\n{mesh}" for length, mesh in meshes.items()])
+        panels[0, 0].xaxis.set_minor_locator(NullLocator())
+        panels[0, 0].margins(x=0.15)
+        for axes in panels.ravel()[len(spaces) :]:
+            axes.axis("off")
+        figure.supxlabel("element length / $L_0$, and mesh", fontsize=9)
+        figure.supylabel(AMPLITUDE, fontsize=9)
+        ours = space_style("L1")
+        handles = [
+            Line2D([], [], **ours.marked, label="ours, all rows"),
+            Line2D([], [], **replace(ours, hollow=True).marked, label="ours, contact row alone"),
+            Line2D([], [], **_PUBLISHED, label="published"),
+        ]
+        add_legend(figure, handles)
+        return figure
+
+
+def _draw(axes: Axes, entries: Sequence[Amplitude]) -> None:
+    """Draw the lines of one space."""
+    lengths = [entry.element_length for entry in entries]
+    ours, contact_row, published = np.array([entry.values for entry in entries], dtype=np.float64).T
+    space = entries[0].space
+    # so wide that it is seen around what is drawn over it
+    axes.plot(lengths, contact_row, **space_style(f"L1+{space}").marked | {"markersize": 7.5})
+    axes.plot(lengths, ours, **space_style(space).marked | {"markersize": 4})
+    axes.plot(lengths, published, **_PUBLISHED)

@@ -1,0 +1,30 @@
+"""Legends above all panels, where they hide nothing."""
+
+from collections.abc import Iterable, Sequence
+from math import ceil
+
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from isopeel.post.style import space_style
+from isopeel.splines.names import parse_space_name
+
+_MOST_COLUMNS = 9
+
+
+def space_handles(spaces: Iterable[str]) -> list[Line2D]:
+    """Entries of spaces; that of X tells L1+X too, which differs in being hollow."""
+    names = list(spaces)
+    styles = {name: space_style(name) for name in names}
+    told = [
+        name for name in names if not (styles[name].hollow and str(parse_space_name(name).contact) in names)
+    ]
+    return [Line2D([], [], **styles[name].marked, label=name) for name in told]
+
+
+def add_legend(figure: Figure, handles: Sequence[Line2D]) -> None:
+    """Put a legend above all panels, to be read row by row."""
+    columns = ceil(len(handles) / ceil(len(handles) / _MOST_COLUMNS))
+    # matplotlib fills column by column
+    by_column = [handle for column in range(columns) for handle in handles[column::columns]]
+    figure.legend(handles=by_column, loc="outside upper left", ncols=columns, columnspacing=1.2)

@@ -1,0 +1,79 @@
+"""The progress of the study: a line for each run under way, with the time left, and one for each finished."""
+
+from collections.abc import Sequence
+from types import TracebackType
+from typing import Self
+
+from rich.console import Console
+from rich.progress import BarColumn, Progress, TaskID, TextColumn, TimeRemainingColumn
+
+from isopeel.paper.execution import Report
+from isopeel.paper.study import Run
+from isopeel.results.run_file import StoredRun
+
+_SPEED_SECONDS = 120.0  # that the time left is told from: a path is slower on its plateau than before
+
+
+class Monitor:
+    """Shows on a console how runs go on; on one that is no terminal, those that are finished only."""
+
+    def __init__(self, console: Console, runs: Sequence[Run]) -> None:
+        self._console = console
+        self._costs = {run: run.cost for run in runs}
+        self._lines: dict[Run, TaskID] = {}
+        self._progress = Progress(
+            TextColumn("{task.description:26s}"),
+            BarColumn(bar_width=None),
+            TextColumn("{task.percentage:3.0f} %, left"),
+            TimeRemainingColumn(),
+            console=console,
+            speed_estimate_period=_SPEED_SECONDS,
+            transient=True,
+            disable=not console.is_terminal,
+        )
+        self._all = self._progress.add_task(f"all {len(runs)} runs", total=sum(self._costs.values()))
+        self._done = 0
+
+    def __enter__(self) -> Self:
+        """Begin to show."""
+        self._progress.start()
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        """Clear what is shown."""
+        self._progress.stop()
+
+    def report(self, report: Report) -> None:
+        """Show how far a run has come."""
+        if report.run not in self._lines:
+            self._lines[report.run] = self._progress.add_task(report.run.name, total=report.of)
+        self._progress.update(self._lines[report.run], completed=report.steps)
+        self._show_all()
+
+    def finished(self, run: Run, stored: StoredRun) -> None:
+        """Write a line about a finished run, and count it."""
+        line = self._lines.pop(run, None)
+        if line is not None:
+            self._progress.remove_task(line)
+        self._done += 1
+        self._costs[run] = 0.0
+        self._show_all()
+        seconds, reached = stored.curve.seconds.sum(), stored.curve.parameter[-1:].sum()  # 0 without a step
+        ending = "" if stored.failure is None else f"  ended early: {stored.failure.reason}"
+        count = f"{self._done:3d}/{len(self._costs)}"
+        line_of = f"{count}  {run.name:26s} to {reached:5.1f} degrees in {seconds:5.1f} s{ending}"
+        self._console.print(line_of, soft_wrap=True)
+
+    def _show_all(self) -> None:
+        left = dict(self._costs)
+        for task in self._progress.tasks:
+            for run, line in self._lines.items():
+                if task.id == line and task.total:
+                    left[run] *= 1 - task.completed / task.total
+        total = self._progress.tasks[0].total or 0.0
+        self._progress.update(self._all, completed=total - sum(left.values()))

@@ -1,0 +1,181 @@
+"""Ways to read dM and the steepest slopes off a curve, since the published way is not told."""
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from enum import Enum
+from functools import cache
+from math import log, sqrt
+
+import numpy as np
+
+from isopeel.arrays import FloatArray
+from isopeel.paper.published import MISPRINTS, Figures, published
+from isopeel.paper.record import Record
+from isopeel.paper.study import MESHES, STEP, Run, default_points
+from isopeel.post.closed_form import beam_peeling
+from isopeel.post.reading import read_window, running_mean
+from isopeel.problem import Traction, strip
+
+Window = tuple[float, float]
+#: The window that this report reads in where it does not say otherwise, in degrees.
+WINDOW: Window = (98.0, 101.4)
+
+
+class Reading(Enum):
+    """What is done about the drift of the plateau."""
+
+    MEAN = "the drift of the mean over one period is taken out"
+    LINE = "a line fitted to the window is taken out of dM, slopes are as they are"
+    RAW = "nothing is taken out"
+
+
+class Rows(Enum):
+    """Which rows of control points are enriched."""
+
+    ALL = "all rows"
+    CONTACT = "contact row only"
+    MIXED = "all rows of L1 and Np, contact row only of the rest"
+
+    def enriched(self, space: str) -> str:
+        """The space of a published discretization."""
+        smooth = space.startswith("N") and "." not in space
+        whole = self is Rows.ALL or space == "L1" or (self is Rows.MIXED and smooth)
+        return space if whole else f"L1+{space}"
+
+
+class Points(Enum):
+    """Gauss points of the adhesive force on an element, for functions of degree p."""
+
+    DEFAULT = "p + 1"
+    MORE = "p + 2"
+    LESS = "p, at least 2"
+    TWO = "2"
+    THREE = "3"
+
+    def count(self, space: str) -> int | None:
+        """So many on a space; None for the default."""
+        default = default_points(space)
+        number = {
+            Points.DEFAULT: default,
+            Points.MORE: default + 1,
+            Points.LESS: max(2, default - 1),
+            Points.TWO: 2,
+            Points.THREE: 3,
+        }[self]
+        return None if number == default else number
+
+
+@cache
+def period_deg(mesh: str) -> float:
+    """Period of the oscillation on a mesh, in degrees: the passage of one element."""
+    closed_form = beam_peeling(strip())
+    assert closed_form is not None  # it is a strip
+    return closed_form.period_deg(MESHES[mesh][0])
+
+
+class Readable:
+    """A record whose running mean is made once, however many windows of it are read."""
+
+    def __init__(self, record: Record) -> None:
+        self._angles, self._moments = record.angles_deg, record.moments
+        self._period = period_deg(record.run.mesh)
+        self._mean: FloatArray | None = None
+
+    def read(self, window: Window, reading: Reading = Reading.MEAN) -> Figures | None:
+        """What a window tells, in 1e-3 E0 L0^3 (per degree); None where the run does not cover it.
+
+        A run covers a window when it reached half a period beyond it, whatever the reading.
+        """
+        margin = self._period / 2
+        if not len(self._angles) or self._angles[-1] < window[1] + margin - STEP / 2:
+            return None
+        if self._mean is None:
+            self._mean = running_mean(self._angles, self._moments, self._period)
+        mean = self._mean if reading is Reading.MEAN else None
+        plateau = read_window(self._angles, self._moments, window, mean)
+        drift, amplitude = plateau.drift, plateau.amplitude
+        if reading is Reading.MEAN:
+            drift = 0.0
+        elif reading is Reading.RAW:
+            inside = (self._angles > window[0] - STEP / 2) & (self._angles < window[1] + STEP / 2)
+            amplitude = float(np.ptp(self._moments[inside]))
+        values = (amplitude, plateau.steepest_rise + drift, plateau.steepest_fall + drift)
+        return Figures(*(1e3 * value for value in values))
+
+
+def plateau_mean(record: Record, window: Window = WINDOW) -> float | None:
+    """Mean moment in a window, in E0 L0^3; None where the run does not cover it."""
+    angles = record.angles_deg
+    if not len(angles) or angles[-1] < window[1] - STEP / 2:
+        return None
+    inside = (angles > window[0] - STEP / 2) & (angles < window[1] + STEP / 2)
+    return float(record.moments[inside].mean())
+
+
+@dataclass(frozen=True)
+class Recipe:
+    """A way to come from our curves to the figures of the published table."""
+
+    rows: Rows
+    reading: Reading = Reading.MEAN
+    window: Window = WINDOW
+    traction: Traction = "reference"
+    points: Points = Points.DEFAULT
+
+    def run(self, space: str, mesh: str) -> Run:
+        """The run of a published discretization."""
+        enriched = self.rows.enriched(space)
+        return Run(enriched, mesh, self.traction, self.points.count(enriched))
+
+
+@dataclass(frozen=True)
+class Fit:
+    """How a recipe fits: for each published entry the ratio of ours to theirs."""
+
+    recipe: Recipe
+    ratios: Mapping[tuple[str, str, str], float]  # by mesh, space, and name of the figure
+    unread: int  # entries that cannot be compared: the run ended early, or ours has another sign
+
+    @property
+    def deviation(self) -> float:
+        """Root mean square of the logarithms of the ratios."""
+        return sqrt(sum(log(ratio) ** 2 for ratio in self.ratios.values()) / len(self.ratios))
+
+
+def fits(readables: Mapping[Run, Readable], meshes: Iterable[str], recipes: Iterable[Recipe]) -> list[Fit]:
+    """Compare each recipe with the published table: first those that read the most entries, then the closest.
+
+    Entries that are known to be misprinted do not count.
+    """
+    misprinted = {(m.mesh, m.space, m.quantity) for m in MISPRINTS if m.table == 2}
+    theirs = [
+        (mesh, space, name, value)
+        for mesh in meshes
+        for space, row in published(mesh).items()
+        if row.figures is not None
+        for name, value in row.figures._asdict().items()
+        if (mesh, space, name) not in misprinted
+    ]
+    known: dict[tuple[Run, Reading, Window], Figures | None] = {}
+    found = []
+    for recipe in recipes:
+        ratios = {}
+        for mesh, space, name, value in theirs:
+            run = recipe.run(space, mesh)
+            key = run, recipe.reading, recipe.window
+            if key not in known:
+                readable = readables.get(run)  # a variant of a run that ended early is not there
+                known[key] = readable.read(recipe.window, recipe.reading) if readable else None
+            figures = known[key]
+            ratio = 0.0 if figures is None else getattr(figures, name) / value
+            if ratio > 0:
+                ratios[mesh, space, name] = ratio
+        if ratios:
+            found.append(Fit(recipe, ratios, len(theirs) - len(ratios)))
+    return sorted(found, key=lambda fit: (fit.unread, fit.deviation))
+
+
+def candidate_windows(lengths: Iterable[float]) -> list[Window]:
+    """Windows of given lengths that begin between 85 and 107 degrees."""
+    starts = np.round(np.arange(85.0, 107.01, 0.2), 10).tolist()
+    return [(start, start + length) for length in lengths for start in starts]

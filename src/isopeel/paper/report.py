@@ -1,0 +1,128 @@
+"""The report on the published study: its sections, the runs they need, and their files."""
+
+import os
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from rich.console import Console
+
+from isopeel.errors import InputError
+from isopeel.paper.document import Block, Document, Section, Table, Text, print_table, write_document
+from isopeel.paper.execution import Store, execute
+from isopeel.paper.monitor import Monitor
+from isopeel.paper.record import Record, write_records
+from isopeel.paper.results import Results
+from isopeel.paper.sections import (
+    curves,
+    front,
+    literature,
+    newton,
+    provenance,
+    reading,
+    shapes,
+    spaces,
+    table2,
+    table3,
+)
+from isopeel.paper.study import MESHES, Run, with_bases
+
+
+@dataclass(frozen=True)
+class Part:
+    """A section of the report: the runs that it needs on some meshes, and what it says about them."""
+
+    title: str
+    runs: Callable[[Sequence[str]], list[Run]]
+    blocks: Callable[[Results, Sequence[str]], Iterator[Block]]
+
+
+#: By the name that the command line knows them by, in the order of the report.
+PARTS: dict[str, Part] = {
+    name: Part(module.TITLE, module.runs, module.blocks)
+    for name, module in (
+        ("table2", table2),
+        ("table3", table3),
+        ("literature", literature),
+        ("curves", curves),
+        ("front", front),
+        ("newton", newton),
+        ("shapes", shapes),
+        ("spaces", spaces),
+        ("reading", reading),
+        ("provenance", provenance),
+    )
+}
+_ABSTRACT = Text(
+    "The study of NURBS discretizations for peeling in Sadhana 46:3 (2021) turns a strip of 200 nm x 10 nm "
+    "off a flat surface that holds it by van der Waals forces, with nine discretizations on three meshes, "
+    "and compares by how much the moment oscillates. Here are the same runs, its tables with ours beside "
+    "them, what the enriched contact elements of the literature give, and what the published figures depend "
+    "on."
+)
+
+
+def chosen_parts(names: Sequence[str]) -> list[str]:
+    """Names of parts in the order of the report, by default all. Raises InputError for an unknown one."""
+    for name in names:
+        if name not in PARTS:
+            raise InputError("--only", name, f"the parts are {', '.join(PARTS)}")
+    return [name for name in PARTS if not names or name in names]
+
+
+def chosen_meshes(names: Sequence[str]) -> list[str]:
+    """Names of meshes from the coarsest on, by default all. Raises InputError for an unknown one."""
+    for name in names:
+        if name not in MESHES:
+            raise InputError("--mesh", name, f"the published meshes are {', '.join(MESHES)}")
+    return [name for name in MESHES if not names or name in names]
+
+
+def make_report(
+    parts: Sequence[str], meshes: Sequence[str], out: Path, console: Console, workers: int | None = None
+) -> Path:
+    """Compute what is not there yet, and write the report on the parts and meshes; returns its HTML page.
+
+    Finished runs are in `runs` of the folder and are not computed again, whenever an earlier study ended.
+    Raises InputError where the folder cannot be written, OSError where a file cannot.
+    """
+    store = Store(out / "runs")
+    try:
+        store.folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        allowed = f"a folder that can be written is needed: {error.strerror}"
+        raise InputError("--out", str(out), allowed) from error
+    runs = needed_runs(parts, meshes)
+    missing = [run for run in runs if store.finished(run) is None]
+    if runs:
+        console.print(f"{len(runs)} runs, {len(runs) - len(missing)} of them are there already")
+    with Monitor(console, missing) as monitor:
+        execute(missing, store, workers or os.cpu_count() or 1, monitor)
+    # a variant whose base ended before it starts was not computed
+    stored = {run: found for run in runs if (found := store.finished(run)) is not None}
+    results = Results({run: Record.of(run, found) for run, found in stored.items()}, store)
+    document = make_document(results, parts, meshes)
+    write_records(out / "records.h5", results.records)
+    write_document(document, out)
+    if len(parts) < len(PARTS):
+        for block in document.blocks:
+            if isinstance(block, Table):
+                print_table(block, console)
+    return out / "report.html"
+
+
+def needed_runs(parts: Sequence[str], meshes: Sequence[str]) -> list[Run]:
+    """All runs of some parts of the report, and those they start from, in the order of the names."""
+    found = with_bases(run for name in parts for run in PARTS[name].runs(meshes))
+    return sorted(found, key=lambda run: (run.mesh, run.space, run.traction, run.contact_points or 0))
+
+
+def make_document(results: Results, parts: Sequence[str], meshes: Sequence[str]) -> Document:
+    """Put the report together; its figures are drawn when it is written."""
+    options = [f"--mesh {mesh}" for mesh in meshes] if len(meshes) < len(MESHES) else []
+    sections = []
+    for name in parts:
+        command = " ".join(["isopeel paper", f"--only {name}", *options])
+        part = PARTS[name]
+        sections.append(Section(part.title, tuple(part.blocks(results, meshes)), command))
+    return Document("A published study of peeling, reproduced", _ABSTRACT, tuple(sections))

@@ -1,0 +1,38 @@
+"""The finished runs, as the sections of the report ask for them."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from isopeel.paper.execution import Store
+from isopeel.paper.published import Figures
+from isopeel.paper.reading import WINDOW, Readable, Reading, Window
+from isopeel.paper.record import Record
+from isopeel.paper.study import Run
+from isopeel.results.run_file import StoredRun
+
+
+@dataclass(frozen=True, eq=False)
+class Results:
+    """Records of runs, what can be read off them, and the store with their fields, for figures."""
+
+    records: Mapping[Run, Record]
+    store: Store
+    readables: dict[Run, Readable] = field(init=False)
+
+    def __post_init__(self) -> None:
+        """Make the readings' means only once."""
+        readables = {run: Readable(record) for run, record in self.records.items()}
+        object.__setattr__(self, "readables", readables)
+
+    def figures(self, run: Run, window: Window = WINDOW, reading: Reading = Reading.MEAN) -> Figures | None:
+        """What a run's window tells; None where it was not run, or ended before."""
+        return self.readables[run].read(window, reading) if run in self.readables else None
+
+    def amplitude(self, run: Run) -> float | None:
+        """The amplitude dM in the default window, in E0 L0^3; None as for the figures."""
+        figures = self.figures(run)
+        return None if figures is None else figures.amplitude / 1e3
+
+    def stored(self, run: Run) -> StoredRun:
+        """The whole run, with its fields. Raises InputError where it is not in the store."""
+        return self.store.read(run)

@@ -1,0 +1,1 @@
+"""The sections of the report, one file each: which runs it needs, and what it says."""

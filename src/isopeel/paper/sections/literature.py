@@ -1,0 +1,124 @@
+"""What else the literature tried, and what accuracy costs."""
+
+from collections.abc import Iterator, Sequence
+
+from isopeel.paper.document import Block, Picture, Table, Text
+from isopeel.paper.figures import Cost, cost_figure
+from isopeel.paper.published import quoted
+from isopeel.paper.results import Results
+from isopeel.paper.study import (
+    CONTACT_ROW,
+    LITERATURE,
+    SPACES,
+    Run,
+    contact_row_runs,
+    literature_runs,
+    table_runs,
+)
+from isopeel.paper.wording import ABSENT, digits, endings
+
+TITLE = "Enriched contact elements, and what accuracy costs"
+#: What the literature calls them.
+_SCHEMES = {
+    "L1+L2": "Q1C2, Lagrange-enriched (Sauer, 2011)",
+    "L1+L4": "Q1C4, Lagrange-enriched (Sauer, 2011)",
+    "L1+N2.1": "Q1CH, Hermite-enriched (Sauer, 2011), and Q1N2.1 (Corbett and Sauer, 2014)",
+    "L1+N3.2": "Hermite-enriched, degree 5 (Agrawal and Gautam)",
+    "L1+N4.3": "Hermite-enriched, degree 7 (Agrawal and Gautam)",
+    "L1+N4.1": "Q1N4.1, NURBS-enriched (Corbett and Sauer, 2014)",
+    "N2+N4": "varying order, 1 row (Agrawal and Gautam, 2020)",
+    "N2+N4@2": "varying order, 2 rows",
+    "N2+N4@3": "varying order, 3 rows",
+    "L2+N2@2": "hybrid, NURBS in 2 rows over Lagrange (Maleki-Jebeli et al., 2018)",
+}
+
+
+def runs(meshes: Sequence[str]) -> list[Run]:
+    """Everything there is."""
+    return [*table_runs(meshes), *contact_row_runs(meshes), *literature_runs(meshes)]
+
+
+def blocks(results: Results, meshes: Sequence[str]) -> Iterator[Block]:
+    """A table of the schemes, one of costs, and the picture of both."""
+    yield Text(
+        "Every enrichment is a choice of one spline space per row of control points. The published figures "
+        "of Q1N2.1 are the best of that scheme, as the study quotes them."
+    )
+    yield _schemes(results, meshes)
+    yield Text(
+        "What a user chooses by is the accuracy for the effort. The times below were measured while runs "
+        "shared the machine, so that they tell orders of magnitude; DOFs and corrections are exact. A space "
+        "is marked where no other on these meshes has both a smaller dM and fewer DOFs, or a smaller dM in "
+        "less time."
+    )
+    costs = _costs(results, meshes)
+    yield _cost_table(results, costs)
+    yield Picture("cost", "Amplitude dM over DOFs, and over the time of a step.", lambda: cost_figure(costs))
+
+
+def _schemes(results: Results, meshes: Sequence[str]) -> Table:
+    theirs = {(row.space, row.mesh): row for row in quoted()}
+    rows = []
+    for space, scheme in _SCHEMES.items():
+        cells = []
+        for mesh in meshes:
+            amplitude = results.amplitude(Run(space, mesh))
+            published = theirs.get(("Q1N2.1", mesh)) if space == "L1+N2.1" else None
+            cells += [
+                f"{results.records[Run(space, mesh)].dofs}",
+                digits(None if amplitude is None else 1e3 * amplitude),
+                ABSENT if published is None else digits(published.amplitude),
+            ]
+        rows.append((space, scheme, *cells))
+    headings = [f"{mesh}: {what}" for mesh in meshes for what in ("DOFs", "dM x 1e3", "published")]
+    return Table(
+        "literature",
+        "Enriched, varying-order and hybrid discretizations: dM in 1e-3 E0 L0^3.",
+        ("space", "scheme", *headings),
+        tuple(rows),
+        endings(results.records[Run(space, mesh)] for mesh in meshes for space in _SCHEMES),
+    )
+
+
+def _costs(results: Results, meshes: Sequence[str]) -> list[Cost]:
+    costs = []
+    for mesh in meshes:
+        for space in (*SPACES, *CONTACT_ROW, *LITERATURE):
+            record = results.records[Run(space, mesh)]
+            amplitude = results.amplitude(record.run)
+            if amplitude is not None:
+                seconds = record.seconds / len(record.angles_deg)
+                costs.append(Cost(space, mesh, record.dofs, seconds, amplitude))
+    return costs
+
+
+def _cost_table(results: Results, costs: Sequence[Cost]) -> Table:
+    rows = []
+    for cost in sorted(costs, key=lambda cost: cost.amplitude):
+        record = results.records[Run(cost.space, cost.mesh)]
+        better = [other for other in costs if other.amplitude < cost.amplitude]
+        rows.append(
+            (
+                f"{cost.space}, {cost.mesh}",
+                digits(1e3 * cost.amplitude),
+                f"{cost.dofs}",
+                f"{record.corrections / len(record.angles_deg):.2f}",
+                f"{1e3 * cost.seconds:.1f}",
+                "yes" if all(other.dofs >= cost.dofs for other in better) else "",
+                "yes" if all(other.seconds >= cost.seconds for other in better) else "",
+            )
+        )
+    return Table(
+        "cost",
+        "Accuracy and effort, the most accurate first.",
+        (
+            "space, mesh",
+            "dM x 1e3",
+            "DOFs",
+            "corrections per step",
+            "ms per step",
+            "best for its DOFs",
+            "best for its time",
+        ),
+        tuple(rows),
+    )

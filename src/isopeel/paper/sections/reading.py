@@ -1,0 +1,272 @@
+"""How the figures move with what the study does not tell: the window, the force, its Gauss points."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from itertools import product
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from isopeel.paper.document import Block, Picture, Table, Text
+from isopeel.paper.figures import quadrature_figure, windows_figure
+from isopeel.paper.published import published
+from isopeel.paper.reading import (
+    WINDOW,
+    Fit,
+    Points,
+    Reading,
+    Recipe,
+    Rows,
+    candidate_windows,
+    fits,
+    period_deg,
+)
+from isopeel.paper.results import Results
+from isopeel.paper.study import (
+    CONTACT_ROW,
+    SPACES,
+    VARIANT_MESH,
+    Run,
+    contact_row_runs,
+    default_points,
+    quadrature_runs,
+    table_runs,
+    traction_runs,
+)
+from isopeel.paper.wording import ABSENT, digits, listed, triple
+
+TITLE = "How the figures depend on the reading"
+_LENGTH = WINDOW[1] - WINDOW[0]
+#: Entries further off than this are told one by one.
+_FAR = 0.2
+
+
+def runs(meshes: Sequence[str]) -> list[Run]:
+    """Those of Table 2, and their variants on one mesh."""
+    variants = [*traction_runs(), *quadrature_runs()] if VARIANT_MESH in meshes else []
+    return [*table_runs(meshes), *contact_row_runs(meshes), *variants]
+
+
+def blocks(results: Results, meshes: Sequence[str]) -> Iterator[Block]:
+    """The window, the force, the points, then the recipe that fits best and what it leaves."""
+    if VARIANT_MESH in meshes:
+        yield from _window(results)
+        yield from _traction(results)
+        yield from _quadrature(results)
+        yield _variants(results)
+    yield from _recipes(results, meshes)
+
+
+def _window(results: Results) -> Iterator[Block]:
+    starts = np.array([window[0] for window in candidate_windows([_LENGTH])])
+
+    def amplitudes(run: Run) -> list[float]:
+        read = (results.figures(run, (start, start + _LENGTH)) for start in starts.tolist())
+        return [np.nan if figures is None else figures.amplitude for figures in read]
+
+    read = {space: np.array(amplitudes(Run(space, VARIANT_MESH))) for space in (*SPACES, *CONTACT_ROW)}
+    theirs = {
+        space: row.figures.amplitude / 1e3 for space, row in published(VARIANT_MESH).items() if row.figures
+    }
+    yield Table(
+        "windows",
+        f"dM, times 1e3, as a window of {_LENGTH:.1f} degrees begins at {starts[0]:g} to {starts[-1]:g} "
+        f"degrees; {VARIANT_MESH}, all rows.",
+        ("space", "smallest", f"from {WINDOW[0]:g}", "largest", "largest / smallest"),
+        tuple(
+            (
+                space,
+                digits(float(np.nanmin(values))),
+                digits(_amplitude(results, Run(space, VARIANT_MESH))),
+                digits(float(np.nanmax(values))),
+                f"{np.nanmax(values) / np.nanmin(values):.2f}",
+            )
+            for space, values in read.items()
+        ),
+    )
+    yield Picture(
+        "windows-figure",
+        f"Amplitude dM as the window of {_LENGTH:.1f} degrees slides along the plateau, {VARIANT_MESH}.",
+        lambda: windows_figure(
+            starts, {space: values / 1e3 for space, values in read.items()}, WINDOW, theirs
+        ),
+    )
+
+
+def _traction(results: Results) -> Iterator[Block]:
+    rows = []
+    for space in SPACES:
+        cells = []
+        for enriched in dict.fromkeys(rows.enriched(space) for rows in (Rows.ALL, Rows.CONTACT)):
+            run = Run(enriched, VARIANT_MESH)
+            cells += [triple(results.figures(shown)) for shown in (run, replace(run, traction="projected"))]
+        rows.append((space, *cells, *[ABSENT] * (4 - len(cells))))
+    yield Table(
+        "traction",
+        "The force on the reference area and on the projected one: dM / rise / fall, times 1e3, "
+        f"{VARIANT_MESH}.",
+        (
+            "space",
+            "all rows: reference",
+            "all rows: projected",
+            "contact row: reference",
+            "contact row: projected",
+        ),
+        tuple(rows),
+    )
+
+
+def _quadrature(results: Results) -> Iterator[Block]:
+    spaces = (*SPACES, *CONTACT_ROW)
+    found: dict[str, dict[int, float]] = {}
+    for space in spaces:
+        default = default_points(space)
+        for points in range(2, default + 2):
+            run = Run(space, VARIANT_MESH, contact_points=None if points == default else points)
+            amplitude = results.amplitude(run)
+            if amplitude is not None:
+                found.setdefault(space, {})[points] = amplitude
+    most = max(default_points(space) for space in spaces) + 1
+    yield Table(
+        "quadrature",
+        "dM, times 1e3, with so many Gauss points of the force on an element; p + 1 in brackets; "
+        f"{VARIANT_MESH}.",
+        ("space", *(f"{points}" for points in range(2, most + 1))),
+        tuple(
+            (
+                space,
+                *(
+                    _points_cell(found.get(space, {}), points, default_points(space))
+                    for points in range(2, most + 1)
+                ),
+            )
+            for space in spaces
+        ),
+    )
+
+    def draw() -> Figure:
+        shown = {space: amplitudes for space, amplitudes in found.items() if space in SPACES}
+        return quadrature_figure(shown, {space: default_points(space) for space in shown})
+
+    yield Picture(
+        "quadrature-figure",
+        f"Amplitude dM over the Gauss points of the force, {VARIANT_MESH}, all rows.",
+        draw,
+    )
+
+
+def _points_cell(amplitudes: dict[int, float], points: int, default: int) -> str:
+    value = amplitudes.get(points)
+    if value is None:
+        return ABSENT if points <= default + 1 else ""
+    return f"({digits(1e3 * value, 3)})" if points == default else digits(1e3 * value, 3)
+
+
+def _variants(results: Results) -> Table:
+    """How each variant of the force fits in the default window."""
+    columns = {"projected": Recipe(Rows.ALL, traction="projected")}
+    columns |= {f"{points.value} points": Recipe(Rows.ALL, points=points) for points in Points}
+    recipes = [replace(recipe, rows=enriched) for recipe in columns.values() for enriched in Rows]
+    found = {fit.recipe: fit for fit in fits(results.readables, [VARIANT_MESH], recipes)}
+    rows = []
+    for enriched in Rows:
+        fitted = (found.get(replace(recipe, rows=enriched)) for recipe in columns.values())
+        rows.append((enriched.value, *(ABSENT if fit is None else _deviation(fit) for fit in fitted)))
+    return Table(
+        "variants",
+        f"How far the figures are from the published ones on {VARIANT_MESH}: root mean square of "
+        f"ln(ours/published), window {WINDOW[0]:g} to {WINDOW[1]:g} degrees.",
+        ("enriched", *columns),
+        tuple(rows),
+    )
+
+
+def _recipes(results: Results, meshes: Sequence[str]) -> Iterator[Block]:
+    lengths = sorted({_LENGTH, *(count * period_deg("m2") for count in (1, 2))})
+    recipes = [Recipe(*choice) for choice in product(Rows, Reading, candidate_windows(lengths))]
+    found = fits(results.readables, meshes, recipes)
+    best: dict[tuple[Rows, Reading], Fit] = {}
+    for fit in found:
+        best.setdefault((fit.recipe.rows, fit.recipe.reading), fit)
+    usual = {
+        f.recipe: f for f in fits(results.readables, meshes, [Recipe(*c) for c in product(Rows, Reading)])
+    }
+    rows = []
+    for (enriched, reading), fit in best.items():
+        start, end = fit.recipe.window
+        default = usual[Recipe(enriched, reading)]
+        rows.append(
+            (
+                f"{enriched.value}; {reading.value}",
+                f"{start:.1f} to {end:.2f}",
+                _deviation(fit),
+                f"{fit.unread}",
+                _deviation(default),
+            )
+        )
+    chosen = found[0]
+    yield Text(
+        "A recipe says which rows are enriched, how the drift is treated, and the window. Of "
+        f"{len(recipes)} recipes, each compared with {len(chosen.ratios) + chosen.unread} published entries "
+        f"on {listed(list(meshes))}, {{recipes}} shows the closest of each kind, and {{residuals}} every "
+        "entry of the closest of all. Misprints do not count."
+    )
+    yield Table(
+        "recipes",
+        "The closest recipe of each kind: root mean square of ln(ours/published).",
+        (
+            "enriched; drift",
+            "window / degree",
+            "deviation",
+            "entries not readable",
+            f"in {WINDOW[0]:g} to {WINDOW[1]:g}",
+        ),
+        tuple(rows),
+    )
+    yield _residuals(chosen, meshes)
+    yield Text(_unexplained(chosen))
+
+
+def _residuals(fit: Fit, meshes: Sequence[str]) -> Table:
+    rows = []
+    for space in SPACES:
+        cells = []
+        for mesh in meshes:
+            ratios = [fit.ratios.get((mesh, space, name)) for name in ("amplitude", "rise", "fall")]
+            known = published(mesh)[space].figures is not None
+            cells.append(
+                " / ".join(ABSENT if r is None else f"{100 * (r - 1):+.0f}" for r in ratios) if known else ""
+            )
+        rows.append((f"{fit.recipe.rows.enriched(space)} for {space}", *cells))
+    start, end = fit.recipe.window
+    return Table(
+        "residuals",
+        f"What the closest recipe leaves: ours over published in percent, less 100; {fit.recipe.rows.value}; "
+        f"{fit.recipe.reading.value}; {start:.1f} to {end:.2f} degrees.",
+        ("space", *meshes),
+        tuple(rows),
+        ("An empty cell is printed as not converging, - is a misprint or cannot be read.",),
+    )
+
+
+def _unexplained(fit: Fit) -> str:
+    """What is further off than the rest, and what that says."""
+    far: dict[str, list[str]] = {}
+    for (mesh, space, name), ratio in fit.ratios.items():
+        if abs(ratio - 1) > _FAR:
+            far.setdefault(space, []).append(f"{name} on {mesh} ({100 * (ratio - 1):+.0f} %)")
+    if not far:
+        return f"No entry is further off than {100 * _FAR:.0f} %."
+    items = "\n".join(f"- {space}: {listed(entries)}" for space, entries in far.items())
+    return (
+        f"Further off than {100 * _FAR:.0f} % remain, and are not explained by any recipe above:\n\n{items}"
+    )
+
+
+def _deviation(fit: Fit) -> str:
+    return f"{fit.deviation:.3f}" + (f" ({fit.unread} not readable)" if fit.unread else "")
+
+
+def _amplitude(results: Results, run: Run) -> float | None:
+    amplitude = results.amplitude(run)
+    return None if amplitude is None else 1e3 * amplitude

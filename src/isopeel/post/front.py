@@ -1,0 +1,187 @@
+"""The peeling front: the adhesive stress there, its extent, and how it dies out in the part still held."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import newton
+
+from isopeel.arrays import FloatArray, frozen
+from isopeel.errors import InputError
+from isopeel.physics.batch import evaluate_law, evaluate_substrate
+from isopeel.physics.materials.base import plane_strain_modulus
+from isopeel.post.closed_form import beam_peeling
+from isopeel.post.fields import SideFields, sample_side
+from isopeel.problem import Problem
+from isopeel.splines.nurbs import NurbsCurve
+from isopeel.splines.rows import RowSpace
+
+#: Where an element is looked at, from its start (0) to its end (1): the ends of 20 equal cells.
+POINTS = frozen(np.linspace(0.0, 1.0, 21))
+
+# root of sin 2z + 2z = 0, a layer on a rigid base without friction (Fadle, Ingenieur-Archiv 11, 1941)
+_RIGID = 2.1061961 + 1.1253643j
+
+
+@dataclass(frozen=True, eq=False)
+class FrontProfile:
+    """Tractions along the part of a side that adheres: elements in order, and the points in each, (n, k).
+
+    Tractions act per reference area, along the normal n_o of the substrate, and repulsion is positive. In
+    equilibrium both are equal; a discrete solution has them equal only on average, with its functions as
+    weights.
+    """
+
+    position: FloatArray  # distance along the reference side, from where the side begins
+    gap: FloatArray
+    adhesive_traction: FloatArray  # T by the law, on the area that the problem names
+    body_traction: FloatArray  # n_o . P N of the field in the elements next to the side
+    softening: NDArray[np.bool_]  # does the attraction weaken as the gap grows?
+
+
+@dataclass(frozen=True)
+class ProcessZone:
+    """Where the attraction exceeds half its peak; positions along the reference side."""
+
+    peak: float  # largest attraction
+    position: float  # of the peak
+    start: float
+    end: float
+
+    @property
+    def length(self) -> float:
+        """Full width at half maximum."""
+        return self.end - self.start
+
+
+@dataclass(frozen=True)
+class Decay:
+    """Stress that dies out along a strip as exp(-s/length) cos(2 pi s/wavelength + phase)."""
+
+    length: float
+    wavelength: float
+
+
+def front_profile(
+    problem: Problem, space: RowSpace, displacement: FloatArray, points: FloatArray = POINTS
+) -> FrontProfile:
+    """Tractions of coefficients (size, 2) of a displacement at points (k,), 0 to 1, of every element.
+
+    An element that adheres in part is looked at in that part. Raises InputError for points that do not
+    rise from 0 to 1 at most, or coefficients of another space.
+    """
+    if points.size < 2 or not (points[0] >= 0 and points[-1] <= 1 and np.all(np.diff(points) > 0)):
+        raise InputError("points", points.tolist(), "two or more that rise, from 0 to 1 at most")
+    adhesion = problem.adhesion
+    law, substrate, side = adhesion.law, adhesion.substrate, adhesion.side
+    along = space.across if side in ("left", "right") else space.rows[0]
+    knots = along.breakpoints
+    inside = knots[(knots > adhesion.start) & (knots < adhesion.end)]
+    ends = np.concatenate([[adhesion.start], inside, [adhesion.end]])
+    parameters = ends[:-1, None] + np.diff(ends)[:, None] * points
+    fields = sample_side(problem, space, displacement, side, parameters)
+    gap, normal, curvature = evaluate_substrate(substrate.kernel, substrate.parameters, fields.position)
+    _, traction, derivative = evaluate_law(law.kernel, law.parameters, gap, curvature)
+    if adhesion.traction == "projected":
+        traction = traction * _projection(fields, normal)
+    return FrontProfile(
+        position=_distance(problem.body.shape.boundary(side), knots, parameters),
+        gap=gap,
+        adhesive_traction=traction,
+        body_traction=np.einsum("...i,...iJ,...J->...", normal, fields.nominal_stress, fields.normal),
+        softening=derivative > 0,
+    )
+
+
+def process_zone(profile: FrontProfile) -> ProcessZone | None:
+    """The stretch around the peak where the attraction exceeds half of it, by linear interpolation.
+
+    Half the peak lies on the steep flanks: a tenth of it would be a matter of the law's long tail. The peak
+    is that of the points looked at. None where there is no front: the attraction stays above half its peak
+    up to an end of the part that adheres, or the law softens on both sides of the peak, or on none.
+    """
+    position, attraction = profile.position.ravel(), -profile.adhesive_traction.ravel()
+    peak = int(np.argmax(attraction))
+    half = attraction[peak] / 2
+    below = np.flatnonzero(attraction < half)
+    before, after = below[below < peak], below[below > peak]
+    if not before.size or not after.size:
+        return None
+    first, last = before[-1], after[0]
+    softening = profile.softening.ravel()[[first, last]]
+    if softening.all() or not softening.any():
+        return None
+    start = np.interp(half, attraction[first : first + 2], position[first : first + 2])
+    end = np.interp(half, attraction[last : last - 2 : -1], position[last : last - 2 : -1])
+    return ProcessZone(float(attraction[peak]), float(position[peak]), float(start), float(end))
+
+
+def beam_decay(problem: Problem) -> Decay | None:
+    """Decay behind the front of a strip as a beam on springs; None where the problem is not a strip.
+
+    E'I w'''' + k w = 0 with k = -T'(r_eq) gives exp(-s/l) cos(s/l + phase), l = (4 E'I/k)^(1/4) (Hetenyi,
+    Beams on Elastic Foundation, 1946). It holds where l is well above the height of the strip.
+    """
+    strip = _held_strip(problem)
+    if strip is None:
+        return None
+    height, modulus, stiffness = strip
+    length = float((modulus * height**3 / 3 / stiffness) ** 0.25)
+    return Decay(length, 2 * np.pi * length)
+
+
+def layer_decay(problem: Problem) -> Decay | None:
+    """Decay behind the front of a strip as an elastic layer on springs; None where it is not a strip.
+
+    A layer of height h, loaded along one face by a stress p sin(qx) without shear, deflects there by
+    (2 p/(E' q)) (sinh qh cosh qh + qh) / (sinh^2 qh - (qh)^2) sin(qx) (plane strain, small strain). With a
+    spring k = -T'(r_eq) in series, fields exp(-z s/h) exist for the roots of
+
+        z + sin z cos z + E'/(2 k h) z (z^2 - sin^2 z) = 0,
+
+    of which that with the least real part decays last. Soft springs give `beam_decay`, rigid ones
+    1/z = 1/(2.106 + 1.125 i): then the height alone sets the decay.
+    """
+    strip = _held_strip(problem)
+    if strip is None:
+        return None
+    height, modulus, stiffness = strip
+    softness = modulus / (2 * stiffness * height)
+
+    def determinant(z: complex) -> complex:
+        sine, cosine = np.sin(z), np.cos(z)
+        value: complex = z + sine * cosine + softness * z * (z**2 - sine**2)
+        return value
+
+    root = complex(newton(determinant, _RIGID, tol=1e-13, maxiter=200))
+    return Decay(height / root.real, 2 * np.pi * height / root.imag)
+
+
+def _held_strip(problem: Problem) -> tuple[float, float, float] | None:
+    """Height, E' and the stiffness -T'(r_eq) of the adhesion; None where the problem is not a strip."""
+    closed_form = beam_peeling(problem)
+    if closed_form is None:
+        return None
+    law = problem.adhesion.law
+    gap = np.array([law.equilibrium_gap])
+    _, _, derivative = evaluate_law(law.kernel, law.parameters, gap, np.zeros(1))
+    modulus = plane_strain_modulus(problem.body.material)
+    bending = closed_form.moment * closed_form.radius  # E'I = E' h^3/12
+    return float((12 * bending / modulus) ** (1 / 3)), modulus, -float(derivative[0])
+
+
+def _projection(fields: SideFields, normal: FloatArray) -> FloatArray:
+    """-n_o . F^-T N: the projected area of a unit reference area."""
+    inverse = np.linalg.inv(fields.deformation_gradient)
+    area: FloatArray = -np.einsum("...i,...Ji,...J->...", normal, inverse, fields.normal)
+    return area
+
+
+def _distance(curve: NurbsCurve, knots: FloatArray, parameters: FloatArray) -> FloatArray:
+    """Length (n, k) of a curve up to rising parameters, from the first of the knots."""
+    stops = np.concatenate([knots[knots < parameters[0, 0]], parameters.ravel()])
+    nodes, weights = np.polynomial.legendre.leggauss(8)
+    half = np.diff(stops)[:, None] / 2
+    speed = np.linalg.norm(curve.derivatives(stops[:-1, None] + half * (nodes + 1), 1)[1], axis=-1)
+    lengths = np.concatenate([[0.0], np.cumsum((speed * half) @ weights)])
+    return lengths[-parameters.size :].reshape(parameters.shape)

@@ -1,0 +1,91 @@
+"""The runs of the study."""
+
+import pytest
+
+from isopeel import row_space
+from isopeel.paper import fingerprint
+from isopeel.paper.study import (
+    CONTACT_ROW,
+    LITERATURE,
+    MESHES,
+    SPACES,
+    Run,
+    contact_row_runs,
+    default_points,
+    literature_runs,
+    quadrature_runs,
+    table_runs,
+    traction_runs,
+    with_bases,
+)
+
+
+def test_the_published_study_is_27_runs_to_150_degrees() -> None:
+    runs = table_runs(MESHES)
+    assert len(set(runs)) == 27
+    for run in runs:
+        angles = run.angles_deg
+        assert (len(angles), angles[0], angles[-1]) == (1501, 0.0, 150.0)
+        assert angles[689] == 68.9  # no trace of binary fractions: angles are keys
+
+
+def test_every_space_can_be_built_and_has_a_canonical_name() -> None:
+    for space in (*SPACES, *CONTACT_ROW, *LITERATURE):
+        assert row_space(space, MESHES["m1"]).name == space
+
+
+@pytest.mark.parametrize(
+    ("run", "name"),
+    [
+        (Run("L1+N2.1", "m3"), "L1+N2.1-m3"),
+        (Run("N8", "m2", "projected"), "N8-m2-projected"),
+        (Run("N2+N4@2", "m2", contact_points=3), "N2+N4@2-m2-3points"),
+    ],
+)
+def test_names_tell_runs_apart(run: Run, name: str) -> None:
+    assert run.name == name
+
+
+def test_names_and_keys_are_unique() -> None:
+    runs = [
+        *table_runs(MESHES),
+        *contact_row_runs(MESHES),
+        *literature_runs(MESHES),
+        *traction_runs(),
+        *quadrature_runs(),
+    ]
+    assert len({run.name for run in runs}) == len(runs)
+    keys = [run.key for run in runs[::7]]
+    assert len(set(keys)) == len(keys)
+
+
+def test_the_case_of_a_run_is_the_strip_with_its_choices() -> None:
+    case = Run("N4", "m3", "projected", 7).case
+    assert (case.discretization.space, case.discretization.mesh) == ("N4", "240x12")
+    assert case.discretization.contact_points == 7
+    assert case.problem().adhesion.traction == "projected"
+    assert (case.body.length, case.body.height) == (200.0, 10.0)
+
+
+def test_points_go_from_2_to_one_more_than_the_default() -> None:
+    points = [run.contact_points for run in quadrature_runs() if run.space == "L1+N4.1"]
+    assert points == [2, 3, 4, 5, 7]  # p = 5
+    assert default_points("L1+N4.1") == 6
+
+
+def test_bases_come_first_and_once() -> None:
+    runs = with_bases([*traction_runs(), Run("L4", "m2")])
+    assert len(runs) == len(set(runs)) == 2 * len(traction_runs())
+    for run in runs:
+        if run.base is not None:
+            assert runs.index(run.base) < runs.index(run)
+    costs = [run.cost for run in runs if run.base is None]
+    assert costs == sorted(costs, reverse=True)
+
+
+def test_comments_do_not_change_the_fingerprint_but_code_does() -> None:
+    source = 'def f(x):\n    """Docstring."""\n    return x + 1\n'
+    same = '# comment\ndef f(x):\n    """Another."""\n\n    return (x + 1)\n'
+    other = source.replace("x + 1", "x + 2")
+    meaning = fingerprint._meaning
+    assert meaning(source) == meaning(same) != meaning(other)
