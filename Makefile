@@ -4,7 +4,7 @@ BIN := .venv/bin
 # one thread for BLAS: the factorization of a narrow band gains nothing from more
 export OMP_NUM_THREADS := 1
 
-.PHONY: strip test lint long table benchmark clean
+.PHONY: strip test lint long paper benchmark clean
 
 strip: .venv/run  ## run the shipped strip to its figures, in out/strip
 	$(BIN)/isopeel run strip
@@ -20,8 +20,8 @@ lint: .venv/develop  ## check style and types
 long: .venv/develop  ## run the tests that take minutes
 	$(BIN)/python -m pytest -m long
 
-table: .venv/run  ## measure Table 2 of the published study on its mesh m2
-	$(BIN)/isopeel paper --mesh m2
+paper: .venv/run  ## run the published study and write its report, in out/paper
+	$(BIN)/isopeel paper
 
 benchmark: .venv/develop  ## time isopeel and scikit-fem in turn
 	$(BIN)/python benchmarks/load_step.py

@@ -6,6 +6,7 @@ from isopeel import row_space
 from isopeel.paper import fingerprint
 from isopeel.paper.study import (
     CONTACT_ROW,
+    ELEVATED_ROW,
     LITERATURE,
     MESHES,
     SPACES,
@@ -30,7 +31,7 @@ def test_the_published_study_is_27_runs_to_150_degrees() -> None:
 
 
 def test_every_space_can_be_built_and_has_a_canonical_name() -> None:
-    for space in (*SPACES, *CONTACT_ROW, *LITERATURE):
+    for space in (*SPACES, *CONTACT_ROW, *ELEVATED_ROW, *LITERATURE):
         assert row_space(space, MESHES["m1"]).name == space
 
 

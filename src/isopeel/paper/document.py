@@ -4,7 +4,6 @@ import csv
 import re
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import count
@@ -20,6 +19,7 @@ from rich.text import Text as PlainText
 from isopeel.errors import InputError
 from isopeel.paper.html import anchor, to_html
 from isopeel.post.style import save
+from isopeel.results.files import replacing
 
 _CONTENTS = "Contents"
 #: Where a text names a table or a picture whose number shall stand there.
@@ -159,17 +159,17 @@ def write_document(document: Document, folder: Path) -> None:
             case Picture(name):
                 figure = block.draw()
                 for suffix in (".png", ".pdf"):
-                    with _replacing(figures / f"{name}{suffix}") as path:
+                    with replacing(figures / f"{name}{suffix}") as path:
                         save(figure, path)
             case Table(name):
                 with (
-                    _replacing(tables / f"{name}.csv") as path,
+                    replacing(tables / f"{name}.csv") as path,
                     path.open("w", encoding="utf-8", newline="") as file,
                 ):
                     csv.writer(file, lineterminator="\n").writerows((block.headings, *block.rows))
     markdown = to_markdown(document)
     for name, text in (("report.md", markdown), ("report.html", to_html(markdown, folder))):
-        with _replacing(folder / name) as path:
+        with replacing(folder / name) as path:
             path.write_text(text, "utf-8", newline="\n")
 
 
@@ -226,17 +226,6 @@ def _escaped(text: str) -> str:
 def _escaped_line(text: str) -> str:
     """The same for text that begins a line, where a number or a dash could begin a list."""
     return re.sub(r"^(\d*)([-+.)])(?=\W|$)", r"\1\\\2", _escaped(text))
-
-
-@contextmanager
-def _replacing(path: Path) -> Iterator[Path]:
-    """Give another name to write a file under; it takes the place of the old file when it is whole."""
-    part = path.with_name(f".{path.stem}.part{path.suffix}")  # the suffix tells the format of a figure
-    try:
-        yield part
-        part.replace(path)
-    finally:
-        part.unlink(missing_ok=True)
 
 
 def _check_name(field: str, name: str) -> None:

@@ -4,7 +4,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from enum import Enum
 from functools import cache
-from math import log, sqrt
+from math import log
 
 import numpy as np
 
@@ -22,25 +22,32 @@ WINDOW: Window = (98.0, 101.4)
 
 
 class Reading(Enum):
-    """What is done about the drift of the plateau."""
+    """What is done about the drift of the plateau before dM and the slopes are read."""
 
-    MEAN = "the drift of the mean over one period is taken out"
-    LINE = "a line fitted to the window is taken out of dM, slopes are as they are"
-    RAW = "nothing is taken out"
+    MEAN = "drift of the mean over one period taken out"
+    LINE = "line through the window taken out of dM"
+    RAW = "nothing taken out"
 
 
 class Rows(Enum):
-    """Which rows of control points are enriched."""
+    """Which rows of control points have the space that a row of the published table names."""
 
     ALL = "all rows"
-    CONTACT = "contact row only"
-    MIXED = "all rows of L1 and Np, contact row only of the rest"
+    CONTACT = "contact row only, over L1"
+    ELEVATED = "elevated in the contact row only"
 
     def enriched(self, space: str) -> str:
-        """The space of a published discretization."""
-        smooth = space.startswith("N") and "." not in space
-        whole = self is Rows.ALL or space == "L1" or (self is Rows.MIXED and smooth)
-        return space if whole else f"L1+{space}"
+        """The space that a published name is taken for.
+
+        L2 and L4 are elevations of L1, and Np.q is one of Np: ELEVATED has them in the contact row over what
+        they are elevations of. L1 and Np are no elevations.
+        """
+        if self is Rows.ALL or space == "L1":
+            return space
+        if self is Rows.CONTACT or space.startswith("L"):
+            return f"L1+{space}"
+        smooth, _, elevations = space.partition(".")
+        return f"{smooth}+{space}" if elevations else space
 
 
 class Points(Enum):
@@ -138,8 +145,8 @@ class Fit:
 
     @property
     def deviation(self) -> float:
-        """Root mean square of the logarithms of the ratios."""
-        return sqrt(sum(log(ratio) ** 2 for ratio in self.ratios.values()) / len(self.ratios))
+        """Mean magnitude of the logarithms of the ratios: squares would let one misfit choose the recipe."""
+        return sum(abs(log(ratio)) for ratio in self.ratios.values()) / len(self.ratios)
 
 
 def fits(readables: Mapping[Run, Readable], meshes: Iterable[str], recipes: Iterable[Recipe]) -> list[Fit]:

@@ -11,6 +11,7 @@ from isopeel.arrays import FloatArray, frozen
 from isopeel.errors import InputError
 from isopeel.paper.study import STEP, Run
 from isopeel.post.front import front_profile, process_zone
+from isopeel.results.files import replacing
 from isopeel.results.provenance import PACKAGES
 from isopeel.results.run_file import StoredRun
 
@@ -112,12 +113,8 @@ def write_records(path: Path, records: Mapping[Run, Record]) -> None:
                 group.create_dataset(name, data=getattr(record, name), compression="gzip", shuffle=True)
         file.flush()
         image = file.id.get_file_image()
-    part = path.with_name(path.name + ".part")
-    try:
+    with replacing(path) as part:
         part.write_bytes(image)
-        part.replace(path)
-    finally:
-        part.unlink(missing_ok=True)
 
 
 def read_records(path: Path) -> dict[Run, Record]:

@@ -112,9 +112,8 @@ def make_report(
 
 
 def needed_runs(parts: Sequence[str], meshes: Sequence[str]) -> list[Run]:
-    """All runs of some parts of the report, and those they start from, in the order of the names."""
-    found = with_bases(run for name in parts for run in PARTS[name].runs(meshes))
-    return sorted(found, key=lambda run: (run.mesh, run.space, run.traction, run.contact_points or 0))
+    """All runs of some parts of the report, and those they start from."""
+    return with_bases(run for name in parts for run in PARTS[name].runs(meshes))
 
 
 def make_document(results: Results, parts: Sequence[str], meshes: Sequence[str]) -> Document:

@@ -19,6 +19,8 @@ MESHES = {"m1": (160, 8), "m2": (200, 10), "m3": (240, 12)}
 SPACES = ("L1", "L2", "L4", "N2", "N4", "N6", "N8", "N2.1", "N4.1")
 #: The same with the contact row alone enriched over linear rows, as in enriched contact elements.
 CONTACT_ROW = tuple(f"L1+{space}" for space in SPACES[1:])
+#: The elevated ones with the contact row alone elevated, over the space that they are elevations of.
+ELEVATED_ROW = ("N2+N2.1", "N4+N4.1")
 #: What else the literature tried: Hermite of degree 5 and 7, varying order, and hybrid with Lagrange.
 LITERATURE = ("L1+N3.2", "L1+N4.3", "N2+N4", "N2+N4@2", "N2+N4@3", "L2+N2@2")
 #: Where variants of the adhesive force are compared.
@@ -27,6 +29,7 @@ VARIANT_MESH = "m2"
 STEP = 0.1  # degree, as published
 _PUBLISHED_END, _PLATEAU_END = 150.0, 112.0  # degrees; the second is enough for reading the plateau
 _VARIANT_RANGE = (90.0, 102.5)  # degrees
+_VARIED = (*SPACES, *CONTACT_ROW, *ELEVATED_ROW)
 
 
 @dataclass(frozen=True)
@@ -107,8 +110,8 @@ def table_runs(meshes: Iterable[str]) -> list[Run]:
 
 
 def contact_row_runs(meshes: Iterable[str]) -> list[Run]:
-    """The published discretizations with the contact row alone enriched."""
-    return [Run(space, mesh) for mesh in meshes for space in CONTACT_ROW]
+    """The published discretizations with the contact row alone enriched or elevated."""
+    return [Run(space, mesh) for mesh in meshes for space in (*CONTACT_ROW, *ELEVATED_ROW)]
 
 
 def literature_runs(meshes: Iterable[str]) -> list[Run]:
@@ -118,13 +121,13 @@ def literature_runs(meshes: Iterable[str]) -> list[Run]:
 
 def traction_runs() -> list[Run]:
     """All published discretizations and their contact rows, with the force on the projected area."""
-    return [Run(space, VARIANT_MESH, "projected") for space in (*SPACES, *CONTACT_ROW)]
+    return [Run(space, VARIANT_MESH, "projected") for space in _VARIED]
 
 
 def quadrature_runs() -> list[Run]:
     """The same with 2 to p + 2 Gauss points of the adhesive force; p + 1 is what all other runs have."""
     runs = []
-    for space in (*SPACES, *CONTACT_ROW):
+    for space in _VARIED:
         default = default_points(space)
         runs += [
             Run(space, VARIANT_MESH, contact_points=points)

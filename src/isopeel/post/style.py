@@ -48,6 +48,7 @@ _SETTINGS: dict[Any, Any] = {
     "savefig.dpi": "figure",
     "pdf.fonttype": 42,  # text stays text
     "svg.fonttype": "none",
+    "svg.hashsalt": "isopeel",
 }
 
 
@@ -64,8 +65,9 @@ def save(figure: Figure, path: Path) -> None:
     """Write a figure; InputError for a suffix that is not one of FORMATS."""
     if path.suffix.lower() not in FORMATS:
         raise InputError("figure", str(path), f"its name must end in one of {', '.join(FORMATS)}")
+    dates = {".pdf": {"CreationDate": None}, ".svg": {"Date": None}}  # the same figure, the same file
     with style():  # some settings are read only when a figure is drawn
-        figure.savefig(path)
+        figure.savefig(path, metadata=dates.get(path.suffix.lower()))
 
 
 LineStyle = Literal["-"] | tuple[int, tuple[float, ...]]

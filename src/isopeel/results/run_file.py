@@ -20,6 +20,7 @@ from isopeel.arrays import FloatArray, IntArray, frozen
 from isopeel.errors import InputError
 from isopeel.problem import Column, Drive, Problem
 from isopeel.results.curve import Curve
+from isopeel.results.files import replacing
 from isopeel.results.provenance import Provenance
 from isopeel.solve.trace import Step
 from isopeel.splines.rows import RowSpace
@@ -162,12 +163,8 @@ class RunWriter:
 
 def write_run(path: Path, run: StoredRun) -> None:
     """Write the file of a run, in one go: it has its old content or its new one. Raises OSError."""
-    part = path.with_name(path.name + ".part")
-    try:
+    with replacing(path) as part:
         part.write_bytes(_image(run))
-        part.replace(path)
-    finally:
-        part.unlink(missing_ok=True)
 
 
 def read_run(path: Path) -> StoredRun:

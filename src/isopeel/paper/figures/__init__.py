@@ -4,6 +4,7 @@ from isopeel.paper.figures.bases import bases_figure
 from isopeel.paper.figures.convergence import Amplitude, convergence_figure
 from isopeel.paper.figures.cost import Cost, cost_figure
 from isopeel.paper.figures.curves import Trace
+from isopeel.paper.figures.front import front_figure
 from isopeel.paper.figures.linear import linear_figure
 from isopeel.paper.figures.meshes import meshes_figure
 from isopeel.paper.figures.newton import NewtonHistory, newton_figure
@@ -20,6 +21,7 @@ __all__ = [
     "bases_figure",
     "convergence_figure",
     "cost_figure",
+    "front_figure",
     "linear_figure",
     "meshes_figure",
     "newton_figure",

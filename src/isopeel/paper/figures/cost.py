@@ -14,7 +14,7 @@ from isopeel.post.style import TWO_COLUMNS, space_style, style
 
 @dataclass(frozen=True)
 class Cost:
-    """Degrees of freedom and computing time of a run, and its dM in E0 L0^3."""
+    """Degrees of freedom of a run, computing time of one of its steps, and its dM in E0 L0^3."""
 
     space: str
     mesh: str
@@ -32,7 +32,7 @@ def cost_figure(entries: Sequence[Cost]) -> Figure:
         raise InputError("entries", [], "give one at least")
     spaces = in_table_order(entry.space for entry in entries)
     with style():
-        figure = Figure(figsize=(TWO_COLUMNS, 3.8), layout="constrained")
+        figure = Figure(figsize=(TWO_COLUMNS, 4.4), layout="constrained")
         by_dofs, by_seconds = figure.subplots(1, 2, sharey=True)
         for space in spaces:
             runs = sorted((entry for entry in entries if entry.space == space), key=lambda run: run.dofs)
@@ -40,7 +40,7 @@ def cost_figure(entries: Sequence[Cost]) -> Figure:
             by_dofs.plot([run.dofs for run in runs], amplitudes, **look)
             by_seconds.plot([run.seconds for run in runs], amplitudes, **look)
         by_dofs.set(xscale="log", yscale="log", xlabel="degrees of freedom", ylabel=AMPLITUDE)
-        by_seconds.set(xscale="log", xlabel="computing time / second")
+        by_seconds.set(xscale="log", xlabel="computing time of a step / second")
         for axes in (by_dofs, by_seconds):
             axes.xaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
             axes.xaxis.set_major_formatter(StrMethodFormatter("{x:g}"))

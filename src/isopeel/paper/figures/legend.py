@@ -6,20 +6,28 @@ from math import ceil
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from isopeel.post.style import space_style
+from isopeel.post.style import GREY, SpaceStyle, space_style
 from isopeel.splines.names import parse_space_name
 
 _MOST_COLUMNS = 9
 
 
 def space_handles(spaces: Iterable[str]) -> list[Line2D]:
-    """Entries of spaces; that of X tells L1+X too, which differs in being hollow."""
+    """Entries of spaces. That of X tells L1+X too, with one more entry for all such hollow ones."""
     names = list(spaces)
     styles = {name: space_style(name) for name in names}
-    told = [
-        name for name in names if not (styles[name].hollow and str(parse_space_name(name).contact) in names)
+    told_by_others = [
+        name for name in names if styles[name].hollow and str(parse_space_name(name).contact) in names
     ]
-    return [Line2D([], [], **styles[name].marked, label=name) for name in told]
+    handles = [
+        Line2D([], [], **look.marked, label=name)
+        for name, look in styles.items()
+        if name not in told_by_others
+    ]
+    if told_by_others:
+        hollow = SpaceStyle(GREY, "o", "-", hollow=True)
+        handles.append(Line2D([], [], **hollow.marked, label="L1+X"))
+    return handles
 
 
 def add_legend(figure: Figure, handles: Sequence[Line2D]) -> None:

@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
@@ -21,8 +22,8 @@ def windows_figure(
 ) -> Figure:
     """Draw dM of each space over the start of the window, in degrees; all are as wide as the one used.
 
-    `starts` is (n,), and so are the amplitudes in E0 L0^3, nan where they cannot be read. Published
-    amplitudes stand at the right edge. Raises InputError where an array has another shape, or there is no
+    `starts` is (n,), and so are the amplitudes in E0 L0^3, nan where they cannot be read. What is published
+    of them stands at the right edge. Raises InputError where an array has another shape, or there is no
     amplitude.
     """
     if not any(np.isfinite(values).any() for values in amplitudes.values()):
@@ -33,11 +34,11 @@ def windows_figure(
     kinds = by_rows(amplitudes)
     with style():
         figure = Figure(figsize=(TWO_COLUMNS, 3.8), layout="constrained")
-        widths = [8 / len(kinds)] * len(kinds) + [1]
-        *panels, strip = figure.subplots(
-            1, len(widths), sharey=True, gridspec_kw={"width_ratios": widths, "wspace": 0.02}
-        )
-        for axes, (title, spaces) in zip(panels, kinds.items(), strict=True):
+        widths = [8 / len(kinds)] * len(kinds) + [1] * bool(published)
+        panels = figure.subplots(
+            1, len(widths), squeeze=False, sharey=True, gridspec_kw={"width_ratios": widths, "wspace": 0.02}
+        )[0]
+        for axes, (title, spaces) in zip(panels, kinds.items(), strict=False):
             for k, space in enumerate(spaces):
                 # markers of different spaces at different starts
                 sparse = (k * (starts.size // 6) // len(spaces), max(1, starts.size // 6))
@@ -46,16 +47,21 @@ def windows_figure(
             axes.set_title(title, loc="left")
             axes.set_xlabel(f"start of a window of {window[1] - window[0]:.1f}° / degree")
             axes.margins(x=0.02)
-        by_size = sorted(published.items(), key=lambda item: item[1])
-        for k, (space, amplitude) in enumerate(by_size):
-            strip.plot([k % 3], [amplitude], **space_style(space).marked)  # side by side where they are close
-        strip.set_xlim(-1, 3)
-        strip.set_xticks([1], ["published"])
-        strip.tick_params(axis="x", length=0)
-        strip.spines["left"].set_visible(False)
-        strip.tick_params(axis="y", which="both", left=False, labelleft=False)
+        if published:
+            _draw_published(panels[-1], published)
         panels[0].set_yscale("log")
         panels[0].set_ylabel(AMPLITUDE)
         used = Line2D([], [], color=GREY, linestyle=DASHES, linewidth=0.8, label="window used")
         add_legend(figure, [*space_handles(amplitudes), used])
         return figure
+
+
+def _draw_published(axes: Axes, published: Mapping[str, float]) -> None:
+    """Draw the published amplitudes, those that are close side by side."""
+    for k, (space, amplitude) in enumerate(sorted(published.items(), key=lambda item: item[1])):
+        axes.plot([k % 3], [amplitude], **space_style(space).marked)
+    axes.set_xlim(-1, 3)
+    axes.set_xticks([1], ["published"])
+    axes.tick_params(axis="x", length=0)
+    axes.tick_params(axis="y", which="both", left=False, labelleft=False)
+    axes.spines["left"].set_visible(False)

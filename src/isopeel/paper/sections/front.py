@@ -5,7 +5,7 @@ from collections.abc import Iterator, Sequence
 from matplotlib.figure import Figure
 
 from isopeel.paper.document import Block, Picture, Table, Text
-from isopeel.paper.figures.front import front_figure
+from isopeel.paper.figures import front_figure
 from isopeel.paper.record import FRONT_DEG
 from isopeel.paper.results import Results
 from isopeel.paper.study import MESHES, SPACES, Run, table_runs

@@ -8,6 +8,7 @@ from isopeel.paper.published import quoted
 from isopeel.paper.results import Results
 from isopeel.paper.study import (
     CONTACT_ROW,
+    ELEVATED_ROW,
     LITERATURE,
     SPACES,
     Run,
@@ -83,7 +84,7 @@ def _schemes(results: Results, meshes: Sequence[str]) -> Table:
 def _costs(results: Results, meshes: Sequence[str]) -> list[Cost]:
     costs = []
     for mesh in meshes:
-        for space in (*SPACES, *CONTACT_ROW, *LITERATURE):
+        for space in (*SPACES, *CONTACT_ROW, *ELEVATED_ROW, *LITERATURE):
             record = results.records[Run(space, mesh)]
             amplitude = results.amplitude(record.run)
             if amplitude is not None:

@@ -2,6 +2,8 @@
 
 from collections.abc import Iterator, Sequence
 
+import numpy as np
+
 from isopeel.paper.document import Block, Picture, Table, Text
 from isopeel.paper.figures import NewtonHistory, newton_figure
 from isopeel.paper.results import Results
@@ -10,6 +12,7 @@ from isopeel.paper.wording import ABSENT
 
 TITLE = "Newton's method"
 _SPACES = ("L1", "N2", "N4", "N2.1")
+_PEELING_DEG = 60.0  # the front moves from here on
 
 
 def runs(meshes: Sequence[str]) -> list[Run]:
@@ -52,8 +55,11 @@ def blocks(results: Results, meshes: Sequence[str]) -> Iterator[Block]:
 
 def _histories(results: Results, run: Run) -> Iterator[NewtonHistory]:
     stored = results.stored(run)
-    # where nothing failed, the step with the most corrections tells the most
-    step = len(stored.curve) - 1 if stored.failure else int(stored.curve.iterations.argmax())
+    step = len(stored.curve) - 1
+    if stored.failure is None:
+        # where nothing failed, the hardest step while the front moves tells the most
+        moving = stored.curve.parameter >= _PEELING_DEG
+        step = int(np.argmax(np.where(moving, stored.curve.iterations, 0)))
     angle, residuals = stored.curve.parameter[step], stored.curve.residuals_of(step)
     yield NewtonHistory(run.space, float(angle), tuple(residuals.tolist()), converged=True)
     if stored.failure is not None:

@@ -17,7 +17,7 @@ def runs(_meshes: Sequence[str]) -> list[Run]:
 
 def blocks(results: Results, _meshes: Sequence[str]) -> Iterator[Block]:
     """One row for each run: how far it went, its effort, and its date."""
-    records = results.records.values()
+    records = sorted(results.records.values(), key=lambda record: record.run.name)
     if not records:
         return
     software, platforms, revisions = (
