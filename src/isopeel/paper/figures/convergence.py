@@ -15,7 +15,7 @@ from isopeel.errors import InputError
 from isopeel.paper.figures.amplitudes import AMPLITUDE, in_table_order
 from isopeel.paper.figures.legend import add_legend
 from isopeel.paper.study import MESHES
-from isopeel.post.style import TWO_COLUMNS, space_style, style
+from isopeel.post.style import DASHES, GREY, TWO_COLUMNS, space_style, style
 
 _LENGTH = 200.0  # of the strip, in L0
 _COLUMNS = 3
@@ -27,11 +27,21 @@ _PUBLISHED: dict[str, Any] = {
     "markeredgewidth": 1.4,
 }
 
+_ELEVATED: dict[str, Any] = {
+    "color": GREY,
+    "linestyle": DASHES,
+    "linewidth": 0.8,
+    "marker": "o",
+    "markersize": 11,
+    "markerfacecolor": "none",
+}
+
 
 @dataclass(frozen=True)
 class Amplitude:
-    """dM of a space on a mesh, in E0 L0^3, with all rows enriched, the contact row alone, and as published.
+    """dM of a space on a mesh, in E0 L0^3.
 
+    With the space in all rows; in the contact row alone, over L1; elevated there alone; and as published.
     None where there is no such number. Raises InputError for an unknown mesh, or what is not positive.
     """
 
@@ -39,6 +49,7 @@ class Amplitude:
     mesh: str
     ours: float | None
     contact_row: float | None
+    elevated: float | None
     published: float | None
 
     def __post_init__(self) -> None:
@@ -49,9 +60,9 @@ class Amplitude:
                 raise InputError("amplitude", value, "it must be positive")
 
     @property
-    def values(self) -> tuple[float | None, float | None, float | None]:
-        """All three."""
-        return self.ours, self.contact_row, self.published
+    def values(self) -> tuple[float | None, ...]:
+        """All four."""
+        return self.ours, self.contact_row, self.elevated, self.published
 
     @property
     def element_length(self) -> float:
@@ -60,7 +71,7 @@ class Amplitude:
 
 
 def convergence_figure(entries: Sequence[Amplitude]) -> Figure:
-    """Draw the three amplitudes over the length of the elements, in one panel for each space that has any.
+    """Draw the amplitudes over the length of the elements, in one panel for each space that has any.
 
     Panels of a row share a scale. Raises InputError where there is no amplitude at all.
     """
@@ -87,7 +98,8 @@ def convergence_figure(entries: Sequence[Amplitude]) -> Figure:
         ours = space_style("L1")
         handles = [
             Line2D([], [], **ours.marked, label="ours, all rows"),
-            Line2D([], [], **replace(ours, hollow=True).marked, label="ours, contact row alone"),
+            Line2D([], [], **replace(ours, hollow=True).marked, label="ours, contact row alone, over L1"),
+            Line2D([], [], **_ELEVATED, label="ours, elevated in the contact row alone"),
             Line2D([], [], **_PUBLISHED, label="published"),
         ]
         add_legend(figure, handles)
@@ -97,9 +109,10 @@ def convergence_figure(entries: Sequence[Amplitude]) -> Figure:
 def _draw(axes: Axes, entries: Sequence[Amplitude]) -> None:
     """Draw the lines of one space."""
     lengths = [entry.element_length for entry in entries]
-    ours, contact_row, published = np.array([entry.values for entry in entries], dtype=np.float64).T
+    ours, contact_row, elevated, published = np.array([entry.values for entry in entries], dtype=np.float64).T
     space = entries[0].space
     # so wide that it is seen around what is drawn over it
     axes.plot(lengths, contact_row, **space_style(f"L1+{space}").marked | {"markersize": 7.5})
     axes.plot(lengths, ours, **space_style(space).marked | {"markersize": 4})
+    axes.plot(lengths, elevated, **_ELEVATED)
     axes.plot(lengths, published, **_PUBLISHED)

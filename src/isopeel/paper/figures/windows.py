@@ -45,10 +45,10 @@ def windows_figure(
                 axes.plot(starts, amplitudes[space], **space_style(space).marked, markevery=sparse)
             axes.axvline(window[0], color=GREY, linestyle=DASHES, linewidth=0.8, zorder=0)
             axes.set_title(title, loc="left")
-            axes.set_xlabel(f"start of a window of {window[1] - window[0]:.1f}° / degree")
             axes.margins(x=0.02)
         if published:
             _draw_published(panels[-1], published)
+        figure.supxlabel(f"start of a window of {window[1] - window[0]:.1f}° / degree", fontsize=9)
         panels[0].set_yscale("log")
         panels[0].set_ylabel(AMPLITUDE)
         used = Line2D([], [], color=GREY, linestyle=DASHES, linewidth=0.8, label="window used")

@@ -178,7 +178,8 @@ def _variants(results: Results) -> Table:
 
 
 def _recipes(results: Results, meshes: Sequence[str]) -> Iterator[Block]:
-    lengths = sorted({_LENGTH, *(count * period_deg("m2") for count in (1, 2))})
+    longest = max(period_deg(mesh) for mesh in meshes)  # a shorter window would miss part of an oscillation
+    lengths = sorted({_LENGTH, longest, 2 * longest})
     recipes = [Recipe(*choice) for choice in product(Rows, Reading, candidate_windows(lengths))]
     found = fits(results.readables, meshes, recipes)
     best: dict[tuple[Rows, Reading], Fit] = {}
