@@ -143,7 +143,16 @@ def test_records_are_read_back_as_they_were(whole: Store, tmp_path: Path) -> Non
     for run, record in records.items():
         np.testing.assert_array_equal(again[run].moments, record.moments)
         np.testing.assert_array_equal(again[run].angles_deg, record.angles_deg)
-        for name in ("dofs", "corrections", "seconds", "failed_at_deg", "reason", "started", "software"):
+        for name in (
+            "dofs",
+            "corrections",
+            "seconds",
+            "step_seconds",
+            "failed_at_deg",
+            "reason",
+            "started",
+            "software",
+        ):
             assert getattr(again[run], name) == getattr(record, name)
         assert again[run].ended == record.ended
     (tmp_path / "text").write_text("no HDF5")

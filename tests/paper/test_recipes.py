@@ -26,7 +26,7 @@ ANGLES = np.round(np.arange(0, 1121) * 0.1, 10)
 
 def record(moments: FloatArray, run: Run = RUN) -> Record:
     angles = ANGLES[: len(moments)]
-    return Record(run, angles, moments, 100, 2000, 10.0, None, "", "", "", "", "", None)
+    return Record(run, angles, moments, 100, 2000, 10.0, 0.01, None, "", "", "", "", "", None)
 
 
 def waving(amplitude: float, drift: float = 0.0) -> FloatArray:

@@ -54,6 +54,7 @@ class Record:
     dofs: int
     corrections: int  # of Newton's method, in all
     seconds: float  # wall time of all steps
+    step_seconds: float  # of the median step, which other programs disturb less
     failed_at_deg: float | None  # where no equilibrium was found, if so
     reason: str  # why not; empty where the run is complete
     started: str  # UTC, ISO 8601
@@ -74,6 +75,7 @@ class Record:
             int(attributes["dofs"]),
             int(stored.curve.iterations.sum()),
             float(stored.curve.seconds.sum()),
+            float(np.median(stored.curve.seconds)) if len(stored.curve) else 0.0,
             stored.failure.parameter if stored.failure else None,
             stored.failure.reason if stored.failure else "",
             attributes["started"],
@@ -92,7 +94,7 @@ class Record:
 
 
 _TEXTS = ("reason", "started", "software", "platform", "revision")
-_NUMBERS = ("dofs", "corrections", "seconds")
+_NUMBERS = ("dofs", "corrections", "seconds", "step_seconds")
 
 
 def write_records(path: Path, records: Mapping[Run, Record]) -> None:
@@ -146,6 +148,7 @@ def _record(group: h5py.Group) -> Record:
         dofs=int(attributes["dofs"]),
         corrections=int(attributes["corrections"]),
         seconds=float(attributes["seconds"]),
+        step_seconds=float(attributes["step_seconds"]),
         failed_at_deg=None if failed is None else float(failed),
         front=Front(*map(float, front)) if all(front) else None,
         **{name: attributes[name] for name in _TEXTS},

@@ -75,12 +75,16 @@ LineStyle = Literal["-"] | tuple[int, tuple[float, ...]]
 
 @dataclass(frozen=True)
 class SpaceStyle:
-    """How one spline space looks in every figure; `hollow` where the contact row alone is enriched."""
+    """How one spline space looks in every figure.
+
+    `hollow` where the contact row alone is enriched, `half_filled` where it alone is elevated.
+    """
 
     color: str
     marker: str
     linestyle: LineStyle
     hollow: bool = False
+    half_filled: bool = False
 
     @property
     def line(self) -> dict[str, Any]:
@@ -88,7 +92,7 @@ class SpaceStyle:
         return {
             "color": self.color,
             "linestyle": self.linestyle,
-            "linewidth": 0.8 if self.hollow else 1.3,
+            "linewidth": 0.8 if self.hollow or self.half_filled else 1.3,
         }
 
     @property
@@ -99,6 +103,7 @@ class SpaceStyle:
             "markersize": 5,
             "markeredgewidth": 1,
             "markerfacecolor": "white" if self.hollow else self.color,
+            "fillstyle": "bottom" if self.half_filled else "full",
         }
 
 
@@ -124,12 +129,15 @@ def space_style(name: str) -> SpaceStyle:
     """Return the look of a space, the same in every figure; InputError for what is no name of a space.
 
     The published spaces have looks of their own; L1+X, the contact row alone enriched, has that of X with
-    hollow markers and a thinner line. Other names share the colours and markers that are left.
+    hollow markers and a thinner line, and Np+Np.q that of Np.q with half of its marker filled. Other names
+    share the colours and markers that are left.
     """
     parsed = parse_space_name(name)
     bulk, contact, rows = parsed.bulk, parsed.contact, parsed.contact_rows
     if str(bulk) == "L1" and rows == 1:
         return replace(space_style(str(contact)), hollow=True)
+    if rows == 1 and bulk.continuity == contact.continuity and str(contact) in _STYLES:
+        return replace(_STYLES[str(contact)], half_filled=True)
     if str(parsed) in _STYLES:
         return _STYLES[str(parsed)]
     # weights by which the spaces of the literature, of degrees 1, 2 and 4 with 1 to 3 contact rows, differ

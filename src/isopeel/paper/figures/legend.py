@@ -9,7 +9,7 @@ from matplotlib.lines import Line2D
 from isopeel.post.style import GREY, SpaceStyle, space_style
 from isopeel.splines.names import parse_space_name
 
-_MOST_COLUMNS = 9
+_MOST_COLUMNS, _MOST_LETTERS = 9, 50  # in a row
 
 
 def space_handles(spaces: Iterable[str]) -> list[Line2D]:
@@ -32,7 +32,9 @@ def space_handles(spaces: Iterable[str]) -> list[Line2D]:
 
 def add_legend(figure: Figure, handles: Sequence[Line2D]) -> None:
     """Put a legend above all panels, to be read row by row."""
-    columns = ceil(len(handles) / ceil(len(handles) / _MOST_COLUMNS))
+    longest = max(len(str(handle.get_label())) for handle in handles)
+    most = min(_MOST_COLUMNS, max(1, _MOST_LETTERS // longest))
+    columns = ceil(len(handles) / ceil(len(handles) / most))
     # matplotlib fills column by column
     by_column = [handle for column in range(columns) for handle in handles[column::columns]]
     figure.legend(handles=by_column, loc="outside upper left", ncols=columns, columnspacing=1.2)

@@ -54,7 +54,9 @@ def blocks(results: Results, meshes: Sequence[str]) -> Iterator[Block]:
     )
     costs = _costs(results, meshes)
     yield _cost_table(results, costs)
-    yield Picture("cost", "Amplitude dM over DOFs, and over the time of a step.", lambda: cost_figure(costs))
+    yield Picture(
+        "cost-figure", "Amplitude dM over DOFs, and over the time of a step.", lambda: cost_figure(costs)
+    )
 
 
 def _schemes(results: Results, meshes: Sequence[str]) -> Table:
@@ -88,8 +90,7 @@ def _costs(results: Results, meshes: Sequence[str]) -> list[Cost]:
             record = results.records[Run(space, mesh)]
             amplitude = results.amplitude(record.run)
             if amplitude is not None:
-                seconds = record.seconds / len(record.angles_deg)
-                costs.append(Cost(space, mesh, record.dofs, seconds, amplitude))
+                costs.append(Cost(space, mesh, record.dofs, record.step_seconds, amplitude))
     return costs
 
 
@@ -117,7 +118,7 @@ def _cost_table(results: Results, costs: Sequence[Cost]) -> Table:
             "dM x 1e3",
             "DOFs",
             "corrections per step",
-            "ms per step",
+            "ms, median step",
             "best for its DOFs",
             "best for its time",
         ),
