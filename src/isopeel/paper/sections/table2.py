@@ -28,8 +28,8 @@ def blocks(results: Results, meshes: Sequence[str]) -> Iterator[Block]:
         f"quotients from one step to the next, per degree; all times 1e3, in {UNIT}. They are read between "
         f"{WINDOW[0]:g} and {WINDOW[1]:g} degrees, with the {Reading.MEAN.value}; the published window and "
         "definition are not told. Three figures in a cell are dM / steepest rise / steepest fall. A run that "
-        "found no equilibrium under plain Newton ends there, and that is its result. Below 1e-5, as for L4, the "
-        "curvature of the drift is as large as the oscillation, so that dM is an upper bound there."
+        "found no equilibrium under plain Newton ends there, and that is its result. Below 1e-5, as for L4, "
+        "the curvature of the drift is as large as the oscillation, so that dM is an upper bound there."
     )
     for mesh in meshes:
         yield _table(results, mesh)
