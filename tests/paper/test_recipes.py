@@ -119,6 +119,6 @@ def test_misprints_and_missing_runs_do_not_count() -> None:
 
 def test_windows_begin_between_85_and_107() -> None:
     windows = candidate_windows([3.4, 1.0])
-    assert len(windows) == 2 * 111
+    assert len(windows) == 2 * 45
     assert min(windows) == (85.0, 86.0)
     assert max(windows) == (107.0, 107.0 + 3.4)

@@ -183,6 +183,6 @@ def fits(readables: Mapping[Run, Readable], meshes: Iterable[str], recipes: Iter
 
 
 def candidate_windows(lengths: Iterable[float]) -> list[Window]:
-    """Windows of given lengths that begin between 85 and 107 degrees."""
-    starts = np.round(np.arange(85.0, 107.01, 0.2), 10).tolist()
+    """Windows of given lengths that begin at 85 to 107 degrees, in steps of a half."""
+    starts = np.round(np.arange(85.0, 107.01, 0.5), 10).tolist()
     return [(start, start + length) for length in lengths for start in starts]
