@@ -4,6 +4,7 @@ import hashlib
 import json
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
+from functools import cache
 
 import numpy as np
 
@@ -137,6 +138,7 @@ def quadrature_runs() -> list[Run]:
     return runs
 
 
+@cache
 def default_points(space: str) -> int:
     """Gauss points of the adhesive force on an element where a run does not say: the degree and one."""
     name = parse_space_name(space)

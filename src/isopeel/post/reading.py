@@ -114,13 +114,15 @@ def read_window(
 
     `mean` (steps,) is what the drift is fitted to, where it is known in all of the window.
     """
-    inside, start = _inside(parameter, window), window[0]
+    inside = _inside(parameter, window)
     at, values = parameter[inside], reaction[inside]
     if mean is not None and np.isnan(mean[inside]).any():
         mean = None
     fitted = values if mean is None else mean[inside]
-    drift, level = np.polyfit(at - start, fitted, 1)
-    oscillation = values - level - drift * (at - start)
+    # the least squares line; its level matters to no figure
+    centred = at - at.mean()
+    drift = centred @ fitted / (centred @ centred)
+    oscillation = values - drift * centred
     slopes = np.diff(oscillation) / np.diff(at)
     return PlateauReading(
         window=window,
