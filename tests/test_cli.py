@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from psutil import Process
+from psutil import Process, wait_procs
 from scipy.integrate import trapezoid
 
 import isopeel
@@ -315,29 +315,73 @@ def test_the_paper_refuses_what_makes_no_sense(
 
 def test_the_paper_without_runs_is_quick(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["paper", "--only", "spaces"]) == 0
-    assert capsys.readouterr().out == "the report is out/paper/report.html\n"
-    assert {path.name for path in Path("out/paper/figures").iterdir()} == {
+    assert capsys.readouterr().out == "the report is out/paper/spaces/report.html\n"
+    assert {path.name for path in Path("out/paper/spaces/figures").iterdir()} == {
         f"{name}.{suffix}" for name in ("bases", "refinement") for suffix in ("png", "pdf")
     }
 
 
-def test_ctrl_c_ends_the_paper_at_once() -> None:
-    command = [sys.executable, "-c", "import sys; from isopeel.cli import main; sys.exit(main())"]
+PAPER = [
+    sys.executable,
+    "-c",
+    "import sys; from isopeel.cli import main; sys.exit(main())",
+    *("paper", "--only", "table2", "--mesh", "m1"),
+]
+
+
+@pytest.fixture
+def paper() -> Iterator[subprocess.Popen[bytes]]:
+    """A study under way, with all its workers, and alone in its group of processes."""
     process = subprocess.Popen(
-        [*command, "paper", "--mesh", "m1"], stderr=subprocess.PIPE, stdout=subprocess.DEVNULL
+        PAPER, stderr=subprocess.PIPE, stdout=subprocess.DEVNULL, start_new_session=True
     )
     try:
         # workers, and a keeper of resources
-        while len(Process(process.pid).children()) <= (os.cpu_count() or 1):
+        while len(Process(process.pid).children()) <= min(os.cpu_count() or 1, 61):
             sleep(0.05)
-        sleep(0.5)  # until the last one has begun
-        process.send_signal(signal.SIGINT)
-        # its pending runs are minutes; a loaded machine may take a while to end processes
-        _, error = process.communicate(timeout=20)
+        yield process
     finally:
         process.kill()
-    assert process.returncode == 130
+        if process.stderr is not None:
+            process.stderr.close()
+        process.wait()
+
+
+# its pending runs are minutes; a loaded machine may take a while to end processes
+PATIENCE = 30
+
+
+@pytest.mark.parametrize("wait", [0.0, 2.0])  # while workers start, and later
+def test_ctrl_c_ends_the_paper_at_once(paper: subprocess.Popen[bytes], wait: float) -> None:
+    sleep(wait)
+    os.killpg(paper.pid, signal.SIGINT)
+    _, error = paper.communicate(timeout=PATIENCE)
+    assert paper.returncode == 130
     assert error == b"isopeel: interrupted; finished runs are in out/paper, and the same command goes on\n"
+
+
+def test_a_killed_worker_ends_the_paper_with_one_line(paper: subprocess.Popen[bytes]) -> None:
+    workers = [p for p in Process(paper.pid).children() if "spawn_main" in " ".join(p.cmdline())]
+    workers[0].kill()
+    _, error = paper.communicate(timeout=PATIENCE)
+    assert paper.returncode == 2
+    assert error.startswith(b"isopeel: a process was ended from outside")
+    assert error.count(b"\n") == 1
+
+
+def test_a_killed_paper_leaves_no_process_behind(paper: subprocess.Popen[bytes]) -> None:
+    sleep(2.0)  # until the workers know their parent
+    children = Process(paper.pid).children()
+    paper.kill()
+    _, alive = wait_procs(children, timeout=PATIENCE)
+    assert alive == []
+
+
+def test_two_papers_in_one_folder_are_refused(
+    paper: subprocess.Popen[bytes], capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["paper", "--only", "table2", "--mesh", "m1"]) == 2
+    assert "another process" in the_error(capsys)
 
 
 def test_a_full_disk_ends_with_2(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:

@@ -137,13 +137,18 @@ def paper(
 
     Runs that are finished are kept, so that the same command goes on where it was interrupted.
     """
+    goes_on = f"finished runs are in {out}, and the same command goes on"
     try:
+        from isopeel.paper.execution import WorkerLostError
         from isopeel.paper.report import chosen_meshes, chosen_parts, make_report
 
         console = _console()
-        page = make_report(chosen_parts(only or []), chosen_meshes(mesh or []), out, console)
+        try:
+            page = make_report(chosen_parts(only or []), chosen_meshes(mesh or []), out, console)
+        except WorkerLostError as error:
+            return _fail(BAD_INPUT, f"{error}; {goes_on}")
     except KeyboardInterrupt:
-        return _fail(INTERRUPTED, f"interrupted; finished runs are in {out}, and the same command goes on")
+        return _fail(INTERRUPTED, f"interrupted; {goes_on}")
     console.print(f"the report is {page}", soft_wrap=True)
     return COMPLETED
 

@@ -12,3 +12,7 @@ class InputError(ValueError):
         self.value = value
         self.allowed = allowed
         super().__init__(" ".join(f"{field}: {value!r} cannot be used; {allowed}".split()))
+
+    def __reduce__(self) -> tuple[type["InputError"], tuple[str, object, str]]:
+        """Go from process to process with its parts."""
+        return type(self), (self.field, self.value, self.allowed)

@@ -51,6 +51,9 @@ class Watch:
     def report(self, report: Report) -> None:
         self.reports.append(report)
 
+    def skipped(self, run: Run) -> None:
+        self.names.append(f"{run.name} skipped")
+
     def finished(self, run: Run, stored: StoredRun) -> None:
         self.names.append(run.name)
         if len(self.names) == self.interrupt_after:
@@ -142,19 +145,13 @@ def test_records_are_read_back_as_they_were(whole: Store, tmp_path: Path) -> Non
     assert list(again) == sorted(records, key=lambda run: run.name)
     for run, record in records.items():
         np.testing.assert_array_equal(again[run].moments, record.moments)
-        np.testing.assert_array_equal(again[run].angles_deg, record.angles_deg)
-        for name in (
-            "dofs",
-            "corrections",
-            "seconds",
-            "step_seconds",
-            "failed_at_deg",
-            "reason",
-            "started",
-            "software",
-        ):
+        # the angles are not stored: those of the whole run are known
+        np.testing.assert_array_equal(again[run].angles_deg, run.angles_deg[: len(record.moments)])
+        for name in ("dofs", "corrections", "seconds", "failed_at_deg", "reason", "started", "software"):
             assert getattr(again[run], name) == getattr(record, name)
-        assert again[run].ended == record.ended
+        # these runs are too short for a plateau
+        assert np.isnan([again[run].step_seconds, again[run].step_corrections]).all()
+        assert again[run].goes_on is record.goes_on
     (tmp_path / "text").write_text("no HDF5")
     with pytest.raises(InputError, match="text"):
         read_records(tmp_path / "text")

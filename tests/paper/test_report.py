@@ -1,6 +1,7 @@
 """The report as a whole, and the stored one: its numbers are those of its runs, and of a run made now."""
 
 import os
+import re
 from pathlib import Path
 
 import numpy as np
@@ -57,10 +58,22 @@ def figures(results: Results, run: Run, reading: Reading) -> Figures:
     return found
 
 
+NUMBER = re.compile(r"-?\d+\.\d+(?:e-?\d+)?")
+
+
 def test_the_stored_report_is_what_its_runs_give(stored: Results) -> None:
-    """Byte for byte: a change of any reading, table or text shows."""
-    text = to_markdown(make_document(stored, list(PARTS), list(MESHES)))
-    assert text == (STORED / "report.md").read_text("utf-8")
+    """Word for word, and number for number: a change of any reading, table or text shows."""
+    made = to_markdown(make_document(stored, list(PARTS), list(MESHES)))
+    known = (STORED / "report.md").read_text("utf-8")
+    assert blank(made) == blank(known)
+    # another processor may round the last of four digits otherwise
+    ours, theirs = ([float(found) for found in NUMBER.findall(text)] for text in (made, known))
+    np.testing.assert_allclose(ours, theirs, rtol=2e-3, atol=1e-12)
+
+
+def blank(text: str) -> str:
+    """A text without its numbers, and without the width of its tables' columns."""
+    return re.sub(r"(-| )+", " ", NUMBER.sub("#", text))
 
 
 def test_all_runs_of_the_report_are_stored(stored: Results) -> None:

@@ -141,7 +141,7 @@ def to_markdown(document: Document) -> str:
         parts.append(f"## {_escaped(section.title)}")
         parts += (_block_markdown(block, document) for block in section.blocks)
         if section.command:
-            parts.append(f"The numbers of this section are made by\n\n```sh\n{section.command}\n```")
+            parts.append(f"This section is made by\n\n```sh\n{section.command}\n```")
     return "\n\n".join(parts) + "\n"
 
 

@@ -1,15 +1,21 @@
 """Computing the runs of the study on all cores; what is finished is kept in files and not done again."""
 
+import os
 import signal
 import time
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from concurrent.futures.process import BrokenProcessPool
+from contextlib import contextmanager
 from dataclasses import dataclass
 from math import radians
-from multiprocessing import active_children, get_context
+from multiprocessing import active_children, get_context, parent_process
 from multiprocessing.queues import SimpleQueue
 from pathlib import Path
+from threading import Thread
 from typing import NamedTuple, Protocol
+
+from filelock import FileLock, Timeout
 
 from isopeel.errors import InputError
 from isopeel.paper.study import Run, with_bases
@@ -37,6 +43,9 @@ class Watcher(Protocol):
 
     def finished(self, run: Run, stored: StoredRun) -> None:
         """A run is finished."""
+
+    def skipped(self, run: Run) -> None:
+        """A variant has no state to start from."""
 
 
 @dataclass(frozen=True)
@@ -66,15 +75,30 @@ class Store:
         return stored
 
 
+class WorkerLostError(RuntimeError):
+    """A process that computed a run was ended from outside."""
+
+
 def execute(runs: Iterable[Run], store: Store, workers: int, watcher: Watcher) -> None:
     """Compute the runs that are not finished, and those they start from, in processes of their own.
 
     A path that ends early is finished all the same; a variant whose base ended before it starts is not
-    computed. The processes end at once where this one is interrupted.
+    computed. The processes end at once where this one does, in whatever way. Raises InputError where
+    another process computes runs in the same folder, WorkerLostError where one of its own is ended.
     """
     waiting = [run for run in with_bases(runs) if store.finished(run) is None]
     if not waiting:
         return
+    try:
+        with FileLock(store.folder / ".lock", blocking=False):
+            _execute(waiting, store, workers, watcher)
+    except Timeout as error:
+        raise InputError("--out", str(store.folder), "another process computes runs in it") from error
+    except BrokenProcessPool as error:
+        raise WorkerLostError("a process was ended from outside, perhaps for lack of memory") from error
+
+
+def _execute(waiting: list[Run], store: Store, workers: int, watcher: Watcher) -> None:
     others = active_children()
     context = get_context("spawn")
     reports: SimpleQueue[Report] = context.SimpleQueue()
@@ -88,7 +112,10 @@ def execute(runs: Iterable[Run], store: Store, workers: int, watcher: Watcher) -
                     continue
                 waiting.remove(run)
                 if run.base is None or _reaches(store.read(run.base), run):
-                    futures[pool.submit(_compute, run, store)] = run
+                    with _interrupts_held():
+                        futures[pool.submit(_compute, run, run.key, store)] = run
+                else:
+                    watcher.skipped(run)
 
         try:
             submit_ready()
@@ -109,6 +136,22 @@ def execute(runs: Iterable[Run], store: Store, workers: int, watcher: Watcher) -
             raise
 
 
+@contextmanager
+def _interrupts_held() -> Iterator[None]:
+    """Start processes that do not heed Ctrl-C: it goes to all of a group, and the first alone should.
+
+    What is held back in the meantime reaches the first process afterwards. Windows has no such mask.
+    """
+    if not hasattr(signal, "pthread_sigmask"):
+        yield
+        return
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
 def _reaches(stored: StoredRun, variant: Run) -> bool:
     return any(abs(angle - variant.range_deg[0]) < 1e-6 for angle in stored.fields)
 
@@ -119,20 +162,28 @@ _reports: "SimpleQueue[Report] | None" = None
 def _start_worker(reports: "SimpleQueue[Report]") -> None:
     global _reports  # what a worker is given at its start has no other place to live
     _reports = reports
-    # Ctrl-C goes to the whole group of processes; the first alone should heed it
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # where it is not inherited
+    Thread(target=_end_with_parent, daemon=True).start()
 
 
-def _compute(run: Run, store: Store) -> None:
-    """Trace a run into its file."""
+def _end_with_parent() -> None:
+    """Leave no process behind where the first is killed."""
+    parent = parent_process()
+    if parent is not None:
+        parent.join()
+        os._exit(1)
+
+
+def _compute(run: Run, key: str, store: Store) -> None:
+    """Trace a run into its file, under the key that the first process knows it by."""
     case, angles = run.case, run.angles_deg
     problem, space = case.problem(), case.space()
     start: list[State] = []
     if run.base is not None:
-        fields = store.read(run.base).fields
+        fields = read_run(store.path(run.base)).fields
         angle = min(fields, key=lambda angle: abs(angle - run.range_deg[0]))
         start.append(State(radians(angle), fields[angle]))
-    attributes = run_attributes(problem, space, Provenance.of_this_process()) | {"key": run.key}
+    attributes = run_attributes(problem, space, Provenance.of_this_process()) | {"key": key}
     steps = trace(
         problem, space, map(radians, angles), start=start, contact_points=case.discretization.contact_points
     )

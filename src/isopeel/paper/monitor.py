@@ -19,7 +19,7 @@ class Monitor:
 
     def __init__(self, console: Console, runs: Sequence[Run]) -> None:
         self._console = console
-        self._costs = {run: run.cost for run in runs}
+        self._left = {run: run.cost for run in runs}
         self._lines: dict[Run, TaskID] = {}
         self._progress = Progress(
             TextColumn("{task.description:26s}"),
@@ -31,8 +31,9 @@ class Monitor:
             transient=True,
             disable=not console.is_terminal,
         )
-        self._all = self._progress.add_task(f"all {len(runs)} runs", total=sum(self._costs.values()))
-        self._done = 0
+        self._all = self._progress.add_task(f"all {len(runs)} runs", total=sum(self._left.values()))
+        self._total = sum(self._left.values())
+        self._count, self._done = len(runs), 0
 
     def __enter__(self) -> Self:
         """Begin to show."""
@@ -53,27 +54,26 @@ class Monitor:
         if report.run not in self._lines:
             self._lines[report.run] = self._progress.add_task(report.run.name, total=report.of)
         self._progress.update(self._lines[report.run], completed=report.steps)
-        self._show_all()
+        self._show_left(report.run, report.run.cost * (1 - report.steps / report.of))
 
     def finished(self, run: Run, stored: StoredRun) -> None:
         """Write a line about a finished run, and count it."""
+        seconds, reached = stored.curve.seconds.sum(), stored.curve.parameter[-1:].sum()  # 0 without a step
+        ending = "" if stored.failure is None else f"  ended early: {stored.failure.reason}"
+        self._write(run, f"to {reached:5.1f} degrees in {seconds:5.1f} s{ending}")
+
+    def skipped(self, run: Run) -> None:
+        """Write a line about a variant that cannot be computed, and count it."""
+        self._write(run, "not computed: what it starts from ended before")
+
+    def _write(self, run: Run, text: str) -> None:
         line = self._lines.pop(run, None)
         if line is not None:
             self._progress.remove_task(line)
         self._done += 1
-        self._costs[run] = 0.0
-        self._show_all()
-        seconds, reached = stored.curve.seconds.sum(), stored.curve.parameter[-1:].sum()  # 0 without a step
-        ending = "" if stored.failure is None else f"  ended early: {stored.failure.reason}"
-        count = f"{self._done:3d}/{len(self._costs)}"
-        line_of = f"{count}  {run.name:26s} to {reached:5.1f} degrees in {seconds:5.1f} s{ending}"
-        self._console.print(line_of, soft_wrap=True)
+        self._show_left(run, 0.0)
+        self._console.print(f"{self._done:3d}/{self._count}  {run.name:26s} {text}", soft_wrap=True)
 
-    def _show_all(self) -> None:
-        left = dict(self._costs)
-        for task in self._progress.tasks:
-            for run, line in self._lines.items():
-                if task.id == line and task.total:
-                    left[run] *= 1 - task.completed / task.total
-        total = self._progress.tasks[0].total or 0.0
-        self._progress.update(self._all, completed=total - sum(left.values()))
+    def _show_left(self, run: Run, cost: float) -> None:
+        self._left[run] = cost
+        self._progress.update(self._all, completed=self._total - sum(self._left.values()))

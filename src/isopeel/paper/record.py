@@ -1,7 +1,8 @@
 """What the report needs of the runs: their curves in short, and where they come from; in one file."""
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, fields
+from dataclasses import dataclass, fields
+from math import radians
 from pathlib import Path
 
 import h5py
@@ -9,44 +10,76 @@ import numpy as np
 
 from isopeel.arrays import FloatArray, frozen
 from isopeel.errors import InputError
-from isopeel.paper.study import STEP, Run
+from isopeel.paper.study import SPACES, STEP, VARIANT_MESH, Run
 from isopeel.post.front import front_profile, process_zone
 from isopeel.results.files import replacing
 from isopeel.results.provenance import PACKAGES
 from isopeel.results.run_file import StoredRun
+from isopeel.solve.newton import ConvergenceError
+from isopeel.solve.trace import State, trace
 
 _FORMAT = "isopeel paper 1"
 
 
 #: Where the tractions at the front are looked at, in degrees: on the plateau, and kept in the files.
 FRONT_DEG = 100.0
+_NEAR = 10.0  # L0: what is kept of the traction, on both sides of its peak
+#: What part of a path its effort is measured on, in degrees: the plateau, as far as all runs go.
+EFFORT_DEG = (80.0, 112.0)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Front:
-    """The tractions at the front."""
+    """The tractions at the front of one state, in E0 and L0."""
 
-    process_zone: float  # full width at half maximum of the attraction, in L0
-    jump: float  # largest jump of the body's traction between two elements, in E0
+    process_zone: float  # full width at half maximum of the attraction
+    jump: float  # largest jump of the body's traction between two elements
+    half_wave: float  # behind the front, from the second to the third zero of the adhesive traction
+    position: FloatArray  # (n,) along the face, around the peak
+    traction: FloatArray  # (n,) adhesive
 
     @classmethod
     def of(cls, run: Run, stored: StoredRun) -> "Front | None":
-        """Look at them at FRONT_DEG; None where the run did not get there."""
-        displacement = next(
-            (u for angle, u in stored.fields.items() if abs(angle - FRONT_DEG) < STEP / 2), None
-        )
-        if displacement is None:
+        """Look at them at FRONT_DEG; None where the run did not get there, or is none of those compared."""
+        if run.base is not None or run.space not in SPACES or run.mesh != VARIANT_MESH:
+            return None
+        found = [u for angle, u in stored.fields.items() if abs(angle - FRONT_DEG) < STEP / 2]
+        if not found:
             return None
         case = run.case
-        profile = front_profile(case.problem(), case.space(), displacement)
+        profile = front_profile(case.problem(), case.space(), found[0])
         zone = process_zone(profile)
-        body = profile.body_traction
-        return None if zone is None else cls(zone.length, float(np.abs(body[1:, 0] - body[:-1, -1]).max()))
+        if zone is None:
+            return None
+        body, position, traction = (
+            profile.body_traction,
+            profile.position.ravel(),
+            profile.adhesive_traction.ravel(),
+        )
+        zeros = _zeros(position, traction)
+        near = np.abs(position - zone.position) < _NEAR
+        return cls(
+            zone.length,
+            float(np.abs(body[1:, 0] - body[:-1, -1]).max()),
+            float(zeros[-2] - zeros[-3]),
+            frozen(position[near]),
+            frozen(traction[near]),
+        )
+
+
+def _zeros(x: FloatArray, y: FloatArray) -> FloatArray:
+    """Where a curve crosses zero, by linear interpolation."""
+    k = np.flatnonzero(y[:-1] * y[1:] < 0)
+    zeros: FloatArray = x[k] - y[k] * (x[k + 1] - x[k]) / (y[k + 1] - y[k])
+    return zeros
 
 
 @dataclass(frozen=True, eq=False)
 class Record:
-    """A finished run: its curve in E0 L0^3 over degrees, what it cost, how it ended and what computed it."""
+    """A finished run: its curve in E0 L0^3 over degrees, what it cost, how it ended and what computed it.
+
+    Its angles are the first ones of the run's own.
+    """
 
     run: Run
     angles_deg: FloatArray  # (steps,)
@@ -54,7 +87,8 @@ class Record:
     dofs: int
     corrections: int  # of Newton's method, in all
     seconds: float  # wall time of all steps
-    step_seconds: float  # of the median step, which other programs disturb less
+    step_seconds: float  # of the median step on the plateau, which other programs disturb less
+    step_corrections: float  # mean of the steps there
     failed_at_deg: float | None  # where no equilibrium was found, if so
     reason: str  # why not; empty where the run is complete
     started: str  # UTC, ISO 8601
@@ -62,27 +96,32 @@ class Record:
     platform: str
     revision: str  # of the source; empty outside of a checkout
     front: Front | None
+    goes_on: bool | None  # where it failed: is the same angle reached from the last state alone?
 
     @classmethod
     def of(cls, run: Run, stored: StoredRun) -> "Record":
         """Shorten what is stored of a run."""
         attributes = {name: str(value) for name, value in stored.attributes.items()}
         names = ("isopeel", "python", *PACKAGES)
+        curve = stored.curve
+        effort = (curve.parameter >= EFFORT_DEG[0]) & (curve.parameter <= EFFORT_DEG[1])
         return cls(
             run,
-            stored.curve.parameter,
-            stored.curve.reaction,
+            curve.parameter,
+            curve.reaction,
             int(attributes["dofs"]),
-            int(stored.curve.iterations.sum()),
-            float(stored.curve.seconds.sum()),
-            float(np.median(stored.curve.seconds)) if len(stored.curve) else 0.0,
+            int(curve.iterations.sum()),
+            float(curve.seconds.sum()),
+            float(np.median(curve.seconds[effort])) if effort.any() else np.nan,
+            float(curve.iterations[effort].mean()) if effort.any() else np.nan,
             stored.failure.parameter if stored.failure else None,
             stored.failure.reason if stored.failure else "",
             attributes["started"],
             ", ".join(f"{name} {attributes[f'version_{name}']}" for name in names),
             attributes["platform"],
             attributes.get("git_revision", ""),
-            Front.of(run, stored) if run.base is None else None,
+            Front.of(run, stored),
+            _goes_on(run, stored),
         )
 
     @property
@@ -90,16 +129,37 @@ class Record:
         """Where and why the run ended early, in one line; None where it is complete."""
         if self.failed_at_deg is None:
             return None
-        return f"no equilibrium at {self.failed_at_deg:.1f} degrees: {self.reason}"
+        return f"Newton's method did not converge at {self.failed_at_deg:.1f} degrees: {self.reason}"
+
+    @property
+    def reached_deg(self) -> float:
+        """The last angle; where there is no step, the one before the first."""
+        return float(self.angles_deg[-1]) if len(self.angles_deg) else self.run.range_deg[0]
 
 
+def _goes_on(run: Run, stored: StoredRun) -> bool | None:
+    """Try the step that failed from the last state, without the prediction by the states before."""
+    if stored.failure is None or not stored.fields:
+        return None
+    case, last = run.case, max(stored.fields)
+    start = [State(radians(last), stored.fields[last])]
+    points = case.discretization.contact_points
+    angle = radians(stored.failure.parameter)
+    try:
+        list(trace(case.problem(), case.space(), [angle], start=start, contact_points=points))
+    except ConvergenceError:
+        return False
+    return True
+
+
+_COMPRESSED = {"compression": "gzip", "shuffle": True}
 _TEXTS = ("reason", "started", "software", "platform", "revision")
-_NUMBERS = ("dofs", "corrections", "seconds", "step_seconds")
+_NUMBERS = ("dofs", "corrections", "seconds", "step_seconds", "step_corrections")
 
 
 def write_records(path: Path, records: Mapping[Run, Record]) -> None:
     """Write records to one HDF5 file, which has its old content or its new one. Raises OSError."""
-    with h5py.File("records.h5", "w", driver="core", backing_store=False) as file:
+    with h5py.File("records.h5", "w", driver="core", backing_store=False, libver="latest") as file:
         file.attrs["format"] = _FORMAT
         for run, record in records.items():
             group = file.create_group(run.name)
@@ -108,15 +168,19 @@ def write_records(path: Path, records: Mapping[Run, Record]) -> None:
                 group.attrs["contact_points"] = run.contact_points
             if record.failed_at_deg is not None:
                 group.attrs["failed_at_deg"] = record.failed_at_deg
+            if record.goes_on is not None:
+                group.attrs["goes_on"] = record.goes_on
             if record.front is not None:
-                group.attrs.update({f"front_{name}": value for name, value in asdict(record.front).items()})
+                front = group.create_group("front")
+                for part in fields(Front):
+                    value = getattr(record.front, part.name)
+                    front.create_dataset(part.name, data=value, **(_COMPRESSED if np.ndim(value) else {}))
             group.attrs.update({name: getattr(record, name) for name in (*_TEXTS, *_NUMBERS)})
-            for name in ("angles_deg", "moments"):
-                group.create_dataset(name, data=getattr(record, name), compression="gzip", shuffle=True)
+            group.create_dataset("moments", data=record.moments, **_COMPRESSED)
         file.flush()
         image = file.id.get_file_image()
-    with replacing(path) as part:
-        part.write_bytes(image)
+    with replacing(path) as temporary:
+        temporary.write_bytes(image)
 
 
 def read_records(path: Path) -> dict[Run, Record]:
@@ -135,21 +199,25 @@ def _record(group: h5py.Group) -> Record:
     attributes = group.attrs
     points = attributes.get("contact_points")
     failed = attributes.get("failed_at_deg")
-    front = [attributes.get(f"front_{part.name}") for part in fields(Front)]
+    front = group.get("front")
+    run = Run(
+        attributes["space"],
+        attributes["mesh"],
+        attributes["traction"],
+        None if points is None else int(points),
+    )
+    moments = frozen(group["moments"][()])
     return Record(
-        run=Run(
-            attributes["space"],
-            attributes["mesh"],
-            attributes["traction"],
-            None if points is None else int(points),
-        ),
-        angles_deg=frozen(group["angles_deg"][()]),
-        moments=frozen(group["moments"][()]),
+        run=run,
+        angles_deg=frozen(run.angles_deg[: len(moments)]),
+        moments=moments,
         dofs=int(attributes["dofs"]),
         corrections=int(attributes["corrections"]),
         seconds=float(attributes["seconds"]),
         step_seconds=float(attributes["step_seconds"]),
+        step_corrections=float(attributes["step_corrections"]),
         failed_at_deg=None if failed is None else float(failed),
-        front=Front(*map(float, front)) if all(front) else None,
+        front=None if front is None else Front(*(front[part.name][()] for part in fields(Front))),
+        goes_on=bool(attributes["goes_on"]) if "goes_on" in attributes else None,
         **{name: attributes[name] for name in _TEXTS},
     )

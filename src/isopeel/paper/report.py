@@ -17,6 +17,7 @@ from isopeel.paper.sections import (
     curves,
     front,
     literature,
+    model,
     newton,
     provenance,
     reading,
@@ -50,16 +51,8 @@ PARTS: dict[str, Part] = {
         ("shapes", shapes),
         ("spaces", spaces),
         ("reading", reading),
-        ("provenance", provenance),
     )
 }
-_ABSTRACT = Text(
-    "The study of NURBS discretizations for peeling in Sadhana 46:3 (2021) turns a strip of 200 nm x 10 nm "
-    "off a flat surface that holds it by van der Waals forces, with nine discretizations on three meshes, "
-    "and compares by how much the moment oscillates. Here are the same runs, its tables with ours beside "
-    "them, what the enriched contact elements of the literature give, and what the published figures depend "
-    "on."
-)
 
 
 def chosen_parts(names: Sequence[str]) -> list[str]:
@@ -97,18 +90,33 @@ def make_report(
     if runs:
         console.print(f"{len(runs)} runs, {len(runs) - len(missing)} of them are there already")
     with Monitor(console, missing) as monitor:
-        execute(missing, store, workers or os.cpu_count() or 1, monitor)
+        execute(missing, store, workers or _cores(), monitor)
     # a variant whose base ended before it starts was not computed
     stored = {run: found for run in runs if (found := store.finished(run)) is not None}
     results = Results({run: Record.of(run, found) for run, found in stored.items()}, store)
     document = make_document(results, parts, meshes)
-    write_records(out / "records.h5", results.records)
-    write_document(document, out)
+    folder = out / _folder(parts, meshes)
+    folder.mkdir(exist_ok=True)
+    write_records(folder / "records.h5", results.records)
+    write_document(document, folder)
     if len(parts) < len(PARTS):
         for block in document.blocks:
-            if isinstance(block, Table):
+            if isinstance(block, Table) and block.name != "runs":
                 print_table(block, console)
-    return out / "report.html"
+    return folder / "report.html"
+
+
+def _cores() -> int:
+    """Cores that this process may use; Windows waits for no more than 61 processes."""
+    own = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    return min(own, 61)
+
+
+def _folder(parts: Sequence[str], meshes: Sequence[str]) -> str:
+    """Where a report goes, in the folder of all: one on less than everything has a folder of its own."""
+    named = [] if len(parts) == len(PARTS) else [*parts]
+    named += [] if len(meshes) == len(MESHES) else [*meshes]
+    return "-".join(named)
 
 
 def needed_runs(parts: Sequence[str], meshes: Sequence[str]) -> list[Run]:
@@ -119,9 +127,11 @@ def needed_runs(parts: Sequence[str], meshes: Sequence[str]) -> list[Run]:
 def make_document(results: Results, parts: Sequence[str], meshes: Sequence[str]) -> Document:
     """Put the report together; its figures are drawn when it is written."""
     options = [f"--mesh {mesh}" for mesh in meshes] if len(meshes) < len(MESHES) else []
-    sections = []
+    sections = [Section(model.TITLE, tuple(model.blocks()))]
     for name in parts:
         command = " ".join(["isopeel paper", f"--only {name}", *options])
         part = PARTS[name]
         sections.append(Section(part.title, tuple(part.blocks(results, meshes)), command))
-    return Document("A published study of peeling, reproduced", _ABSTRACT, tuple(sections))
+    sections.append(Section(provenance.TITLE, tuple(provenance.blocks(results))))
+    sections.append(Section(model.REFERENCES_TITLE, (Text(model.REFERENCES),)))
+    return Document("A published study of peeling, reproduced", Text(model.ABSTRACT), tuple(sections))

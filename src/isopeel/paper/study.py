@@ -30,7 +30,8 @@ VARIANT_MESH = "m2"
 STEP = 0.1  # degree, as published
 _PUBLISHED_END, _PLATEAU_END = 150.0, 112.0  # degrees; the second is enough for reading the plateau
 _VARIANT_RANGE = (90.0, 102.5)  # degrees
-_VARIED = (*SPACES, *CONTACT_ROW, *ELEVATED_ROW)
+#: The spaces that variants are computed of: every reading of the published names.
+VARIED_SPACES = (*SPACES, *CONTACT_ROW, *ELEVATED_ROW)
 
 
 @dataclass(frozen=True)
@@ -122,13 +123,13 @@ def literature_runs(meshes: Iterable[str]) -> list[Run]:
 
 def traction_runs() -> list[Run]:
     """All published discretizations and their contact rows, with the force on the projected area."""
-    return [Run(space, VARIANT_MESH, "projected") for space in _VARIED]
+    return [Run(space, VARIANT_MESH, "projected") for space in VARIED_SPACES]
 
 
 def quadrature_runs() -> list[Run]:
     """The same with 2 to p + 2 Gauss points of the adhesive force; p + 1 is what all other runs have."""
     runs = []
-    for space in _VARIED:
+    for space in VARIED_SPACES:
         default = default_points(space)
         runs += [
             Run(space, VARIANT_MESH, contact_points=points)

@@ -37,6 +37,11 @@ def endings(records: Iterable[Record]) -> tuple[str, ...]:
     return tuple(f"{record.run.name}: {record.ended}." for record in records if record.ended is not None)
 
 
+def number(count: float | None, digits_after: int = 3) -> str:
+    """A number with so many digits after its point."""
+    return ABSENT if count is None else f"{count:.{digits_after}f}"
+
+
 def listed(words: Sequence[str]) -> str:
     """Words with commas, and with "and" before the last."""
     return " and ".join(filter(None, [", ".join(words[:-1]), *words[-1:]]))

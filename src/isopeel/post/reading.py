@@ -24,13 +24,13 @@ class PlateauReading:
     """What a window of the plateau tells; in the units of the curve, slopes per unit of its parameter.
 
     The oscillation comes from the mesh: one period is the passage of one element. Amplitude and slopes are
-    read after the drift of the plateau, a straight line, was taken out, because the drift across a
-    window can be larger than the oscillation.
+    read after the drift of the plateau was taken out, a parabola fitted to its running mean or a line
+    fitted to the curve, because the drift across a window can be larger than the oscillation.
     """
 
     window: tuple[float, float]
     mean: float
-    drift: float  # slope of the line that was taken out
+    drift: float  # mean slope of what was taken out
     drift_of: Literal["running mean", "curve"]  # what the line was fitted to
     amplitude: float  # peak to peak
     steepest_rise: float  # largest one-sided difference quotient from step to step
@@ -97,9 +97,9 @@ def read_plateau(
 ) -> PlateauReading | None:
     """Read the plateau in a window of the parameter; None where it is `unreadable`.
 
-    The drift is fitted to the mean of the curve over one `period` of the oscillation around each step, which
-    the oscillation itself does not move; without a period, or where the curve ends too soon for that, it is
-    fitted to the curve.
+    The drift is a parabola fitted to the mean of the curve over one `period` of the oscillation around each
+    step, which the oscillation itself does not move; without a period, or where the curve ends too soon for
+    that, it is a line fitted to the curve.
     """
     if unreadable(curve, window, period) is not None:
         return None
@@ -118,11 +118,14 @@ def read_window(
     at, values = parameter[inside], reaction[inside]
     if mean is not None and np.isnan(mean[inside]).any():
         mean = None
-    fitted = values if mean is None else mean[inside]
-    # the least squares line; its level matters to no figure
-    centred = at - at.mean()
-    drift = centred @ fitted / (centred @ centred)
-    oscillation = values - drift * centred
+    line = at - at.mean()
+    drift, taken_out = _along(line, values if mean is None else mean[inside])
+    if mean is not None:
+        # the curvature of the drift: a parabola, orthogonal to the line; the mean itself would bring noise
+        bend = line**2 - np.mean(line**2)
+        bend -= _along(line, bend)[1]
+        taken_out = taken_out + _along(bend, mean[inside])[1]
+    oscillation = values - taken_out
     slopes = np.diff(oscillation) / np.diff(at)
     return PlateauReading(
         window=window,
@@ -133,6 +136,12 @@ def read_window(
         steepest_rise=float(slopes.max()),
         steepest_fall=float(slopes.min()),
     )
+
+
+def _along(direction: FloatArray, values: FloatArray) -> tuple[float, FloatArray]:
+    """The part of values along a direction without mean: least squares of one unknown, and the fit."""
+    share = float(direction @ values / (direction @ direction))
+    return share, share * direction
 
 
 def running_mean(parameter: FloatArray, reaction: FloatArray, period: float) -> FloatArray:

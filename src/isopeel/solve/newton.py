@@ -44,6 +44,10 @@ class ConvergenceError(ArithmeticError):
         self.parameter = parameter
         super().__init__(f"no equilibrium at {parameter:g}: {reason}")
 
+    def __reduce__(self) -> tuple[type["ConvergenceError"], tuple[str, tuple[float, ...], float]]:
+        """Go from process to process with its parts."""
+        return type(self), (self.reason, self.iterations, self.parameter)
+
 
 def newton(system: System, start: FloatArray, parameter: float, settings: NewtonSettings) -> NewtonResult:
     """Solve R(z) = 0 at a value of the drive's parameter from a start z (count,).

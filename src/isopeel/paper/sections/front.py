@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 
+import numpy as np
 from matplotlib.figure import Figure
 
 from isopeel.paper.document import Block, Picture, Table, Text
@@ -9,8 +10,8 @@ from isopeel.paper.figures import front_figure
 from isopeel.paper.record import FRONT_DEG
 from isopeel.paper.results import Results
 from isopeel.paper.study import MESHES, SPACES, Run, table_runs
-from isopeel.paper.wording import ABSENT, digits
-from isopeel.post.front import front_profile, layer_decay
+from isopeel.paper.wording import digits, number
+from isopeel.post.front import beam_decay, front_profile, layer_decay
 from isopeel.problem import strip
 
 TITLE = "Why the moment oscillates"
@@ -26,32 +27,46 @@ def runs(meshes: Sequence[str]) -> list[Run]:
 
 
 def blocks(results: Results, meshes: Sequence[str]) -> Iterator[Block]:
-    """The lengths and the jumps of all spaces, and one picture; nothing without its mesh."""
-    if not runs(meshes):
+    """The lengths and the traction of all spaces, and one picture; nothing without its mesh."""
+    fronts = {space: results.records[Run(space, _MESH)].front for space in SPACES} if runs(meshes) else {}
+    finest = fronts.get(_SHOWN[-1])
+    if finest is None:
         return
-    finest = results.records[Run(_SHOWN[-1], _MESH)].front
-    layer = layer_decay(strip())
-    assert finest is not None  # it reaches the plateau
+    layer, beam = layer_decay(strip()), beam_decay(strip())
     assert layer is not None  # it is a strip
+    assert beam is not None
     yield Text(
         f"The attraction exceeds half its peak over {finest.process_zone:.2f} nm, which is "
-        f"{finest.process_zone / _SIZE:.1f} elements of {_MESH}. While the front passes from one element to "
-        "the next, the functions of a coarse space follow that peak now better, now worse, so that the "
-        "moment rises and falls with the period of an element. The stress of the body balances the adhesion "
-        "only on average: where functions are coarse and C0 it jumps from element to element, see {front}. "
-        "Behind the front the stress dies out like that of an elastic layer on springs, by "
-        f"{layer.length:.2f} nm for each factor e."
+        f"{finest.process_zone / _SIZE:.1f} elements of {_MESH}: {{front}}. While the front passes from one "
+        "element to the next, the functions of a coarse space follow that peak now better, now worse, and "
+        "the moment rises and falls with the period of an element. {front-lengths} shows that spaces whose "
+        f"traction is closer to that of the finest one, {_SHOWN[-1]}, oscillate less, by and large. Behind "
+        f"the front the traction changes its sign every {finest.half_wave:.1f} nm, as that of an elastic "
+        f"layer on springs does ({layer.wavelength / 2:.1f} nm; a beam on springs would do so every "
+        f"{beam.wavelength / 2:.1f} nm)."
     )
     rows = []
-    for space in SPACES:
-        front = results.records[Run(space, _MESH)].front
-        zone, jump = (None, None) if front is None else (front.process_zone, _MEGAPASCAL * front.jump)
-        rows.append((space, digits(zone), digits(None if zone is None else zone / _SIZE), _jump(jump)))
+    for space, front in fronts.items():
+        figures = results.figures(Run(space, _MESH))
+        off = None
+        if front is not None:
+            there = np.interp(front.position, finest.position, finest.traction)
+            off = _MEGAPASCAL * float(np.abs(front.traction - there).max())
+        rows.append(
+            (
+                space,
+                number(None if front is None else front.process_zone),
+                number(off, 2),
+                number(None if front is None else _MEGAPASCAL * front.jump, 2),
+                digits(None if figures is None else figures.amplitude),
+            )
+        )
     yield Table(
         "front-lengths",
-        "Length over which the attraction exceeds half its peak, and the largest jump of the body's "
-        f"traction between elements, at {FRONT_DEG:g} degrees on {_MESH}.",
-        ("space", "process zone / nm", "in elements", "jump / MPa"),
+        f"At {FRONT_DEG:g} degrees on {_MESH}: the length over which the attraction exceeds half its peak; "
+        f"the largest difference of the adhesive traction from that of {_SHOWN[-1]}; the largest jump of the "
+        "body's traction between elements; and dM.",
+        ("space", "process zone / nm", "traction off / MPa", "jump / MPa", "dM x 1e3"),
         tuple(rows),
     )
 
@@ -69,7 +84,3 @@ def blocks(results: Results, meshes: Sequence[str]) -> Iterator[Block]:
         "GPa.",
         draw,
     )
-
-
-def _jump(value: float | None) -> str:
-    return ABSENT if value is None else f"{value:.2f}"

@@ -8,7 +8,7 @@ from isopeel.paper.document import Block, Picture, Table, Text
 from isopeel.paper.figures import NewtonHistory, newton_figure
 from isopeel.paper.results import Results
 from isopeel.paper.study import Run
-from isopeel.paper.wording import ABSENT
+from isopeel.paper.wording import number
 
 TITLE = "Newton's method"
 _SPACES = ("L1", "N2", "N4", "N2.1")
@@ -24,31 +24,43 @@ def blocks(results: Results, meshes: Sequence[str]) -> Iterator[Block]:
     """The energy residuals of a step that converges and of one that does not, and how far each run got."""
     shown = runs(meshes)
     yield Text(
-        "The measure is the energy residual per unknown, |R . dz|/n, in E0 L0^3 for a width of L0. Where a "
-        "coarse mesh makes the moment drop within one step, the path has turned back in the angle (a limit "
-        "point), and there is no equilibrium near the last one for plain Newton to find."
+        "The measure is the energy residual per unknown, |R . dz|/n, in E0 L0^3 for a width of L0. On a "
+        "coarse mesh the moment drops within a step or two while the front passes an element. Newton's "
+        "method then starts far from the next equilibrium, the more so as it starts from the parabola "
+        "through the last three; and beyond a limit point, where the path turns back, there may be no "
+        "equilibrium nearby. So the angle where a run ends is one of the mesh, the step and the predictor "
+        "together; the last column tells whether the step that failed can be made from the last state alone."
     )
-    rows = []
-    for run in shown:
-        record = results.records[run]
-        rows.append(
-            (
-                run.name,
-                f"{record.angles_deg[-1]:.1f}",
-                ABSENT if record.failed_at_deg is None else f"{record.failed_at_deg:.1f}",
-                f"{record.corrections / len(record.angles_deg):.2f}",
-                record.reason or "complete",
-            )
+    ended = [record for record in results.records.values() if record.run.base is None and record.ended]
+    rows = [
+        (
+            record.run.name,
+            f"{record.reached_deg:.1f}",
+            number(record.failed_at_deg, 1),
+            f"{record.corrections / max(1, len(record.angles_deg)):.2f}",
+            record.reason or "complete",
+            {True: "yes", False: "no", None: ""}[record.goes_on],
         )
+        for record in (*(results.records[run] for run in shown), *ended)
+    ]
     yield Table(
         "newton",
-        "How far plain Newton comes in steps of 0.1 degree.",
-        ("run", "last equilibrium at degrees", "fails at degrees", "corrections per step", "ending"),
-        tuple(rows),
+        "How far plain Newton comes in steps of 0.1 degree: the four runs that are drawn, and all that end "
+        "early.",
+        (
+            "run",
+            "last equilibrium / degree",
+            "fails at / degree",
+            "corrections per step",
+            "ending",
+            "from the last state alone",
+        ),
+        tuple(dict.fromkeys(rows)),
     )
     yield Picture(
         "residuals-of-newton",
-        "Energy residual of each correction, in the last step that converged and in the one that did not.",
+        "Energy residual of each correction: the last step that converged and the one that did not, or the "
+        "hardest step while the front moves, where all converged.",
         lambda: newton_figure([h for run in shown for h in _histories(results, run)]),
     )
 

@@ -23,10 +23,9 @@ from isopeel.paper.reading import (
 )
 from isopeel.paper.results import Results
 from isopeel.paper.study import (
-    CONTACT_ROW,
-    ELEVATED_ROW,
     SPACES,
     VARIANT_MESH,
+    VARIED_SPACES,
     Run,
     contact_row_runs,
     default_points,
@@ -34,7 +33,7 @@ from isopeel.paper.study import (
     table_runs,
     traction_runs,
 )
-from isopeel.paper.wording import ABSENT, deviations, digits, listed, triple
+from isopeel.paper.wording import ABSENT, deviations, digits, endings, listed, triple
 
 TITLE = "How the figures depend on the reading"
 _LENGTH = WINDOW[1] - WINDOW[0]
@@ -65,10 +64,7 @@ def _window(results: Results) -> Iterator[Block]:
         read = (results.figures(run, (start, start + _LENGTH)) for start in starts.tolist())
         return [np.nan if figures is None else figures.amplitude for figures in read]
 
-    read = {
-        space: np.array(amplitudes(Run(space, VARIANT_MESH)))
-        for space in (*SPACES, *CONTACT_ROW, *ELEVATED_ROW)
-    }
+    read = {space: np.array(amplitudes(Run(space, VARIANT_MESH))) for space in VARIED_SPACES}
     theirs = {
         space: row.figures.amplitude / 1e3 for space, row in published(VARIANT_MESH).items() if row.figures
     }
@@ -98,8 +94,13 @@ def _window(results: Results) -> Iterator[Block]:
 
 
 def _traction(results: Results) -> Iterator[Block]:
+    yield Text(
+        "The published contact force, its Eq. (19), is printed with the factor n . F^-T N, which makes it a "
+        "force on the projected area; its tangent, Eq. (27), is that of a force on the reference area. All "
+        "other sections have the latter."
+    )
     rows = []
-    for space in (*SPACES, *CONTACT_ROW, *ELEVATED_ROW):
+    for space in VARIED_SPACES:
         run = Run(space, VARIANT_MESH)
         reference, projected = (results.figures(shown) for shown in (run, replace(run, traction="projected")))
         rows.append((space, triple(reference), triple(projected), deviations(projected, reference)))
@@ -109,11 +110,12 @@ def _traction(results: Results) -> Iterator[Block]:
         f"{VARIANT_MESH}.",
         ("space", "reference", "projected", "projected less reference"),
         tuple(rows),
+        endings(results.records[run] for run in traction_runs() if run in results.records),
     )
 
 
 def _quadrature(results: Results) -> Iterator[Block]:
-    spaces = (*SPACES, *CONTACT_ROW, *ELEVATED_ROW)
+    spaces = VARIED_SPACES
     found: dict[str, dict[int, float]] = {}
     for space in spaces:
         default = default_points(space)
@@ -138,6 +140,7 @@ def _quadrature(results: Results) -> Iterator[Block]:
             )
             for space in spaces
         ),
+        endings(results.records[run] for run in quadrature_runs() if run in results.records),
     )
 
     def draw() -> Figure:
@@ -217,7 +220,7 @@ def _recipes(results: Results, meshes: Sequence[str]) -> Iterator[Block]:
             "drift",
             "window / degree",
             "deviation",
-            "entries not readable",
+            "entries not comparable",
             f"in {WINDOW[0]:g} to {WINDOW[1]:g}",
         ),
         tuple(rows),
@@ -244,7 +247,7 @@ def _residuals(fit: Fit, meshes: Sequence[str]) -> Table:
         f"{fit.recipe.reading.value}; {start:.1f} to {end:.2f} degrees.",
         ("space", *meshes),
         tuple(rows),
-        ("An empty cell is printed as not converging, - is a misprint or cannot be read.",),
+        ("An empty cell is printed as not converging, - is a misprint or cannot be compared.",),
     )
 
 
@@ -263,7 +266,7 @@ def _unexplained(fit: Fit) -> str:
 
 
 def _deviation(fit: Fit) -> str:
-    return f"{fit.deviation:.3f}" + (f" ({fit.unread} not readable)" if fit.unread else "")
+    return f"{fit.deviation:.3f}" + (f" ({fit.unread} not comparable)" if fit.unread else "")
 
 
 def _amplitude(results: Results, run: Run) -> float | None:
