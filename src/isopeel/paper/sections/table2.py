@@ -131,7 +131,7 @@ def _finding(results: Results, meshes: Sequence[str]) -> Iterator[Block]:
         f"{listed(counts)}. With all rows elevated, L2, L4, N2.1 and N4.1 oscillate far less than published; "
         "the published figures of these four are consistent with an elevation in the contact row only, "
         "though the published DOFs are those of all rows. N4.1 tells what lies above that row: N4, since "
-        "over L1 it is far off. For the others {meanings} tells the two meanings apart only weakly."
+        "over L1 it is far off. Not all rows speak as clearly, nor for the same meaning: see {meanings}."
     )
 
 
