@@ -236,6 +236,7 @@ def test_tables_have_files(folder: Path) -> None:
         rows = [tuple(row) for row in csv.reader(file)]
     assert rows == [table().headings, *table().rows]
     assert {str(path.relative_to(folder)) for path in folder.rglob("*.*")} == {
+        "figures/curve.pdf",
         "figures/curve.png",
         "report.html",
         "report.md",

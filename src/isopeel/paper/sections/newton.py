@@ -32,6 +32,7 @@ def blocks(results: Results, meshes: Sequence[str]) -> Iterator[Block]:
         "together; the last column tells whether the step that failed can be made from the last state alone."
     )
     ended = [record for record in results.records.values() if record.run.base is None and record.ended]
+    ended.sort(key=lambda record: record.run.name)
     rows = [
         (
             record.run.name,
