@@ -65,8 +65,9 @@ RUNS = [
     ShortRun("L2", "m1"),
     ShortRun("N2", "m1", "projected"),
     ShortRun("L1", "m1", contact_points=5),
+    ShortRun("N2", "m1", timed=True),
 ]
-NAMES = {"N2-m1", "L2-m1", "N2-m1-projected", "L1-m1", "L1-m1-5points"}
+NAMES = {"N2-m1", "L2-m1", "N2-m1-projected", "L1-m1", "L1-m1-5points", "N2-m1-timed"}
 
 
 @pytest.fixture(scope="module")
@@ -137,7 +138,7 @@ def test_a_broken_or_outdated_file_is_computed_anew(whole: Store, tmp_path: Path
 def test_records_are_read_back_as_they_were(whole: Store, tmp_path: Path) -> None:
     stored = {run: whole.read(run) for run in RUNS}
     records = {
-        Run(run.space, run.mesh, run.traction, run.contact_points): Record.of(run, found)
+        Run(run.space, run.mesh, run.traction, run.contact_points, run.timed): Record.of(run, found)
         for run, found in stored.items()
     }
     write_records(tmp_path / "records.h5", records)
@@ -149,8 +150,8 @@ def test_records_are_read_back_as_they_were(whole: Store, tmp_path: Path) -> Non
         np.testing.assert_array_equal(again[run].angles_deg, run.angles_deg[: len(record.moments)])
         for name in ("dofs", "corrections", "seconds", "failed_at_deg", "reason", "started", "software"):
             assert getattr(again[run], name) == getattr(record, name)
-        # these runs are too short for a plateau
-        assert np.isnan([again[run].step_seconds, again[run].step_corrections]).all()
+        assert again[run].step_seconds == record.step_seconds
+        assert again[run].step_corrections == record.corrections / len(record.moments)
         assert again[run].goes_on is record.goes_on
     (tmp_path / "text").write_text("no HDF5")
     with pytest.raises(InputError, match="text"):

@@ -216,7 +216,7 @@ def test_the_legend_tells_each_space_in_its_own_look(name: str) -> None:
     told = {text.get_text(): line for text, line in zip(legend.get_texts(), lines, strict=True)}
     extra = {
         "panels": set(),
-        "windows": {"L1+X", "window used"},
+        "windows": {"L1+X", "used"},
         "quadrature": {"L1+X", "in all other runs"},
         "cost": {"L1+X", *LITERATURE},
     }[name]

@@ -16,6 +16,7 @@ from isopeel.paper.study import (
     literature_runs,
     quadrature_runs,
     table_runs,
+    timed_runs,
     traction_runs,
     with_bases,
 )
@@ -41,6 +42,7 @@ def test_every_space_can_be_built_and_has_a_canonical_name() -> None:
         (Run("L1+N2.1", "m3"), "L1+N2.1-m3"),
         (Run("N8", "m2", "projected"), "N8-m2-projected"),
         (Run("N2+N4@2", "m2", contact_points=3), "N2+N4@2-m2-3points"),
+        (Run("L4", "m3", timed=True), "L4-m3-timed"),
     ],
 )
 def test_names_tell_runs_apart(run: Run, name: str) -> None:
@@ -56,7 +58,9 @@ def test_names_and_keys_are_unique() -> None:
         *quadrature_runs(),
     ]
     assert len({run.name for run in runs}) == len(runs)
-    keys = [run.key for run in runs[::7]]
+    runs += timed_runs(table_runs(MESHES))
+    assert len({run.name for run in runs}) == len(runs)
+    keys = [run.key for run in (*runs[::7], runs[-1])]
     assert len(set(keys)) == len(keys)
 
 
@@ -66,6 +70,12 @@ def test_the_case_of_a_run_is_the_strip_with_its_choices() -> None:
     assert case.discretization.contact_points == 7
     assert case.problem().adhesion.traction == "projected"
     assert (case.body.length, case.body.height) == (200.0, 10.0)
+
+
+def test_timed_runs_are_of_few_steps_on_the_plateau() -> None:
+    (run,) = timed_runs([Run("L4", "m3")])
+    assert run.base == Run("L4", "m3")
+    assert (len(run.angles_deg), run.range_deg) == (21, (100.0, 102.0))
 
 
 def test_points_go_from_2_to_one_more_than_the_default() -> None:

@@ -91,7 +91,9 @@ def execute(runs: Iterable[Run], store: Store, workers: int, watcher: Watcher) -
         return
     try:
         with FileLock(store.folder / ".lock", blocking=False):
-            _execute(waiting, store, workers, watcher)
+            _execute([run for run in waiting if not run.timed], store, workers, watcher)
+            # one after the other, so that they do not disturb each other
+            _execute([run for run in waiting if run.timed], store, 1, watcher)
     except Timeout as error:
         raise InputError("--out", str(store.folder), "another process computes runs in it") from error
     except BrokenProcessPool as error:
@@ -99,6 +101,8 @@ def execute(runs: Iterable[Run], store: Store, workers: int, watcher: Watcher) -
 
 
 def _execute(waiting: list[Run], store: Store, workers: int, watcher: Watcher) -> None:
+    if not waiting:
+        return
     others = active_children()
     context = get_context("spawn")
     reports: SimpleQueue[Report] = context.SimpleQueue()

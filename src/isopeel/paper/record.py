@@ -24,8 +24,6 @@ _FORMAT = "isopeel paper 1"
 #: Where the tractions at the front are looked at, in degrees: on the plateau, and kept in the files.
 FRONT_DEG = 100.0
 _NEAR = 10.0  # L0: what is kept of the traction, on both sides of its peak
-#: What part of a path its effort is measured on, in degrees: the plateau, as far as all runs go.
-EFFORT_DEG = (80.0, 112.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,8 +85,8 @@ class Record:
     dofs: int
     corrections: int  # of Newton's method, in all
     seconds: float  # wall time of all steps
-    step_seconds: float  # of the median step on the plateau, which other programs disturb less
-    step_corrections: float  # mean of the steps there
+    step_seconds: float  # of the median step, which other programs disturb less than the mean; nan without
+    step_corrections: float  # mean of the steps; nan without
     failed_at_deg: float | None  # where no equilibrium was found, if so
     reason: str  # why not; empty where the run is complete
     started: str  # UTC, ISO 8601
@@ -104,7 +102,6 @@ class Record:
         attributes = {name: str(value) for name, value in stored.attributes.items()}
         names = ("isopeel", "python", *PACKAGES)
         curve = stored.curve
-        effort = (curve.parameter >= EFFORT_DEG[0]) & (curve.parameter <= EFFORT_DEG[1])
         return cls(
             run,
             curve.parameter,
@@ -112,8 +109,8 @@ class Record:
             int(attributes["dofs"]),
             int(curve.iterations.sum()),
             float(curve.seconds.sum()),
-            float(np.median(curve.seconds[effort])) if effort.any() else np.nan,
-            float(curve.iterations[effort].mean()) if effort.any() else np.nan,
+            float(np.median(curve.seconds)) if len(curve) else np.nan,
+            float(curve.iterations.mean()) if len(curve) else np.nan,
             stored.failure.parameter if stored.failure else None,
             stored.failure.reason if stored.failure else "",
             attributes["started"],
@@ -164,6 +161,7 @@ def write_records(path: Path, records: Mapping[Run, Record]) -> None:
         for run, record in records.items():
             group = file.create_group(run.name)
             group.attrs.update({"space": run.space, "mesh": run.mesh, "traction": run.traction})
+            group.attrs["timed"] = run.timed
             if run.contact_points is not None:
                 group.attrs["contact_points"] = run.contact_points
             if record.failed_at_deg is not None:
@@ -205,6 +203,7 @@ def _record(group: h5py.Group) -> Record:
         attributes["mesh"],
         attributes["traction"],
         None if points is None else int(points),
+        bool(attributes["timed"]),
     )
     moments = frozen(group["moments"][()])
     return Record(

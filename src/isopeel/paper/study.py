@@ -30,6 +30,7 @@ VARIANT_MESH = "m2"
 STEP = 0.1  # degree, as published
 _PUBLISHED_END, _PLATEAU_END = 150.0, 112.0  # degrees; the second is enough for reading the plateau
 _VARIANT_RANGE = (90.0, 102.5)  # degrees
+_TIMED_RANGE = (100.0, 102.0)  # degrees
 #: The spaces that variants are computed of: every reading of the published names.
 VARIED_SPACES = (*SPACES, *CONTACT_ROW, *ELEVATED_ROW)
 
@@ -40,30 +41,34 @@ class Run:
 
     The published discretizations go on to the published end, others to where the plateau can be read. A
     variant of the adhesive force, projected or with another number of Gauss points, starts on the plateau,
-    from the state of the run without it.
+    from the state of the run without it; and so does a timed one, of few steps that nothing else disturbs.
     """
 
     space: str
     mesh: str
     traction: Traction = "reference"
     contact_points: int | None = None
+    timed: bool = False
 
     @property
     def name(self) -> str:
         """What to call it, in a file's name too."""
         points = None if self.contact_points is None else f"{self.contact_points}points"
         traction = None if self.traction == "reference" else self.traction
-        return "-".join(part for part in (self.space, self.mesh, traction, points) if part)
+        timed = "timed" if self.timed else None
+        return "-".join(part for part in (self.space, self.mesh, traction, points, timed) if part)
 
     @property
     def base(self) -> "Run | None":
         """The run that a variant starts from; None where it is no variant."""
-        base = replace(self, traction="reference", contact_points=None)
+        base = replace(self, traction="reference", contact_points=None, timed=False)
         return None if base == self else base
 
     @property
     def range_deg(self) -> tuple[float, float]:
         """First and last angle."""
+        if self.timed:
+            return _TIMED_RANGE
         if self.base is not None:
             return _VARIANT_RANGE
         return 0.0, _PUBLISHED_END if self.space in SPACES else _PLATEAU_END
@@ -137,6 +142,11 @@ def quadrature_runs() -> list[Run]:
             if points != default
         ]
     return runs
+
+
+def timed_runs(runs: Iterable[Run]) -> list[Run]:
+    """The same runs, timed."""
+    return [replace(run, timed=True) for run in runs]
 
 
 @cache

@@ -51,7 +51,7 @@ def windows_figure(
         figure.supxlabel(f"start of a window of {window[1] - window[0]:.1f}° / degree", fontsize=9)
         panels[0].set_yscale("log")
         panels[0].set_ylabel(AMPLITUDE)
-        used = Line2D([], [], color=GREY, linestyle=DASHES, linewidth=0.8, label="window used")
+        used = Line2D([], [], color=GREY, linestyle=DASHES, linewidth=0.8, label="used")
         add_legend(figure, [*space_handles(amplitudes), used])
         return figure
 
