@@ -18,6 +18,7 @@ from scipy.integrate import trapezoid
 
 import isopeel
 from isopeel.cli import main
+from isopeel.law import LAWS
 from isopeel.results.run_file import RunWriter
 from isopeel.solve.newton import ConvergenceError
 
@@ -420,6 +421,38 @@ def test_spaces_refuses_what_makes_no_sense(
 ) -> None:
     Path("file").touch()
     assert main(["spaces", *arguments]) == 2
+    error = the_error(capsys)
+    for words in told:
+        assert words in error
+
+
+@pytest.mark.parametrize("name", LAWS)
+def test_law_draws_and_tells(name: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["law", name, "--out", "law.svg"]) == 0
+    told = capsys.readouterr().out
+    # all have the strip's strength and work
+    assert "123.57 MPa" in told
+    assert "0.030665 J/m^2" in told
+    assert Path("law.svg").stat().st_size > 1000
+
+
+def test_law_shows_that_of_a_case() -> None:
+    assert main(["law", "strip"]) == 0
+    assert Path("out/strip.png").exists()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "told"),
+    [
+        (["exponentil"], ["NAME", "'exponentil'", "van-der-waals", "strip"]),
+        (["dugdale", "--out", "law.gif"], ["--out", "'law.gif'", ".png"]),
+        ([], ["NAME"]),
+    ],
+)
+def test_law_refuses_what_makes_no_sense(
+    arguments: list[str], told: list[str], capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["law", *arguments]) == 2
     error = the_error(capsys)
     for words in told:
         assert words in error

@@ -6,11 +6,19 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from isopeel.case import Case, load_case
     from isopeel.errors import InputError
-    from isopeel.physics.adhesion import VanDerWaals
+    from isopeel.physics.adhesion import (
+        Bilinear,
+        Dugdale,
+        Exponential,
+        LennardJones,
+        Trapezoidal,
+        VanDerWaals,
+    )
     from isopeel.physics.adhesion.formula import FormulaAdhesion
-    from isopeel.physics.materials import NeoHooke
+    from isopeel.physics.materials import MooneyRivlin, NeoHooke, SaintVenantKirchhoff, Yeoh
     from isopeel.physics.materials.formula import FormulaMaterial
-    from isopeel.physics.substrates import Flat
+    from isopeel.physics.substrates import Circle, Flat, Wavy
+    from isopeel.physics.substrates.formula import FormulaSubstrate
     from isopeel.problem import AdhesiveSide, Body, FixedSide, Problem, RotatedSide, strip
     from isopeel.results.curve import Curve
     from isopeel.results.run_file import StoredRun, read_run
@@ -22,23 +30,34 @@ __version__ = "0.1.0"
 
 __all__ = [
     "AdhesiveSide",
+    "Bilinear",
     "Body",
     "Case",
+    "Circle",
     "ConvergenceError",
     "Curve",
+    "Dugdale",
+    "Exponential",
     "FixedSide",
     "Flat",
     "FormulaAdhesion",
     "FormulaMaterial",
+    "FormulaSubstrate",
     "InputError",
+    "LennardJones",
+    "MooneyRivlin",
     "NeoHooke",
     "NewtonSettings",
     "Problem",
     "RotatedSide",
     "RowSpace",
+    "SaintVenantKirchhoff",
     "Step",
     "StoredRun",
+    "Trapezoidal",
     "VanDerWaals",
+    "Wavy",
+    "Yeoh",
     "load_case",
     "read_run",
     "row_space",
@@ -50,11 +69,19 @@ __all__ = [
 _MODULES = {
     "case": ("Case", "load_case"),
     "errors": ("InputError",),
-    "physics.adhesion": ("VanDerWaals",),
+    "physics.adhesion": (
+        "Bilinear",
+        "Dugdale",
+        "Exponential",
+        "LennardJones",
+        "Trapezoidal",
+        "VanDerWaals",
+    ),
     "physics.adhesion.formula": ("FormulaAdhesion",),
-    "physics.materials": ("NeoHooke",),
+    "physics.materials": ("MooneyRivlin", "NeoHooke", "SaintVenantKirchhoff", "Yeoh"),
     "physics.materials.formula": ("FormulaMaterial",),
-    "physics.substrates": ("Flat",),
+    "physics.substrates": ("Circle", "Flat", "Wavy"),
+    "physics.substrates.formula": ("FormulaSubstrate",),
     "problem": ("AdhesiveSide", "Body", "FixedSide", "Problem", "RotatedSide", "strip"),
     "results.curve": ("Curve",),
     "results.run_file": ("StoredRun", "read_run"),

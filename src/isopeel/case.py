@@ -7,24 +7,21 @@ from collections.abc import Mapping
 from dataclasses import replace
 from importlib import resources
 from pathlib import Path
-from typing import Annotated, Any, Self
+from typing import Annotated, Any, Self, get_args
 
 import numpy as np
 from pydantic import Field, PrivateAttr, ValidationError, model_validator
 
 from isopeel.arrays import FloatArray
+from isopeel.case_laws import AdhesionSection, MaterialSection
 from isopeel.case_sections import (
     BodySection,
     DiscretizationSection,
     DriveSection,
-    FormulaAdhesionSection,
-    FormulaMaterialSection,
-    NeoHookeSection,
     OutputSection,
     ReadingSection,
-    Section,
-    VanDerWaalsSection,
 )
+from isopeel.case_values import Section
 from isopeel.errors import InputError
 from isopeel.problem import Problem, strip
 from isopeel.splines.rows import RowSpace, row_space
@@ -46,8 +43,8 @@ class Case(Section):
         ),
     ]
     body: BodySection
-    material: Annotated[NeoHookeSection | FormulaMaterialSection, Field(discriminator="law")]
-    adhesion: Annotated[VanDerWaalsSection | FormulaAdhesionSection, Field(discriminator="law")]
+    material: MaterialSection
+    adhesion: AdhesionSection
     discretization: DiscretizationSection = DiscretizationSection()
     drive: DriveSection = DriveSection()
     reading: ReadingSection | None = None
@@ -226,12 +223,16 @@ def _first_error(error: ValidationError, document: dict[str, Any]) -> InputError
     return InputError(field, value, needed)
 
 
+def _by_law(key: str, union: object) -> dict[tuple[int | str, ...], type[Section]]:
+    """Sections of a key, each with its law, as the places of pydantic's errors have them."""
+    sections: tuple[type[Section], ...] = get_args(get_args(union)[0])
+    return {(key, get_args(section.model_fields["law"].annotation)[0]): section for section in sections}
+
+
 _SECTIONS: dict[tuple[int | str, ...], type[Section]] = {
     ("body",): BodySection,
-    ("material", "neo-hooke"): NeoHookeSection,
-    ("material", "formula"): FormulaMaterialSection,
-    ("adhesion", "van-der-waals"): VanDerWaalsSection,
-    ("adhesion", "formula"): FormulaAdhesionSection,
+    **_by_law("material", MaterialSection),
+    **_by_law("adhesion", AdhesionSection),
     ("discretization",): DiscretizationSection,
     ("drive",): DriveSection,
     ("reading",): ReadingSection,

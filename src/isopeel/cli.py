@@ -166,3 +166,19 @@ def spaces(
 
     show_space(name, mesh, out, _console())
     return COMPLETED
+
+
+@app.command()
+def law(
+    name: Annotated[
+        str, typer.Argument(metavar="NAME", help="A law, such as exponential, or a case whose law is shown.")
+    ],
+    out: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="File of the figure; out/NAME.png when left out.")
+    ] = None,
+) -> int:
+    """Draw a law of adhesion, and tell its strength, work of adhesion and stiffness."""
+    from isopeel.law import show_law
+
+    show_law(name, out, _console())
+    return COMPLETED

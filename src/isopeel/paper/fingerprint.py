@@ -11,7 +11,9 @@ import isopeel
 _SOURCES = (
     "arrays.py",
     "case.py",
+    "case_laws.py",
     "case_sections.py",
+    "case_values.py",
     "units.py",
     "splines",
     "physics",

@@ -4,6 +4,19 @@ Laws from a formula are in `adhesion.formula`, which loads SymPy: a second that 
 """
 
 from isopeel.physics.adhesion.base import AdhesionLaw
+from isopeel.physics.adhesion.bilinear import Bilinear
+from isopeel.physics.adhesion.dugdale import Dugdale
+from isopeel.physics.adhesion.exponential import Exponential
+from isopeel.physics.adhesion.lennard_jones import LennardJones
+from isopeel.physics.adhesion.trapezoidal import Trapezoidal
 from isopeel.physics.adhesion.van_der_waals import VanDerWaals
 
-__all__ = ["AdhesionLaw", "VanDerWaals"]
+__all__ = [
+    "AdhesionLaw",
+    "Bilinear",
+    "Dugdale",
+    "Exponential",
+    "LennardJones",
+    "Trapezoidal",
+    "VanDerWaals",
+]

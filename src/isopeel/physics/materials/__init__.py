@@ -4,6 +4,9 @@ Materials from a formula are in `materials.formula`, which loads SymPy: a second
 """
 
 from isopeel.physics.materials.base import Material
+from isopeel.physics.materials.mooney_rivlin import MooneyRivlin
 from isopeel.physics.materials.neo_hooke import NeoHooke
+from isopeel.physics.materials.saint_venant_kirchhoff import SaintVenantKirchhoff
+from isopeel.physics.materials.yeoh import Yeoh
 
-__all__ = ["Material", "NeoHooke"]
+__all__ = ["Material", "MooneyRivlin", "NeoHooke", "SaintVenantKirchhoff", "Yeoh"]

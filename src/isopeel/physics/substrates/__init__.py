@@ -1,6 +1,11 @@
-"""Rigid substrates: gap, normal and curvature as seen from a point."""
+"""Rigid substrates: gap, normal and curvature as seen from a point.
+
+Substrates from a formula are in `substrates.formula`, which loads SymPy: a second that most runs can save.
+"""
 
 from isopeel.physics.substrates.base import Substrate
+from isopeel.physics.substrates.circle import Circle
 from isopeel.physics.substrates.flat import Flat
+from isopeel.physics.substrates.wavy import Wavy
 
-__all__ = ["Flat", "Substrate"]
+__all__ = ["Circle", "Flat", "Substrate", "Wavy"]

@@ -1,0 +1,122 @@
+"""Damage of an adhesive joint: unloading along the secant of any law's envelope.
+
+A law T(x) of the opening x = gap - equilibrium gap is taken as the envelope of first opening. Where a point
+has reached the opening h and closes again, it follows the straight line from the envelope at h to the
+envelope at x = 0, reopens along that line, and meets the envelope at h (Ortiz and Pandolfi, Int. J. Numer.
+Methods Eng. 44, 1999); in compression, x < 0, it follows the envelope. With the envelope's potential Phi the
+energies per area, both zero at the equilibrium gap of a joint never opened, are
+
+    stored = area under the line from 0 to x, or Phi(x) - Phi(0) in compression,
+    dissipated = Phi(h) - Phi(0) less the area under the line from 0 to h,
+
+the latter with x for h where x > h; the traction is less the slope of their sum at fixed h.
+
+The history h is a state of the last equilibrium: it is read here and never written. Whoever accepts an
+equilibrium takes max(h, x) for the next one.
+
+Condition: the attraction divided by the opening must not grow with the opening, or closing would return more
+than opening took. All laws of this package keep to it; a formula whose attraction is convex at first does
+not. There is no other threshold of damage: where an envelope rises in a straight line, the secant is that
+line and nothing is lost; where it rises in a curve, as the exponential law, a little is lost before the peak.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+
+from isopeel.arrays import FloatArray
+from isopeel.errors import InputError
+from isopeel.physics.adhesion.base import AdhesionLaw
+from isopeel.physics.batch import BatchFunction
+
+#: Openings below this share of the equilibrium gap count as none: the gap's round-off would show in the slope
+#: of so short a secant, and the envelope differs from it by less than can be seen.
+_NO_OPENING = 1e-10
+
+
+class SecantUnloading(NamedTuple):
+    """Energies per area, traction (repulsion positive) and its derivative by the gap, all of one shape."""
+
+    stored: FloatArray
+    traction: FloatArray
+    derivative: FloatArray
+    dissipated: FloatArray
+
+
+def secant_unloading(
+    law: AdhesionLaw, gap: FloatArray, history: FloatArray, curvature: float = 0.0
+) -> SecantUnloading:
+    """State of a joint at gaps (...) after largest openings `history` (...), which broadcast together.
+
+    Raises InputError unless every history is finite and at least zero.
+    """
+    gaps, openings = np.broadcast_arrays(
+        np.asarray(gap, dtype=np.float64), np.asarray(history, dtype=np.float64)
+    )
+    refused = openings[~((openings >= 0) & (openings < np.inf))]
+    if refused.size:
+        raise InputError("history", float(refused[0]), "largest openings are finite and at least zero")
+    outputs = np.empty((4, gaps.size))
+    with_history(
+        law.kernel,
+        gaps.flatten(),
+        np.full(gaps.size, curvature),
+        openings.flatten(),
+        law.equilibrium_gap,
+        law.parameters,
+        gaps.size,
+        *outputs,
+    )
+    return SecantUnloading(*outputs.reshape(4, *gaps.shape))
+
+
+@njit(cache=True, error_model="numpy")
+def with_history(
+    law: BatchFunction,
+    gap: FloatArray,
+    curvature: FloatArray,
+    history: FloatArray,
+    equilibrium_gap: float,
+    parameters: FloatArray,
+    count: int,
+    stored: FloatArray,
+    traction: FloatArray,
+    derivative: FloatArray,
+    dissipated: FloatArray,
+) -> None:
+    """Write energies, traction and derivative (count) at gaps (count) after largest openings (count).
+
+    `law` is the kernel of the envelope, which takes `curvature` (count) and `parameters`. At x = h, where a
+    path goes on from an equilibrium, the derivative is that of further opening.
+    """
+    closed = np.empty((4, count))
+    reached = np.empty((4, count))
+    for n in range(count):
+        closed[0, n] = equilibrium_gap
+        reached[0, n] = equilibrium_gap + history[n]
+    law(gap, curvature, parameters, count, stored, traction, derivative)
+    law(closed[0], curvature, parameters, count, closed[1], closed[2], closed[3])
+    law(reached[0], curvature, parameters, count, reached[1], reached[2], reached[3])
+    for n in range(count):
+        x = gap[n] - equilibrium_gap
+        h = history[n] if history[n] > _NO_OPENING * equilibrium_gap else 0.0
+        opens = x >= h
+        end = x if opens else h
+        Phi_end = stored[n] if opens else reached[1, n]
+        T_end = traction[n] if opens else reached[2, n]
+        # zero, but for a law that pulls or pushes there where the substrate is curved
+        T_closed = closed[2, n]
+        if end > 0.0:
+            dissipated[n] = Phi_end - closed[1, n] + 0.5 * (T_closed + T_end) * end
+        else:
+            dissipated[n] = 0.0
+        if x < 0.0:
+            stored[n] -= closed[1, n]
+        elif opens:
+            stored[n] = -0.5 * (T_closed + T_end) * x
+        else:
+            slope = (T_end - T_closed) / h
+            stored[n] = -(T_closed + 0.5 * slope * x) * x
+            traction[n] = T_closed + slope * x
+            derivative[n] = slope

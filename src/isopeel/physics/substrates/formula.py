@@ -1,0 +1,74 @@
+"""A substrate from one expression of its height."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cache, lru_cache
+
+import numpy as np
+import sympy
+
+from isopeel.arrays import FloatArray
+from isopeel.errors import InputError
+from isopeel.physics.batch import BatchFunction
+from isopeel.physics.formula import (
+    batch_source,
+    check_constants,
+    check_smooth,
+    compile_source,
+    parse_formula,
+)
+from isopeel.physics.substrates.closest_point import CURVE_SIGNATURE, graph_kernel
+
+#: Places that a formula is tried at: from 1 pm in metres to 1 m in nanometres, on both sides.
+_PLACES = np.concatenate([-np.geomspace(1e-12, 1e9, 211), [0.0], np.geomspace(1e-12, 1e9, 211)])
+
+
+@dataclass(frozen=True)
+class FormulaSubstrate:
+    """Solid below y = f(x), f one expression of `x` and of the names in `constants` (in the problem's units).
+
+    f' and f'' are derived by SymPy; `graph_kernel` says how far the closest point can be trusted. A graph
+    cannot fold on itself; where f has no value is not known beforehand, and there the gap is nan. Raises
+    InputError unless f'' is free of jumps and f has a value somewhere.
+    """
+
+    formula: str
+    constants: Mapping[str, float] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        """Check the formula."""
+        check_constants("substrate.constants", self.constants, ("x",))
+        object.__setattr__(self, "constants", dict(sorted(self.constants.items())))
+        curve = _derive(self.formula, tuple(self.constants))
+        check_smooth("substrate.formula", self.formula, curve)
+        height = sympy.lambdify(("x", *self.constants), curve[0], "numpy")
+        with np.errstate(all="ignore"):
+            heights = height(_PLACES, *self.constants.values())
+        if not np.isfinite(heights).any():
+            raise InputError("substrate.formula", self.formula, "it must have finite real values")
+
+    @property
+    def parameters(self) -> FloatArray:
+        """Values of the constants, in the alphabetic order of their names."""
+        return np.array(list(self.constants.values()), dtype=np.float64)
+
+    @property
+    def kernel(self) -> BatchFunction:
+        """Batch function of gap, normal and curvature."""
+        return _compiled(self.formula, tuple(self.constants))
+
+
+@lru_cache(maxsize=64)
+def _compiled(formula: str, constants: tuple[str, ...]) -> BatchFunction:
+    arguments = "place, parameters, count, height, slope, second"
+    outputs = dict(zip(("height[n]", "slope[n]", "second[n]"), _derive(formula, constants), strict=True))
+    source = batch_source(arguments, {"x": "place[n]"}, constants, outputs)
+    return graph_kernel(compile_source(source, CURVE_SIGNATURE))
+
+
+@cache
+def _derive(formula: str, constants: tuple[str, ...]) -> tuple[sympy.Expr, sympy.Expr, sympy.Expr]:
+    """f, f' and f''."""
+    height = parse_formula("substrate.formula", formula, ("x", *constants))
+    place = sympy.Symbol("x", real=True)
+    return height, height.diff(place), height.diff(place, 2)

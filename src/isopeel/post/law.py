@@ -1,0 +1,63 @@
+"""What a law of adhesion amounts to: its strength, its stiffness, and the gaps at which it acts."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import minimize_scalar
+
+from isopeel.arrays import FloatArray
+from isopeel.errors import InputError
+from isopeel.physics.adhesion import AdhesionLaw
+from isopeel.physics.batch import evaluate_law
+
+#: Openings that the strongest attraction is looked for at, in the problem's unit of length.
+SMALLEST, LARGEST = 1e-6, 1e6
+_PER_DECADE = 50
+#: Where the attraction has fallen to this share of its peak, there is no more to be seen of it.
+_SPENT = 0.02
+
+
+@dataclass(frozen=True)
+class LawCharacter:
+    """Numbers of a law on a flat substrate, in the units of the problem."""
+
+    equilibrium_gap: float
+    work_of_adhesion: float
+    strength: float  # largest attraction, a stress
+    strongest_gap: float  # where it acts
+    stiffness: float  # -T' at the equilibrium gap, a stress per length
+    spent_gap: float  # where the attraction has become small
+
+
+def evaluate_flat(law: AdhesionLaw, gap: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Potential, traction (repulsion positive) and its derivative at gaps (...) to a flat substrate."""
+    return evaluate_law(law.kernel, law.parameters, gap, np.zeros_like(gap))
+
+
+def law_character(law: AdhesionLaw) -> LawCharacter:
+    """Find the numbers of a law. Raises InputError where it attracts at no gap."""
+    decades = np.log10(LARGEST / SMALLEST)
+    opening = np.geomspace(SMALLEST, LARGEST, round(_PER_DECADE * decades) + 1)
+    attraction = -evaluate_flat(law, law.equilibrium_gap + opening)[1]
+    at = int(np.argmax(attraction))
+    if not attraction[at] > 0 or at in (0, opening.size - 1):
+        allowed = f"it must attract most at an opening between {SMALLEST:g} and {LARGEST:g}"
+        raise InputError("adhesion", type(law).__name__, allowed)
+
+    def repulsion(logarithm: float) -> float:
+        gap = np.array([law.equilibrium_gap + np.exp(logarithm)])
+        return float(evaluate_flat(law, gap)[1][0])
+
+    # the grid's neighbours hold the peak between them
+    bounds = np.log(opening[at - 1]), np.log(opening[at + 1])
+    peak = minimize_scalar(repulsion, bounds=bounds, method="bounded", options={"xatol": 1e-9})
+    left = np.flatnonzero(attraction[at:] >= _SPENT * attraction[at])
+    stiffness = -evaluate_flat(law, np.array([law.equilibrium_gap]))[2][0]
+    return LawCharacter(
+        law.equilibrium_gap,
+        law.work_of_adhesion,
+        float(-peak.fun),
+        law.equilibrium_gap + float(np.exp(peak.x)),
+        float(stiffness),
+        law.equilibrium_gap + float(opening[min(at + left[-1] + 1, opening.size - 1)]),
+    )
