@@ -7,7 +7,7 @@ import pytest
 from scipy.integrate import quad
 from scipy.optimize import minimize_scalar
 
-from isopeel import Flat, FormulaAdhesion, InputError, VanDerWaals
+from isopeel import Exponential, Flat, FormulaAdhesion, InputError, MooneyRivlin, VanDerWaals, Yeoh
 from isopeel.arrays import FloatArray
 from isopeel.physics.adhesion import AdhesionLaw
 from isopeel.physics.batch import evaluate_law, evaluate_substrate
@@ -160,3 +160,15 @@ def test_flat_substrate() -> None:
     assert gap.tolist() == [1.5, -1.5]
     assert normal.tolist() == [[0.0, 1.0], [0.0, 1.0]]
     assert curvature.tolist() == [0.0, 0.0]
+
+
+def test_whole_numbers_are_constants_too() -> None:
+    """Kernels take floating-point parameters only."""
+    for parameters in (
+        VanDerWaals(1, 1).parameters,
+        Flat(1).parameters,
+        MooneyRivlin(1, 0, 5).parameters,
+        Yeoh(1, 0, 0, 5).parameters,
+        Exponential(1, 1).parameters,
+    ):
+        assert parameters.dtype == np.float64

@@ -58,9 +58,11 @@ def sample_fields(
     X, x, F, _ = _deformation(problem, space, displacement, xi, eta)
     _, P, _ = evaluate_material(material.kernel, material.parameters, F)
     stress = np.zeros((*F.shape[:-2], 3, 3))
+    determinant = np.linalg.det(F)
     with np.errstate(invalid="ignore", divide="ignore"):  # J <= 0 is answered by nan
-        stress[..., :2, :2] = P @ np.swapaxes(F, -1, -2) / np.linalg.det(F)[..., None, None]
+        stress[..., :2, :2] = P @ np.swapaxes(F, -1, -2) / determinant[..., None, None]
         stress[..., 2, 2] = material.out_of_plane_stress(F)
+    stress[determinant <= 0] = np.nan  # by all materials, also those that stay finite there
     invariant = np.trace(stress, axis1=-2, axis2=-1) / material.youngs_modulus
     return SampledFields(X, x, F, stress, invariant)
 

@@ -43,7 +43,7 @@ class Dugdale:
         # rise and fall take 5/8 and 1/2 of what a constant attraction over their length takes
         start = critical * (1 - self.transition / 8)
         numbers = (self.strength, self.work_of_adhesion, self.transition * critical, start)
-        return np.array([self.equilibrium_gap, *numbers])
+        return np.array([self.equilibrium_gap, *numbers], dtype=np.float64)
 
     @property
     def kernel(self) -> BatchFunction:

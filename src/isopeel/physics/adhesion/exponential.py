@@ -38,7 +38,9 @@ class Exponential:
     @property
     def parameters(self) -> FloatArray:
         """Gap r_eq, work W and length d."""
-        return np.array([self.equilibrium_gap, self.work_of_adhesion, self.characteristic_length])
+        return np.array(
+            [self.equilibrium_gap, self.work_of_adhesion, self.characteristic_length], dtype=np.float64
+        )
 
     @property
     def kernel(self) -> BatchFunction:

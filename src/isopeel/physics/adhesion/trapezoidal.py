@@ -58,7 +58,7 @@ class Trapezoidal:
         length = self.work_of_adhesion / (stress * work)
         slopes = np.array([up, down]) * (stress / length)
         openings = np.array([width, self.rise, self.rise + self.plateau, 1.0]) * length
-        return np.array([self.equilibrium_gap, self.work_of_adhesion, *slopes, *openings])
+        return np.array([self.equilibrium_gap, self.work_of_adhesion, *slopes, *openings], dtype=np.float64)
 
     @property
     def kernel(self) -> BatchFunction:

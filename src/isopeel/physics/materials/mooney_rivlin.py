@@ -54,7 +54,7 @@ class MooneyRivlin:
     @property
     def parameters(self) -> FloatArray:
         """c10, c01 and kappa."""
-        return np.array([self.c10, self.c01, self.bulk_modulus])
+        return np.array([self.c10, self.c01, self.bulk_modulus], dtype=np.float64)
 
     @property
     def kernel(self) -> BatchFunction:

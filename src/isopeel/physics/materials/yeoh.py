@@ -53,7 +53,7 @@ class Yeoh:
     @property
     def parameters(self) -> FloatArray:
         """c10, c20, c30 and kappa."""
-        return np.array([self.c10, self.c20, self.c30, self.bulk_modulus])
+        return np.array([self.c10, self.c20, self.c30, self.bulk_modulus], dtype=np.float64)
 
     @property
     def kernel(self) -> BatchFunction:

@@ -24,7 +24,7 @@ class Flat:
     @property
     def parameters(self) -> FloatArray:
         """The height."""
-        return np.array([self.height])
+        return np.array([self.height], dtype=np.float64)
 
     @property
     def kernel(self) -> BatchFunction:

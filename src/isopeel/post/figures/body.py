@@ -74,7 +74,7 @@ def draw_substrate(axes: Axes, substrate: Substrate, window: Window) -> None:
     """Hatch the part of a window that the substrate occupies, where the gap is negative."""
     x, y = np.meshgrid(np.linspace(*window.x, 201), np.linspace(*window.y, 201))
     gap, _, _ = evaluate_substrate(substrate.kernel, substrate.parameters, np.stack([x, y], axis=-1))
-    lowest = float(gap.min())
+    lowest = float(np.nanmin(gap))  # a substrate from a formula may have no value somewhere
     if lowest < 0:
         axes.contourf(x, y, gap, levels=[2 * lowest, 0], colors=[SHADE], hatches=["/////"], zorder=0)
         axes.contour(x, y, gap, levels=[0.0], colors="black", linewidths=0.8, zorder=0.5)
