@@ -171,6 +171,14 @@ def test_every_law_of_adhesion_can_be_written_in_a_case(law: str, keys: str, adh
     assert Case.parse(case.text) == case
 
 
+def test_adhesion_may_be_irreversible() -> None:
+    text = STRIP.replace('length = "150 nm"', 'length = "150 nm"\nirreversible = true')
+    assert Case.parse(text).problem().adhesion.irreversible
+    assert not Case.parse(STRIP).problem().adhesion.irreversible
+    with pytest.raises(InputError, match=r"adhesion\.irreversible: 'yes'.*true or false"):
+        Case.parse(text.replace("= true", '= "yes"'))
+
+
 @pytest.mark.parametrize(
     ("section", "law", "old", "new", "field"),
     [

@@ -127,6 +127,7 @@ class Case(Section):
             material=self.material.material(),
             law=self.adhesion.adhesion_law(),
             traction=self.adhesion.traction,
+            irreversible=self.adhesion.irreversible,
         )
         return replace(made, name=self.name)
 

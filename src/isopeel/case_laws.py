@@ -86,6 +86,7 @@ class FormulaMaterialSection(Section):
 class _AdhesionSection(Section):
     length: Length
     traction: Annotated[Traction, Field(description="'reference' or 'projected' is needed")] = "reference"
+    irreversible: Annotated[bool, Field(strict=True, description="true or false is needed")] = False
 
 
 class VanDerWaalsSection(_AdhesionSection):

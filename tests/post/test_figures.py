@@ -44,6 +44,7 @@ def long_curve() -> Curve:
         zeros,
         zeros,
         zeros,
+        zeros,
     )
 
 

@@ -24,6 +24,7 @@ def curve_of(angles: FloatArray, moments: FloatArray) -> Curve:
         zeros,
         zeros,
         zeros,
+        zeros,
     )
 
 

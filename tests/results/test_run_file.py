@@ -29,6 +29,8 @@ def steps(degrees: list[float]) -> list[Step]:
             displacement=random.normal(size=(SPACE.size, 2)),
             stored_energy=float(random.normal()),
             adhesive_energy=float(random.normal()),
+            dissipated_energy=float(random.normal()),
+            openings=np.zeros((2, 3)),
             iterations=(1e-3, 1e-9, 1e-20)[: k + 1],
             seconds=0.1,
         )
@@ -49,6 +51,7 @@ def columns(curve: Curve) -> list[list[float]]:
             curve.iterations,
             curve.stored_energy,
             curve.adhesive_energy,
+            curve.dissipated_energy,
             curve.seconds,
             curve.energy_residuals,
         )
@@ -98,6 +101,7 @@ def test_columns_carry_their_units(tmp_path: Path) -> None:
         "iterations": "1",
         "stored_energy": "E0 L0^3",
         "adhesive_energy": "E0 L0^3",
+        "dissipated_energy": "E0 L0^3",
         "energy_residuals": "E0 L0^3",
         "seconds": "s",
     }

@@ -11,6 +11,7 @@ import numpy as np
 from numba import njit
 
 from isopeel.arrays import FloatArray, IntArray
+from isopeel.physics.adhesion.irreversible import with_history
 from isopeel.physics.batch import BatchFunction
 
 #: Elements of a batch: enough that the test for overlapping arrays, made before each innermost loop, costs
@@ -196,13 +197,19 @@ def adhesion(
     normals: FloatArray,
     unknowns: IntArray,
     projected: bool,
+    irreversible: bool,
+    openings: FloatArray,
+    equilibrium_gap: float,
     u: FloatArray,
     forces: FloatArray,
     band: FloatArray,
     diagonal: int,
     with_tangent: bool,
-) -> float:
-    """Add the forces -int N_a T n phi dA of a substrate and their tangent; return the adhesive energy.
+) -> tuple[float, float]:
+    """Add the forces -int N_a T n phi dA of a substrate and their tangent; return two energies.
+
+    They are the adhesive energy and the dissipated one, which an `irreversible` law has after the largest
+    `openings` (E, Q) so far.
 
     phi = 1 on the reference area, or -n . F^-T N_o when `projected`. The normal turns along a substrate of
     curvature k: dn/dx = k/(1 + k r) t t (Sadhana 46:3, 2021, Eqs. 19, 26, 27; with v = F^-T N_o, w = F^-1 n,
@@ -217,6 +224,7 @@ def adhesion(
     potential = np.empty(Q)
     T = np.empty(Q)
     dT = np.empty(Q)
+    lost = np.zeros(Q)
     F = np.empty((2, 2))
     H = np.empty((2, 2))
     v = np.empty(2)
@@ -224,6 +232,7 @@ def adhesion(
     t = np.empty(2)
     K = np.empty((2, m, 2, m))
     energy = 0.0
+    dissipated = 0.0
     for e in range(elements):
         for q in range(Q):
             for i in range(2):
@@ -231,7 +240,12 @@ def adhesion(
                 for a in range(m):
                     x[i, q] += values[e, q, a] * u[functions[e, a], i]
         substrate(x, substrate_parameters, Q, gap, n, curvature)
-        law(gap, curvature, law_parameters, Q, potential, T, dT)
+        if irreversible:
+            with_history(
+                law, gap, curvature, openings[e], equilibrium_gap, law_parameters, Q, potential, T, dT, lost
+            )
+        else:
+            law(gap, curvature, law_parameters, Q, potential, T, dT)
         K[:] = 0.0
         for q in range(Q):
             phi = 1.0
@@ -243,6 +257,7 @@ def adhesion(
                 phi = -(n[0, q] * v[0] + n[1, q] * v[1])
             area = weights[e, q]
             energy += area * phi * potential[q]
+            dissipated += area * phi * lost[q]
             for a in range(m):
                 for i in range(2):
                     forces[functions[e, a], i] -= area * phi * T[q] * n[i, q] * values[e, q, a]
@@ -274,7 +289,7 @@ def adhesion(
                             column = unknowns[e, b, k]
                             if row >= 0 and column >= 0 and (diagonal > 0 or row >= column):
                                 band[column, diagonal + row - column] += K[i, a, k, b]
-    return energy
+    return energy, dissipated
 
 
 @_compiled

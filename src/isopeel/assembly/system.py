@@ -6,11 +6,12 @@ from typing import Literal
 import numpy as np
 from psutil import virtual_memory
 
-from isopeel.arrays import FloatArray, IntArray
+from isopeel.arrays import FloatArray, IntArray, frozen
 from isopeel.assembly import kernels
 from isopeel.assembly.constraints import Constraints, constrain, half_bandwidth
 from isopeel.assembly.tables import BatchTable, ElementTable, SideTable, element_tables, side_table
 from isopeel.errors import InputError
+from isopeel.physics.batch import evaluate_substrate
 from isopeel.problem import Problem
 from isopeel.splines.rows import RowSpace
 
@@ -24,6 +25,7 @@ class Equilibrium:
 
     stored_energy: float
     adhesive_energy: float
+    dissipated_energy: float
     lowest_determinant: float  # of F at the quadrature points
     forces: FloatArray  # (size, 2), on every coefficient
     residual: FloatArray  # (count,), on every unknown
@@ -85,6 +87,8 @@ class System:
         self.half_bandwidth: int = half_bandwidth(self.constraints.unknowns, functions)
         part = adhesion.start, adhesion.end
         self.adhesive: SideTable = side_table(shape, self.space, adhesion.side, part, contact_points)
+        #: Largest openings so far at the points of the adhesive force, (E, Q), for irreversible adhesion.
+        self.openings: FloatArray = frozen(np.zeros(self.adhesive.weights.shape))
         self._batches: list[BatchTable] = [BatchTable.of(t, self.constraints) for t in self.elements]
         self._adhesive_unknowns: IntArray = self.constraints.unknowns[self.adhesive.functions]
         self._workspaces: dict[Storage, FloatArray] = {}
@@ -111,6 +115,14 @@ class System:
             if determinant[at] <= 0 and (worst is None or determinant[at] < worst[1]):
                 worst = table.positions[at], float(determinant[at])
         return worst
+
+    def accept(self, displacement: FloatArray) -> None:
+        """Take note of the openings of an equilibrium, coefficients (size, 2), for the next one."""
+        adhesion, side = self.problem.adhesion, self.adhesive
+        if adhesion.irreversible:
+            position = side.positions + np.einsum("eqm,emi->eqi", side.values, displacement[side.functions])
+            gap, _, _ = evaluate_substrate(adhesion.substrate.kernel, adhesion.substrate.parameters, position)
+            self.openings = frozen(np.maximum(self.openings, gap - adhesion.law.equilibrium_gap))
 
     def equilibrium(self, displacement: FloatArray) -> Equilibrium:
         """Energies, forces and residual of coefficients u (size, 2)."""
@@ -153,7 +165,7 @@ class System:
             stored += energy
             lowest = min(lowest, determinant)
         side = self.adhesive
-        adhesive = kernels.adhesion(
+        adhesive, dissipated = kernels.adhesion(
             adhesion.law.kernel,
             adhesion.law.parameters,
             adhesion.substrate.kernel,
@@ -166,10 +178,13 @@ class System:
             side.normals,
             self._adhesive_unknowns,
             adhesion.traction == "projected",
+            adhesion.irreversible,
+            self.openings,
+            adhesion.law.equilibrium_gap,
             displacement,
             forces,
             band,
             diagonal,
             matrix is not None,
         )
-        return Equilibrium(stored, adhesive, lowest, forces, self.constraints.condense(forces))
+        return Equilibrium(stored, adhesive, dissipated, lowest, forces, self.constraints.condense(forces))

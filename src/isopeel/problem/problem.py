@@ -29,7 +29,8 @@ class AdhesiveSide:
     Force on the body, F_c = -int N^T T n_o dA per reference area dA (`reference`; it has a potential), or the
     same with dA projected on the substrate, times -n_o . F^-T N_o (`projected`; its tangent is not
     symmetric), with the substrate's normal n_o and the outward normal N_o of the side (Sadhana 46:3, 2021,
-    Eq. 19, read in two ways).
+    Eq. 19, read in two ways). Where it is `irreversible`, what has opened closes again along the secant of
+    the law (`physics.adhesion.irreversible`).
     """
 
     side: Side
@@ -38,6 +39,7 @@ class AdhesiveSide:
     start: float = 0.0
     end: float = 1.0
     traction: Traction = "reference"
+    irreversible: bool = False
 
     def __post_init__(self) -> None:
         """Check the side, the interval and the kind of traction."""

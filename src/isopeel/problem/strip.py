@@ -17,6 +17,7 @@ def strip(
     material: Material | None = None,
     law: AdhesionLaw | None = None,
     traction: Traction = "reference",
+    irreversible: bool = False,
 ) -> Problem:
     """Strip on a flat rigid substrate at the equilibrium gap, its right face turned by a pure moment.
 
@@ -38,6 +39,7 @@ def strip(
         substrate=Flat(height=-law.equilibrium_gap),
         end=adhering_length / length,
         traction=traction,
+        irreversible=irreversible,
     )
     return Problem(
         name="strip",

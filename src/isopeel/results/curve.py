@@ -26,6 +26,7 @@ class Curve:
     iterations: IntArray
     stored_energy: FloatArray
     adhesive_energy: FloatArray
+    dissipated_energy: FloatArray
     seconds: FloatArray
     energy_residuals: FloatArray  # per unknown, of the corrections of all steps, one step after the other
 
@@ -34,20 +35,29 @@ class Curve:
         """Tabulate steps."""
         steps = list(steps)
         rows = [
-            (s.parameter, s.reaction, s.stored_energy, s.adhesive_energy, s.seconds, len(s.iterations))
+            (
+                s.parameter,
+                s.reaction,
+                s.stored_energy,
+                s.adhesive_energy,
+                s.dissipated_energy,
+                s.seconds,
+                len(s.iterations),
+            )
             for s in steps
         ]
-        table = np.array(rows, dtype=np.float64).reshape(len(rows), 6)
+        table = np.array(rows, dtype=np.float64).reshape(len(rows), 7)
         parameter = [drive.parameter_column.shown(value) for value in table[:, 0]]
         return cls(
             drive.parameter_column,
             drive.reaction_column,
             frozen(np.array(parameter, dtype=np.float64)),
             frozen(table[:, 1] * drive.reaction_column.factor),
-            table[:, 5].astype(np.int64),
+            table[:, 6].astype(np.int64),
             frozen(table[:, 2]),
             frozen(table[:, 3]),
             frozen(table[:, 4]),
+            frozen(table[:, 5]),
             frozen(np.array([residual for s in steps for residual in s.iterations], dtype=np.float64)),
         )
 
@@ -65,13 +75,14 @@ class Curve:
         names = (self.parameter_column.name, self.reaction_column.name, "iterations")
         with path.open("w", newline="", encoding="utf-8") as file:
             writer = csv.writer(file)
-            writer.writerow([*names, "stored_energy", "adhesive_energy", "seconds"])
+            writer.writerow([*names, "stored_energy", "adhesive_energy", "dissipated_energy", "seconds"])
             columns = (
                 self.parameter,
                 self.reaction,
                 self.iterations,
                 self.stored_energy,
                 self.adhesive_energy,
+                self.dissipated_energy,
                 self.seconds,
             )
             writer.writerows(zip(*(column.tolist() for column in columns), strict=True))

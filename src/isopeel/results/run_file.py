@@ -28,7 +28,7 @@ from isopeel.splines.rows import RowSpace
 #: How a run ended; "running" is what the file of a killed run says.
 Ending = Literal["running", "completed", "not converged", "interrupted"]
 
-_FORMAT = "isopeel run 2"
+_FORMAT = "isopeel run 3"
 _SAVE_SECONDS = 1.0
 _SAVE_SHARE = 0.02  # of the time may go into saving
 _ROUND_OFF = 1e-9
@@ -127,7 +127,7 @@ class RunWriter:
     def append(self, step: Step) -> None:
         """Take a step."""
         # the row without its field, which would fill the memory
-        self._rows.append(replace(step, displacement=np.empty((0, 2))))
+        self._rows.append(replace(step, displacement=np.empty((0, 2)), openings=np.empty((0, 0))))
         parameter = float(self._drive.parameter_column.shown(step.parameter))
         self._last = {parameter: step.displacement}
         if parameter >= self._next_field - _ROUND_OFF:
@@ -213,7 +213,16 @@ def _stored(file: h5py.File) -> StoredRun:
         frozen(data[columns["parameter"].name]),
         frozen(data[columns["reaction"].name]),
         data["iterations"],
-        *(frozen(data[name]) for name in ("stored_energy", "adhesive_energy", "seconds", "energy_residuals")),
+        *(
+            frozen(data[name])
+            for name in (
+                "stored_energy",
+                "adhesive_energy",
+                "dissipated_energy",
+                "seconds",
+                "energy_residuals",
+            )
+        ),
     )
     displacements = map(frozen, file["fields/displacement"][()])
     fields = dict(zip(file["fields/parameter"][()].tolist(), displacements, strict=True))
@@ -242,6 +251,7 @@ def _columns(curve: Curve) -> tuple[tuple[Column, FloatArray | IntArray], ...]:
         (Column("iterations", "1"), curve.iterations),
         (Column("stored_energy", "E0 L0^3"), curve.stored_energy),
         (Column("adhesive_energy", "E0 L0^3"), curve.adhesive_energy),
+        (Column("dissipated_energy", "E0 L0^3"), curve.dissipated_energy),
         (Column("seconds", "s"), curve.seconds),
         (Column("energy_residuals", "E0 L0^3"), curve.energy_residuals),
     )

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 from threadpoolctl import ThreadpoolController
 
-from isopeel.arrays import FloatArray
+from isopeel.arrays import FloatArray, frozen
 from isopeel.assembly.system import System
 from isopeel.errors import InputError
 from isopeel.problem import Problem
@@ -21,10 +21,14 @@ PREDICTOR_POINTS = 3
 
 
 class State(NamedTuple):
-    """Where a path can go on from: a parameter, and displacement coefficients (functions, 2)."""
+    """Where a path can go on from: a parameter, displacement coefficients (functions, 2), and the history.
+
+    The latter are the largest openings (E, Q) so far, as a step has them; only irreversible adhesion asks.
+    """
 
     parameter: float
     displacement: FloatArray
+    openings: FloatArray | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,7 +36,8 @@ class Step:
     """One converged equilibrium. Energies and reactions are for a unit width, in the problem's units.
 
     The adhesive energy is the potential of the adhesive forces where these act on the reference area;
-    projected forces have none, and the work of the drive differs from the change of the energies.
+    projected forces have none, and the work of the drive differs from the change of the energies. Of
+    irreversible adhesion it is what closing would give back, and is zero where it was never opened.
     """
 
     number: int
@@ -41,8 +46,10 @@ class Step:
     displacement: FloatArray  # (functions, 2) coefficients, read-only
     stored_energy: float
     adhesive_energy: float  # zero at infinite gap
+    dissipated_energy: float  # by irreversible adhesion
     iterations: tuple[float, ...]  # energy residual per unknown before each Newton correction
     seconds: float  # wall time of the step
+    openings: FloatArray  # (E, Q) largest ones so far at the points of the adhesive force, read-only
 
 
 def trace(
@@ -65,9 +72,14 @@ def trace(
     memory does not suffice.
     """
     system = System(problem, space, contact_points)
-    for _, displacement in start:
-        if displacement.shape != (space.size, 2):
-            raise InputError("start", displacement.shape, f"the space has {space.size} functions")
+    for state in start:
+        if state.displacement.shape != (space.size, 2):
+            raise InputError("start", state.displacement.shape, f"the space has {space.size} functions")
+    if start and start[-1].openings is not None:
+        if start[-1].openings.shape != system.openings.shape:
+            allowed = f"the adhesive force has {system.openings.shape} points"
+            raise InputError("start", start[-1].openings.shape, allowed)
+        system.openings = frozen(start[-1].openings)
     return _trace(system, parameters, settings or NewtonSettings(), start)
 
 
@@ -90,6 +102,7 @@ def _trace(
             guess = extrapolate(dict(history), parameter, system.constraints.count)
             result = newton(system, guess, parameter, settings)
         history.append((parameter, result.unknown_values))
+        system.accept(result.displacement)
         result.displacement.setflags(write=False)
         yield Step(
             number=number,
@@ -98,6 +111,8 @@ def _trace(
             displacement=result.displacement,
             stored_energy=result.equilibrium.stored_energy,
             adhesive_energy=result.equilibrium.adhesive_energy,
+            dissipated_energy=result.equilibrium.dissipated_energy,
             iterations=result.iterations,
             seconds=perf_counter() - began,
+            openings=system.openings,
         )
