@@ -18,8 +18,9 @@ from isopeel.physics.adhesion import (
 )
 from isopeel.post.figures import law_figure, save
 from isopeel.post.law import LawCharacter, law_character
+from isopeel.units import E0
 
-_GIGAPASCAL = 2.0  # E0
+_GIGAPASCAL = float(E0) / 1e9
 LAWS = ("van-der-waals", "lennard-jones", "exponential", "bilinear", "trapezoidal", "dugdale")
 
 

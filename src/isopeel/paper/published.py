@@ -34,7 +34,6 @@ class Published:
     figures: Figures | None
     dofs_printed: int
     dofs_true: int  # with all rows in this space
-    note: str
 
 
 @dataclass(frozen=True)
@@ -73,7 +72,6 @@ def published(mesh: str) -> dict[str, Published]:
             _figures(row, _FIGURES) if row["dM_e3"] else None,
             int(row["dofs_printed"]),
             int(row["dofs_true"]),
-            row["note"],
         )
         for row in rows
         if row["mesh"] == mesh

@@ -14,6 +14,8 @@ from isopeel.paper.fingerprint import code_fingerprint
 from isopeel.problem import Traction
 from isopeel.splines.names import parse_space_name
 
+#: Of the strip, in L0 = 1 nm.
+LENGTH = 200.0
 #: Elements along x and y of the published meshes.
 MESHES = {"m1": (160, 8), "m2": (200, 10), "m3": (240, 12)}
 #: The published discretizations, in the order of the published table.

@@ -14,10 +14,9 @@ from matplotlib.ticker import NullLocator
 from isopeel.errors import InputError
 from isopeel.paper.figures.amplitudes import AMPLITUDE, in_table_order
 from isopeel.paper.figures.legend import add_legend
-from isopeel.paper.study import MESHES
+from isopeel.paper.study import LENGTH, MESHES
 from isopeel.post.style import DASHES, GREY, TWO_COLUMNS, space_style, style
 
-_LENGTH = 200.0  # of the strip, in L0
 _COLUMNS = 3
 _PUBLISHED: dict[str, Any] = {
     "color": "black",
@@ -67,7 +66,7 @@ class Amplitude:
     @property
     def element_length(self) -> float:
         """Length of an element, in L0."""
-        return _LENGTH / MESHES[self.mesh][0]
+        return LENGTH / MESHES[self.mesh][0]
 
 
 def convergence_figure(entries: Sequence[Amplitude]) -> Figure:

@@ -12,10 +12,12 @@ from isopeel.arrays import FloatArray
 from isopeel.errors import InputError
 from isopeel.post.front import FrontProfile, ProcessZone, process_zone
 from isopeel.post.style import SHADE, TWO_COLUMNS, space_style, style
+from isopeel.units import E0
 
 #: What is shown of the side, seen from the peak, in lengths of the process zone.
 SHOWN = (-2.9, 2.4)
-_MEGAPASCAL = 2000.0  # E0 = 2 GPa
+#: Megapascals in E0.
+MEGAPASCAL = float(E0) / 1e6
 
 
 def front_figure(profiles: Mapping[str, FrontProfile], element_size: float) -> Figure:
@@ -42,13 +44,13 @@ def front_figure(profiles: Mapping[str, FrontProfile], element_size: float) -> F
         for name, profile in profiles.items():
             x, look = profile.position - zone.position, space_style(name).line
             adhesion, body = (
-                -_MEGAPASCAL * traction for traction in (profile.adhesive_traction, profile.body_traction)
+                -MEGAPASCAL * traction for traction in (profile.adhesive_traction, profile.body_traction)
             )
             upper_left.plot(*_broken(x, adhesion), label=name, **look)
             upper_right.plot(*_broken(x, body), **look)
             if name != coarsest:
                 seen = np.interp(profile.position, finest.position.ravel(), finest.adhesive_traction.ravel())
-                lower_left.plot(*_broken(x, adhesion + _MEGAPASCAL * seen), **look)
+                lower_left.plot(*_broken(x, adhesion + MEGAPASCAL * seen), **look)
             lower_right.plot(*_broken(x, body - adhesion), **look)
         titles = (
             "(a) of the adhesion, $-T$",
@@ -87,7 +89,7 @@ def _broken(x: FloatArray, y: FloatArray) -> tuple[FloatArray, FloatArray]:
 
 def _dimensions(axes: Axes, zone: ProcessZone, element_size: float) -> None:
     """Draw the length of the process zone at half the peak, and that of the element at the peak below it."""
-    half = _MEGAPASCAL * zone.peak / 2
+    half = MEGAPASCAL * zone.peak / 2
     edge = floor(zone.position / element_size) * element_size - zone.position
     arrow = {"arrowstyle": "<->", "linewidth": 0.8, "shrinkA": 0, "shrinkB": 0}
     start, end = zone.start - zone.position, zone.end - zone.position

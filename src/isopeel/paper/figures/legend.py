@@ -5,11 +5,14 @@ from math import ceil
 
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from matplotlib.textpath import TextPath
 
 from isopeel.post.style import GREY, SpaceStyle, space_style
 from isopeel.splines.names import parse_space_name
 
-_MOST_COLUMNS, _MOST_LETTERS = 9, 50  # in a row
+_MOST_COLUMNS = 9
+#: Size of the letters in points; in their size, the width of a mark with its distance, and between columns.
+_SIZE, _HANDLE, _SPACING = 8, 2.8, 1.2
 
 
 def space_handles(spaces: Iterable[str]) -> list[Line2D]:
@@ -31,10 +34,20 @@ def space_handles(spaces: Iterable[str]) -> list[Line2D]:
 
 
 def add_legend(figure: Figure, handles: Sequence[Line2D]) -> None:
-    """Put a legend above all panels, to be read row by row."""
-    longest = max(len(str(handle.get_label())) for handle in handles)
-    most = min(_MOST_COLUMNS, max(1, _MOST_LETTERS // longest))
+    """Put a legend above all panels, to be read row by row, with as many columns as the figure is wide."""
+    room = 72 * figure.get_figwidth() - _SIZE
+    most = next((n for n in range(min(_MOST_COLUMNS, len(handles)), 1, -1) if _width(handles, n) < room), 1)
+    # no more than that many rows need
     columns = ceil(len(handles) / ceil(len(handles) / most))
     # matplotlib fills column by column
     by_column = [handle for column in range(columns) for handle in handles[column::columns]]
-    figure.legend(handles=by_column, loc="outside upper left", ncols=columns, columnspacing=1.2)
+    figure.legend(handles=by_column, loc="outside upper left", ncols=columns, columnspacing=_SPACING)
+
+
+def _width(handles: Sequence[Line2D], columns: int) -> float:
+    """Width of a legend in points."""
+    widths = [
+        max(TextPath((0, 0), str(handle.get_label()), size=_SIZE).get_extents().width for handle in column)
+        for column in (handles[k::columns] for k in range(columns))
+    ]
+    return sum(widths) + columns * _SIZE * (_HANDLE + _SPACING)

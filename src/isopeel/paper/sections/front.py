@@ -7,9 +7,10 @@ from matplotlib.figure import Figure
 
 from isopeel.paper.document import Block, Picture, Table, Text
 from isopeel.paper.figures import front_figure
+from isopeel.paper.figures.front import MEGAPASCAL
 from isopeel.paper.record import FRONT_DEG
 from isopeel.paper.results import Results
-from isopeel.paper.study import MESHES, SPACES, Run, table_runs
+from isopeel.paper.study import LENGTH, MESHES, SPACES, Run, table_runs
 from isopeel.paper.wording import digits, number
 from isopeel.post.front import beam_decay, front_profile, layer_decay
 from isopeel.problem import strip
@@ -17,8 +18,7 @@ from isopeel.problem import strip
 TITLE = "Why the moment oscillates"
 _MESH = "m2"
 _SHOWN = ("L1", "L2", "N2.1", "L4")  # from the coarsest to the finest
-_SIZE = 200.0 / MESHES[_MESH][0]  # of an element along the strip, in L0 = 1 nm
-_MEGAPASCAL = 2000.0  # E0 = 2 GPa
+_SIZE = LENGTH / MESHES[_MESH][0]  # of an element along the strip, in L0 = 1 nm
 
 
 def runs(meshes: Sequence[str]) -> list[Run]:
@@ -51,13 +51,13 @@ def blocks(results: Results, meshes: Sequence[str]) -> Iterator[Block]:
         off = None
         if front is not None:
             there = np.interp(front.position, finest.position, finest.traction)
-            off = _MEGAPASCAL * float(np.abs(front.traction - there).max())
+            off = MEGAPASCAL * float(np.abs(front.traction - there).max())
         rows.append(
             (
                 space,
                 number(None if front is None else front.process_zone),
                 number(off, 2),
-                number(None if front is None else _MEGAPASCAL * front.jump, 2),
+                number(None if front is None else MEGAPASCAL * front.jump, 2),
                 digits(None if figures is None else figures.amplitude),
             )
         )
