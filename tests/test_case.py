@@ -20,7 +20,7 @@ from isopeel.physics.materials import Material, MooneyRivlin, NeoHooke, SaintVen
 from isopeel.physics.materials.formula import FormulaMaterial
 from isopeel.problem import strip
 
-STRIP = resources.files("isopeel").joinpath("cases", "strip.toml").read_text("utf-8")
+STRIP = resources.files("isopeel").joinpath("cases", "strip", "case.toml").read_text("utf-8")
 
 
 def changed(old: str, new: str) -> str:
@@ -34,6 +34,7 @@ def test_the_shipped_strip_is_the_one_of_the_literature() -> None:
     # exactly: quantities are converted without rounding
     assert problem.body.material == published.body.material
     assert problem.adhesion == published.adhesion
+    assert (problem.fixed, problem.drive, problem.name) == (published.fixed, published.drive, published.name)
     assert np.array_equal(problem.body.shape.control_points, published.body.shape.control_points)
     assert (case.space().name, case.space().elements) == ("N2.1", (200, 10))
     assert case.reading is not None
@@ -55,11 +56,14 @@ def test_sections_with_defaults_may_be_left_out() -> None:
 def test_angles_are_multiples_of_the_step_and_end_where_asked() -> None:
     case = load_case("strip")
     asked = [float(f"{k}e-1") for k in range(1201)]
-    # one rounding from degrees to radians and one back
-    np.testing.assert_allclose(np.degrees(case.angles()), asked, rtol=3e-16, atol=0)
-    shorter = np.degrees(case.overridden(to=3.0, step=0.7).angles())
-    np.testing.assert_allclose(shorter, [0, 0.7, 1.4, 2.1, 2.8, 3.0], rtol=3e-16, atol=0)
-    assert np.degrees(case.overridden(to=0.05).angles()) == pytest.approx([0, 0.05], rel=3e-16)
+    (stage,) = case.stages()
+    assert stage.name == "rotation"
+    assert np.array_equal(stage.parameters, np.radians(asked))
+    for to, step in ((3.0, 0.7), ("3 deg", "0.7 deg"), ("180 arcmin", "0.7"), ("3", "42 arcmin")):
+        (stage,) = case.overridden(to=to, step=step).stages()
+        assert np.array_equal(stage.parameters, np.radians([0, 0.7, 1.4, 2.1, 2.8, 3.0]))
+    (stage,) = case.overridden(to=0.05).stages()
+    assert np.array_equal(stage.parameters, np.radians([0, 0.05]))
 
 
 def test_overrides_give_a_new_case_that_can_be_read_back() -> None:
@@ -67,7 +71,8 @@ def test_overrides_give_a_new_case_that_can_be_read_back() -> None:
     other = case.overridden(space="L1+N2", mesh="20x2", to=3.0, step=0.5, traction="projected")
     assert case == load_case("strip")
     assert (other.discretization.space, other.space().elements) == ("L1+N2", (20, 2))
-    assert (other.drive.to, other.drive.step, other.adhesion.traction) == (3.0, 0.5, "projected")
+    (drive,) = other.drive
+    assert (drive.to, drive.step, other.adhesion.traction) == ("3.0 deg", "0.5 deg", "projected")
     assert Case.parse(other.text) == other
     assert Case.parse(case.text) == case
 
@@ -221,10 +226,10 @@ BAD_VALUES = [
     ('length = "200 nm"', 'length = "-200 nm"', "body.length", "positive"),
     ('height = "10 nm"', 'height = "0 nm"', "body.height", "positive"),
     ('height = "10 nm"', 'heigth = "10 nm"', "body.heigth", "length, height"),
-    ("[body]", "[bodies]", "bodies", "name, body, material"),
+    ("[body]", "[bodies]", "bodies", "name, about, body, material"),
     ('name = "strip"', 'name = "../strip"', "name", "letters"),
     ('name = "strip"', "name = 3", "name", "letters"),
-    ('length = "150 nm"', 'length = "201 nm"', "adhesion.length", "at most body.length"),
+    ('length = "150 nm"', 'length = "201 nm"', "adhesion.length", "at most 200"),
     ('length = "150 nm"', 'length = "-1 nm"', "adhesion.length", "positive"),
     (
         'hamaker_constant = "1e-19 J"',
@@ -253,14 +258,24 @@ BAD_VALUES = [
     ('step = "0.1 deg"', 'step = "0.1 nm"', "drive.step", "an angle"),
     ('to = "120 deg"', 'to = "181 deg"', "drive.to", "at most 180"),
     ('to = "120 deg"', 'to = "0 deg"', "drive.to", "above 0"),
-    ('window = ["98 deg", "101.4 deg"]', 'window = ["98 deg"]', "reading.window", "two angles"),
+    ('window = ["98 deg", "101.4 deg"]', 'window = ["98 deg"]', "reading.window", "two values"),
+    ('window = ["98 deg", "101.4 deg"]', 'window = "98 deg"', "reading.window", "two values"),
+    ('window = ["98 deg", "101.4 deg"]', "", "reading.window", "missing"),
+    ('fields_every = "10 deg"', 'fields_every = "0 deg"', "output.fields_every", "positive"),
+    ('fields_every = "10 deg"', "fields_every = 10", "output.fields_every", "an angle is needed"),
+    ('fields_every = "10 deg"', 'every = "10 deg"', "output.every", "fields_every"),
     (
         'window = ["98 deg", "101.4 deg"]',
         'window = ["98 deg", "98 deg"]',
         "reading.window",
         "smaller one first",
     ),
-    ('window = ["98 deg", "101.4 deg"]', 'window = ["98 deg", "1 nm"]', "reading.window", "two angles"),
+    (
+        'window = ["98 deg", "101.4 deg"]',
+        'window = ["98 deg", "1 nm"]',
+        "reading.window",
+        "an angle is needed",
+    ),
 ]
 
 
@@ -307,7 +322,15 @@ def test_bad_formulas_name_their_key(old: str, new: str, field: str) -> None:
 
 @pytest.mark.parametrize(
     ("option", "value"),
-    [("mesh", "0x1"), ("space", "Z3"), ("traction", "x"), ("to", 200.0), ("contact_points", 0)],
+    [
+        ("mesh", "0x1"),
+        ("space", "Z3"),
+        ("traction", "x"),
+        ("to", 200.0),
+        ("to", "3 nm"),
+        ("step", "x"),
+        ("contact_points", 0),
+    ],
 )
 def test_bad_overrides_name_the_option(option: str, value: object) -> None:
     with pytest.raises(InputError) as caught:

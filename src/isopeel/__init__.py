@@ -15,15 +15,34 @@ if TYPE_CHECKING:
         VanDerWaals,
     )
     from isopeel.physics.adhesion.formula import FormulaAdhesion
+    from isopeel.physics.adhesion.mirrored import Mirrored
     from isopeel.physics.materials import MooneyRivlin, NeoHooke, SaintVenantKirchhoff, Yeoh
     from isopeel.physics.materials.formula import FormulaMaterial
+    from isopeel.physics.materials.prestretched import Prestretched
     from isopeel.physics.substrates import Circle, Flat, Wavy
     from isopeel.physics.substrates.formula import FormulaSubstrate
-    from isopeel.problem import AdhesiveSide, Body, FixedSide, Problem, RotatedSide, strip
+    from isopeel.problem import (
+        AdhesiveSide,
+        Body,
+        FixedSide,
+        MovedSide,
+        Problem,
+        PulledSide,
+        RotatedSide,
+        strip,
+    )
+    from isopeel.problem.shapes import (
+        CurvedStrip,
+        HalfCylinder,
+        Patch,
+        QuarterCylinder,
+        Strip,
+        TaperedStrip,
+    )
     from isopeel.results.curve import Curve
     from isopeel.results.run_file import StoredRun, read_run
     from isopeel.solve.newton import ConvergenceError, NewtonSettings
-    from isopeel.solve.trace import Step, trace
+    from isopeel.solve.trace import State, Step, trace
     from isopeel.splines.rows import RowSpace, row_space
 
 __version__ = "0.1.0"
@@ -36,6 +55,7 @@ __all__ = [
     "Circle",
     "ConvergenceError",
     "Curve",
+    "CurvedStrip",
     "Dugdale",
     "Exponential",
     "FixedSide",
@@ -43,17 +63,27 @@ __all__ = [
     "FormulaAdhesion",
     "FormulaMaterial",
     "FormulaSubstrate",
+    "HalfCylinder",
     "InputError",
     "LennardJones",
+    "Mirrored",
     "MooneyRivlin",
+    "MovedSide",
     "NeoHooke",
     "NewtonSettings",
+    "Patch",
+    "Prestretched",
     "Problem",
+    "PulledSide",
+    "QuarterCylinder",
     "RotatedSide",
     "RowSpace",
     "SaintVenantKirchhoff",
+    "State",
     "Step",
     "StoredRun",
+    "Strip",
+    "TaperedStrip",
     "Trapezoidal",
     "VanDerWaals",
     "Wavy",
@@ -82,11 +112,30 @@ _MODULES = {
     "physics.materials.formula": ("FormulaMaterial",),
     "physics.substrates": ("Circle", "Flat", "Wavy"),
     "physics.substrates.formula": ("FormulaSubstrate",),
-    "problem": ("AdhesiveSide", "Body", "FixedSide", "Problem", "RotatedSide", "strip"),
+    "physics.adhesion.mirrored": ("Mirrored",),
+    "physics.materials.prestretched": ("Prestretched",),
+    "problem": (
+        "AdhesiveSide",
+        "Body",
+        "FixedSide",
+        "MovedSide",
+        "Problem",
+        "PulledSide",
+        "RotatedSide",
+        "strip",
+    ),
+    "problem.shapes": (
+        "CurvedStrip",
+        "HalfCylinder",
+        "Patch",
+        "QuarterCylinder",
+        "Strip",
+        "TaperedStrip",
+    ),
     "results.curve": ("Curve",),
     "results.run_file": ("StoredRun", "read_run"),
     "solve.newton": ("ConvergenceError", "NewtonSettings"),
-    "solve.trace": ("Step", "trace"),
+    "solve.trace": ("State", "Step", "trace"),
     "splines.rows": ("RowSpace", "row_space"),
 }
 _HOMES = {name: module for module, names in _MODULES.items() for name in names}

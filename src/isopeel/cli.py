@@ -55,13 +55,6 @@ def _console() -> "Console":
     return Console(markup=False, emoji=False, highlight=False)
 
 
-def _degrees(text: str) -> float:
-    try:
-        return float(text)
-    except ValueError as error:
-        raise typer.BadParameter(f"{text!r} cannot be used; a number of degrees is needed") from error
-
-
 @app.callback(invoke_without_command=True)
 def _root(
     context: typer.Context,
@@ -77,15 +70,20 @@ def _root(
 
 @app.command()
 def run(
-    case: Annotated[str, typer.Argument(metavar="CASE", help="A TOML file, or a shipped case: strip.")],
+    case: Annotated[
+        str, typer.Argument(metavar="CASE", help="A TOML file, or a shipped case (see `isopeel cases`).")
+    ],
     out: Annotated[
         Path | None, typer.Option(metavar="DIR", help="Folder of the results; out/NAME when left out.")
     ] = None,
     space: Annotated[str | None, typer.Option(metavar="NAME", help="Spline space, such as N2.1.")] = None,
     mesh: Annotated[str | None, typer.Option(metavar="NXxNY", help="Elements, such as 200x10.")] = None,
-    to: Annotated[float | None, typer.Option(parser=_degrees, metavar="DEGREES", help="Last angle.")] = None,
+    to: Annotated[
+        str | None,
+        typer.Option(metavar="VALUE", help="Last parameter, such as '20 nm'; a number means degrees."),
+    ] = None,
     step: Annotated[
-        float | None, typer.Option(parser=_degrees, metavar="DEGREES", help="Step of the angle.")
+        str | None, typer.Option(metavar="VALUE", help="Step of the parameter, written likewise.")
     ] = None,
     traction: Annotated[
         str | None,
@@ -114,10 +112,18 @@ def run(
     except KeyboardInterrupt:
         return _fail(INTERRUPTED, "interrupted")
     if stored.failure is not None:
-        return _fail(NOT_CONVERGED, failure_message(stored.failure, folder))
+        return _fail(NOT_CONVERGED, failure_message(stored.failure, stored.curve.parameter_column, folder))
     if stored.ending == "interrupted":
         return _fail(INTERRUPTED, f"interrupted; what converged before is in {folder}")
     return COMPLETED
+
+
+@app.command()
+def cases() -> None:
+    """List the shipped cases."""
+    from isopeel.run import cases_table
+
+    _console().print(cases_table())
 
 
 @app.command()
@@ -181,4 +187,30 @@ def law(
     from isopeel.law import show_law
 
     show_law(name, out, _console())
+    return COMPLETED
+
+
+@app.command()
+def validate(
+    only: Annotated[
+        list[str] | None, typer.Option(metavar="CHECK", help="A check, such as tapes; repeatable.")
+    ] = None,
+    out: Annotated[Path, typer.Option(metavar="DIR", help="Folder of the report.")] = Path("out/validation"),
+) -> int:
+    """Hold runs against closed forms, and report on all deviations."""
+    try:
+        from isopeel.paper.execution import WorkerLostError
+        from isopeel.validation.report import chosen_checks
+        from isopeel.validation.report import validate as run_checks
+
+        console = _console()
+        try:
+            found = run_checks(chosen_checks(only or []), out, console)
+        except WorkerLostError as error:
+            return _fail(BAD_INPUT, str(error))
+    except KeyboardInterrupt:
+        return _fail(INTERRUPTED, "interrupted")
+    console.print(f"the report is {found.page}", soft_wrap=True)
+    if found.failed:
+        return _fail(NOT_CONVERGED, f"numbers beyond what is allowed: {found.failed}, see {found.page}")
     return COMPLETED

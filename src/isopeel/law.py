@@ -8,20 +8,14 @@ from rich.table import Table
 
 from isopeel.case import load_case
 from isopeel.errors import InputError
-from isopeel.physics.adhesion import (
-    AdhesionLaw,
-    Bilinear,
-    Dugdale,
-    Exponential,
-    LennardJones,
-    Trapezoidal,
-)
+from isopeel.physics.adhesion import AdhesionLaw
 from isopeel.post.figures import law_figure, save
 from isopeel.post.law import LawCharacter, law_character
+from isopeel.registry import discover
 from isopeel.units import E0
 
 _GIGAPASCAL = float(E0) / 1e9
-LAWS = ("van-der-waals", "lennard-jones", "exponential", "bilinear", "trapezoidal", "dugdale")
+LAWS = discover("isopeel.physics.adhesion")
 
 
 def show_law(name: str, out: Path | None, console: Console) -> None:
@@ -56,18 +50,9 @@ def _of_the_case(name: str) -> AdhesionLaw:
 
 
 def _like_the_strip(name: str) -> AdhesionLaw:
-    strip = load_case("strip").problem().adhesion.law
-    known = law_character(strip)
-    strength, work, gap = known.strength, known.work_of_adhesion, known.equilibrium_gap
-    laws: dict[str, AdhesionLaw] = {
-        "van-der-waals": strip,
-        "lennard-jones": LennardJones(work, gap),
-        "exponential": Exponential(strength, work, gap),
-        "bilinear": Bilinear(strength, work, rise=0.2, equilibrium_gap=gap),
-        "trapezoidal": Trapezoidal(strength, work, rise=0.2, plateau=0.4, equilibrium_gap=gap),
-        "dugdale": Dugdale(strength, work, transition=0.3, equilibrium_gap=gap),
-    }
-    return laws[name]
+    known = law_character(load_case("strip").problem().adhesion.law)
+    law: AdhesionLaw = LAWS[name].like(known.strength, known.work_of_adhesion, known.equilibrium_gap)
+    return law
 
 
 def law_table(name: str, character: LawCharacter) -> Table:

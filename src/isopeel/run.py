@@ -11,36 +11,66 @@ from rich.box import SIMPLE_HEAD
 from rich.console import Console
 from rich.table import Table
 
-from isopeel.case import Case
+from isopeel.case import Case, Stage, load_case, shipped_cases
 from isopeel.errors import InputError
-from isopeel.post.closed_form import beam_peeling
-from isopeel.post.figures import moment_figure, save, shapes_figure
+from isopeel.post.closed_form import expected
+from isopeel.post.figures import reaction_figure, save, shapes_figure
 from isopeel.post.reading import read_plateau
 from isopeel.post.summary import summarize
-from isopeel.problem import Drive, Problem
+from isopeel.problem import Column, Drive
 from isopeel.progress import progress
+from isopeel.results.curve import Curve
 from isopeel.results.provenance import Provenance
 from isopeel.results.run_file import Failure, RunWriter, StoredRun, read_run, run_attributes
-from isopeel.solve.newton import ConvergenceError
-from isopeel.solve.trace import Step, trace
+from isopeel.solve.newton import ConvergenceError, NewtonSettings
+from isopeel.solve.trace import State, Step, trace
 from isopeel.splines.rows import RowSpace
 
 #: Files that a run leaves in its folder.
-FILES = ("run.h5", "curve.csv", "summary.json", "moment.png", "shapes.png")
+FILES = ("run.h5", "curve.csv", "summary.json", "curve.png", "shapes.png")
 
 
 def run_case(case: Case, out: Path, console: Console) -> StoredRun:
     """Run a case and write its files to a folder, in place of those of an earlier run.
 
-    Returns what was stored; its `ending` says whether the run came to its end, found no equilibrium or
-    was interrupted: all that converged before is in the files. Raises InputError where the folder
-    cannot be written or the memory does not suffice, OSError where a file cannot be written, and
+    A case of several stages has a folder for each of them inside, numbered and named. Returns what was
+    stored of the last stage that was run; its `ending` says whether that came to its end, found no
+    equilibrium or was interrupted: all that converged before is in the files. Raises InputError where a
+    folder cannot be written or the memory does not suffice, OSError where a file cannot be written, and
     KeyboardInterrupt where there is no step yet; an earlier run stays until there is one.
     """
+    space = case.space()
+    base: State | None = None
+    for stage, folder in zip(case.stages(), stage_folders(case, out), strict=True):
+        run = _run_stage(case, stage, space, base, folder, console)
+        if run.ending != "completed":
+            break
+        base = run.last[-1]
+    return run
+
+
+def stage_folders(case: Case, out: Path) -> list[Path]:
+    """The folder of each stage: `out` itself for the only one."""
+    stages = case.stages()
+    if len(stages) == 1:
+        return [out]
+    return [out / f"{number}-{stage.name}" for number, stage in enumerate(stages, start=1)]
+
+
+def _run_stage(
+    case: Case, stage: Stage, space: RowSpace, base: State | None, out: Path, console: Console
+) -> StoredRun:
     began = perf_counter()
-    problem, space, angles = case.problem(), case.space(), case.angles()
+    problem = stage.problem
     try:
-        steps = trace(problem, space, angles, contact_points=case.discretization.contact_points)
+        steps = trace(
+            problem,
+            space,
+            stage.parameters,
+            NewtonSettings(jumps=stage.jumps),
+            base=base,
+            contact_points=case.discretization.contact_points,
+        )
     except InputError as error:
         chosen = error.field in ("mesh", "contact_points")
         field = f"discretization.{error.field}" if chosen else error.field
@@ -48,30 +78,40 @@ def run_case(case: Case, out: Path, console: Console) -> StoredRun:
     _check_folder(out)
     file, *others = (out / name for name in FILES)
     attributes = run_attributes(problem, space, Provenance.of_this_process())
-    writer = RunWriter(file, problem.drive, case.text, attributes, case.output.fields_every, others)
+    every = stage.fields_every
+    writer = RunWriter(file, problem.drive, case.text, attributes, every, others)
     try:
         with writer:
-            _follow(steps, problem.drive, len(angles), writer, console)
+            _follow(steps, problem.drive, len(stage.parameters), writer, console)
     finally:
         # whatever comes in between, the table holds what the file does
         if writer.saved:
             writer.curve.write_csv(out / "curve.csv")
     run = read_run(file)
-    summary = _write_results(case, problem, space, run, out, perf_counter() - began)
+    summary = _write_results(stage, space, run, out, perf_counter() - began)
     if run.ending != "interrupted":
-        _print_table(summary, out, console)
+        _print_table(summary, run.curve, out, console)
     return run
 
 
-def failure_message(failure: Failure, out: Path) -> str:
-    """Say where and why a run found no equilibrium, with its iterations."""
+def failure_message(failure: Failure, column: Column, out: Path) -> str:
+    """Say at which parameter and why a run found no equilibrium, with its iterations."""
+    unit = _short(column)
     lines = [
-        f"no equilibrium at {failure.parameter:g} deg: {failure.reason}",
+        f"no equilibrium at {failure.parameter:g} {unit}: {failure.reason}",
         "iteration  energy residual per unknown",
         *(f"{number:9d}  {measure:.3e}" for number, measure in enumerate(failure.iterations, start=1)),
         f"everything that converged before is in {out}",
     ]
     return "\n".join(lines)
+
+
+def cases_table() -> Table:
+    """List the shipped cases, with the first sentence of each."""
+    table = Table("case", "what it is", box=SIMPLE_HEAD)
+    for name in shipped_cases():
+        table.add_row(name, load_case(name).about)
+    return table
 
 
 def _check_folder(out: Path) -> None:
@@ -104,39 +144,51 @@ def _follow(steps: Iterable[Step], drive: Drive, count: int, writer: RunWriter, 
 
 
 def _write_results(
-    case: Case, problem: Problem, space: RowSpace, run: StoredRun, out: Path, wall_time: float
+    stage: Stage, space: RowSpace, run: StoredRun, out: Path, wall_time: float
 ) -> dict[str, Any]:
     """Write the figures and the summary, and return the latter."""
-    closed_form = beam_peeling(problem)
-    period = closed_form.period_deg(space.elements[0]) if closed_form else None
-    plateau = read_plateau(run.curve, case.reading.window, period) if case.reading else None
-    summary = summarize(case, run, plateau, closed_form, period, wall_time)
+    closed_form = expected(stage.problem, space)
+    period = closed_form.period if closed_form else None
+    plateau = read_plateau(run.curve, stage.window, period) if stage.window else None
+    summary = summarize(stage.problem.name, run, stage.window, plateau, closed_form, wall_time)
     text = json.dumps(summary, indent=2, allow_nan=False)
     (out / "summary.json").write_text(text + "\n", encoding="utf-8")
     if len(run.curve):
-        save(moment_figure(run.curve, plateau, closed_form), out / "moment.png")
-        save(shapes_figure(problem, space, run.fields), out / "shapes.png")
+        save(reaction_figure(run.curve, plateau, closed_form), out / "curve.png")
+        save(shapes_figure(stage.problem, space, run.fields), out / "shapes.png")
     return summary
 
 
-def _print_table(summary: dict[str, Any], out: Path, console: Console) -> None:
+def _print_table(summary: dict[str, Any], curve: Curve, out: Path, console: Console) -> None:
     """Print the summary in a few lines, with the closed form beside what it tells."""
-    moment, slopes, window = summary["units"]["moment"], summary["slopes"], summary["window"]
-    closed_form = summary["closed_form"] or {}
-    table = Table("", "run", "closed form", title=summary["case"], box=SIMPLE_HEAD)
+    parameter, reaction = curve.parameter_column, curve.reaction_column
+    unit = _short(parameter)
+    slopes, window, peak = summary["slopes"], summary["window"], summary["peak"]
+    theory = summary["closed_form"] or {}
+    table = Table("", "run", theory.get("source", "closed form"), title=summary["case"], box=SIMPLE_HEAD)
     table.add_row("space", f"{summary['space']}, {summary['mesh']}, {summary['dofs']} DOFs")
-    table.add_row("angle", _shown(summary["angle"], "g", "deg"))
     table.add_row(
-        "plateau", _shown(summary["plateau"], ".6f", moment), _shown(closed_form.get("moment"), ".4f", moment)
+        parameter.words.partition("$")[0].strip() or parameter.name,
+        _shown(summary[parameter.name], "g", unit),
+    )
+    if peak is not None:
+        at = f" at {peak[parameter.name]:g} {unit}"
+        table.add_row(f"largest {reaction.name}", _shown(peak[reaction.name], ".6g", reaction.unit) + at)
+    value = theory.get("reaction")
+    table.add_row(
+        "plateau", _shown(summary["plateau"], ".6f", reaction.unit), _shown(value, ".4f", reaction.unit)
     )
     if slopes is not None:
-        table.add_row("amplitude", _shown(summary["amplitude"], ".3e", moment))
-        steepest = f"{slopes['rise']:+.3e}, {slopes['fall']:+.3e} {moment}/deg"
+        table.add_row("amplitude", _shown(summary["amplitude"], ".3e", reaction.unit))
+        steepest = f"{slopes['rise']:+.3e}, {slopes['fall']:+.3e} {reaction.unit}/{unit}"
         table.add_row("steepest slopes", steepest)
-        table.add_row("read between", f"{window[0]:g} and {window[1]:g} deg")
-    table.add_row(
-        "onset", _shown(summary["onset"], ".1f", "deg"), _shown(closed_form.get("onset"), ".1f", "deg")
-    )
+        table.add_row("read between", f"{window[0]:g} and {window[1]:g} {unit}")
+    if summary["onset"] is not None or theory.get("onset") is not None:
+        table.add_row(
+            "onset", _shown(summary["onset"], ".1f", unit), _shown(theory.get("onset"), ".1f", unit)
+        )
+    if summary["released_energy"]:
+        table.add_row("released in jumps", _shown(summary["released_energy"], ".4g", "E0 L0^3"))
     per_step = _shown(summary["newton_iterations_per_step"], ".2f", "per step")
     table.add_row("Newton iterations", f"{summary['newton_iterations']}, {per_step}")
     table.add_row("time", f"{summary['wall_time_s']:.1f} s")
@@ -144,6 +196,10 @@ def _print_table(summary: dict[str, Any], out: Path, console: Console) -> None:
     if summary["note"]:
         console.print(f"not read: {summary['note']}")
     console.print(f"files in {out}", soft_wrap=True)
+
+
+def _short(column: Column) -> str:
+    return "deg" if column.unit == "degree" else column.unit
 
 
 def _shown(value: float | None, digits: str, unit: str) -> str:

@@ -9,6 +9,7 @@ from scipy.interpolate import BarycentricInterpolator
 from isopeel import (
     AdhesiveSide,
     Body,
+    Circle,
     FixedSide,
     Flat,
     InputError,
@@ -21,7 +22,7 @@ from isopeel import (
 )
 from isopeel.arrays import FloatArray
 from isopeel.assembly.system import BandMatrix, Storage, System
-from isopeel.physics.batch import SUBSTRATE_SIGNATURE, compile_batch, evaluate_law
+from isopeel.physics.batch import evaluate_law
 from isopeel.problem import Traction
 from isopeel.splines.nurbs import NurbsSurface, Side, annulus_sector, rectangle
 from isopeel.splines.space import SplineSpace
@@ -146,36 +147,10 @@ def test_tangent_is_the_derivative_of_the_residual(
         np.testing.assert_allclose(tangent @ direction, difference, rtol=0, atol=1e-7 * scale)
 
 
-class Circle:
-    """A convex substrate, as a user would add one: an object with numbers and a batch function."""
-
-    def __init__(self, x: float, y: float, radius: float) -> None:
-        self.parameters = np.array([x, y, radius])
-        self.kernel = compile_batch(SUBSTRATE_SIGNATURE, _circle, cache=False)
-
-
-def _circle(
-    position: FloatArray,
-    parameters: FloatArray,
-    count: int,
-    gap: FloatArray,
-    normal: FloatArray,
-    curvature: FloatArray,
-) -> None:
-    for n in range(count):
-        x = position[0, n] - parameters[0]
-        y = position[1, n] - parameters[1]
-        distance = np.sqrt(x * x + y * y)
-        gap[n] = distance - parameters[2]
-        normal[0, n] = x / distance
-        normal[1, n] = y / distance
-        curvature[n] = 1.0 / parameters[2]
-
-
 @pytest.mark.parametrize("traction", ["reference", "projected"])
 def test_tangent_turns_with_the_normal_of_a_curved_substrate(traction: Traction) -> None:
     problem = problem_of(rectangle(8.0, 2.0), traction)
-    curved = replace(problem.adhesion, substrate=Circle(3.0, -4.3, 4.0), end=0.9)
+    curved = replace(problem.adhesion, substrate=Circle(4.0, centre=(3.0, -4.3)), end=0.9)
     system = System(replace(problem, adhesion=curved), row_space("N2", (6, 2)))
     rng = np.random.default_rng(8)
     z, direction = 0.02 * rng.standard_normal((2, system.constraints.count))
@@ -273,7 +248,7 @@ def test_the_band_is_narrow(name: str, expected: int) -> None:
     assert System(strip(), row_space(name, (24, 10))).half_bandwidth == expected
     # turned by a right angle the strip has as narrow a band: unknowns are numbered along its length
     upright = replace(
-        strip(), body=Body(rectangle(10.0, 200.0), MATERIAL), fixed=(FixedSide("bottom", (1,)),)
+        strip(), body=Body(rectangle(10.0, 200.0), MATERIAL), fixed=(FixedSide("bottom", (0,)),)
     )
     turned = replace(upright, drive=RotatedSide("top"))
     assert System(turned, row_space("L1", (10, 24))).half_bandwidth == 25

@@ -14,11 +14,12 @@ from isopeel.physics.adhesion import AdhesionLaw
 from isopeel.physics.batch import evaluate_substrate
 from isopeel.physics.substrates import Substrate
 from isopeel.physics.substrates.circle import Circle, SolidPart
+from isopeel.physics.substrates.flat import Flat
 from isopeel.physics.substrates.formula import FormulaSubstrate
 from isopeel.physics.substrates.wavy import Wavy
 
-CYLINDER = Circle((0.3, -0.2), 2.0, "inside")
-HOLE = Circle((0.3, -0.2), 2.0, "outside")
+CYLINDER = Circle(2.0, "inside", (0.3, -0.2))
+HOLE = Circle(2.0, "outside", (0.3, -0.2))
 GENTLE = Wavy(height=0.1, amplitude=0.2, wavelength=4.0, phase=0.3)
 STEEP = Wavy(height=-0.3, amplitude=2.0, wavelength=1.0, phase=1.9)
 AS_FORMULA = "h + a*cos(2*pi*x/l + p)"
@@ -30,13 +31,13 @@ def seen_from(substrate: Substrate, positions: FloatArray) -> tuple[FloatArray, 
 
 
 def wave_as_formula(wave: Wavy) -> FormulaSubstrate:
-    constants = {"h": wave.height, "a": wave.amplitude, "l": wave.wavelength, "p": wave.phase}
+    constants = {"h": wave.mean_height, "a": wave.amplitude, "l": wave.wavelength, "p": wave.phase}
     return FormulaSubstrate(AS_FORMULA, constants)
 
 
 def wave_height(wave: Wavy, x: FloatArray) -> FloatArray:
-    height: FloatArray = wave.height + wave.amplitude * np.cos(2 * np.pi * x / wave.wavelength + wave.phase)
-    return height
+    height: FloatArray = wave.amplitude * np.cos(2 * np.pi * x / wave.wavelength + wave.phase)
+    return wave.mean_height + height
 
 
 def random_points(x: float, y: float, count: int) -> FloatArray:
@@ -48,7 +49,7 @@ def test_circle(circle: Circle, side: float) -> None:
     angle = np.linspace(0.1, 6.2, 9)
     direction = np.stack([np.cos(angle), np.sin(angle)], axis=-1)
     distance = np.linspace(0.5, 5.0, 9)
-    gap, normal, curvature = seen_from(circle, circle.centre + distance[:, None] * direction)
+    gap, normal, curvature = seen_from(circle, circle.middle + distance[:, None] * direction)
     np.testing.assert_allclose(gap, side * (distance - 2.0), rtol=0, atol=1e-15)  # round-off
     np.testing.assert_allclose(normal, side * direction, rtol=0, atol=1e-15)
     assert curvature.tolist() == [side / 2.0] * 9
@@ -132,7 +133,7 @@ def test_no_point_of_a_wave_is_closer(amplitude: float, span: float) -> None:
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 def test_a_circle_as_a_formula(sign: float) -> None:
     """A half circle is a graph: the cylinder from above, the hole with its lower half."""
-    circle = Circle((0.0, 0.0), 2.0, "inside" if sign > 0 else "outside")
+    circle = Circle(2.0, "inside" if sign > 0 else "outside", (0.0, 0.0))
     graph = FormulaSubstrate("s*sqrt(R**2 - x**2)", {"R": 2.0, "s": sign})
     angle = sign * np.linspace(0.8, 2.3, 11)
     distance = np.linspace(1.7, 2.5 if sign > 0 else 2.2, 11)
@@ -174,7 +175,7 @@ def test_above_a_trough_two_points_are_equally_close() -> None:
 
 def test_points_without_a_closest_point_have_no_gap() -> None:
     """They end in nan, which the solver notices, and none of them takes long."""
-    gap, normal, _ = seen_from(HOLE, np.array([HOLE.centre]))
+    gap, normal, _ = seen_from(HOLE, np.array([HOLE.middle]))
     assert gap[0] == 2.0
     assert np.isnan(normal).all()
     logarithm = FormulaSubstrate("log(x)")
@@ -216,9 +217,9 @@ SOFT = FormulaAdhesion("-W*(1 + r/d)*exp(-r/d)", {"W": 0.01, "d": 0.3})  # the s
 @pytest.mark.parametrize(
     ("substrate", "law"),
     [
-        (Circle((10.0, -20.3), 20.0, "inside"), VanDerWaals(0.05, 0.4)),
-        (Circle((10.0, 19.7), 20.05, "outside"), VanDerWaals(0.05, 0.4)),
-        (Wavy(-0.35, 0.05, 3.0, 0.4), SOFT),
+        (Circle(20.0, "inside", (10.0, -20.3)), VanDerWaals(0.05, 0.4)),
+        (Circle(100.37, "outside", (10.0, 99.6)), VanDerWaals(0.05, 0.4)),
+        (Wavy(0.05, 3.0, 0.4, -0.35), SOFT),
         (FormulaSubstrate("-0.4 + 0.05*sin(2*x) + 0.02*cos(5*x)"), SOFT),
     ],
     ids=["cylinder", "hole", "wave", "formula"],
@@ -262,10 +263,49 @@ def test_substrates_travel_to_other_processes() -> None:
         assert pickle.loads(pickle.dumps(substrate)) == substrate
 
 
+@pytest.mark.parametrize(
+    "substrate", [Flat(0.2), CYLINDER, HOLE, GENTLE, ROUGH], ids=lambda one: type(one).name
+)
+def test_a_receded_substrate_is_the_same_one_farther_away(substrate: Substrate) -> None:
+    positions = random_points(2.0, 2.0, 40)
+    receded = substrate.receded(0.3)
+    assert type(receded) is type(substrate)
+    assert receded.constant_curvature == substrate.constant_curvature
+    gap, normal, curvature = seen_from(substrate, positions)
+    if substrate.constant_curvature:
+        # a parallel curve: farther by the gap, wherever it is seen from, to round-off
+        assert np.ptp(curvature) == 0
+        farther, same_normal, _ = seen_from(receded, positions)
+        np.testing.assert_allclose(farther, gap + 0.3, rtol=0, atol=1e-15)
+        np.testing.assert_array_equal(same_normal, normal)
+    else:
+        # straight down: what is seen from here was seen from higher up, to the round-off of the positions
+        assert np.ptp(curvature) > 0
+        moved = seen_from(receded, positions - [0.0, 0.3])
+        for ours, expected in zip(moved, (gap, normal, curvature), strict=True):
+            np.testing.assert_allclose(ours, expected, rtol=0, atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    "substrate",
+    [Flat(), Circle(2.0), Circle(2.0, "outside"), Wavy(0.3, 2.0)],
+    ids=["flat", "cylinder", "hole", "wave"],
+)
+def test_a_substrate_without_a_place_touches_the_origin_from_below(substrate: Substrate) -> None:
+    gap, normal, _ = seen_from(substrate, np.array([[0.0, 0.0], [0.0, 0.1]]))
+    assert gap.tolist() == [0.0, pytest.approx(0.1, rel=1e-14)]  # round-off
+    np.testing.assert_allclose(normal, [[0, 1]] * 2, rtol=0, atol=1e-15)
+
+
+def test_nothing_is_left_of_a_cylinder_that_recedes_by_its_radius() -> None:
+    with pytest.raises(InputError, match=r"substrate\.gap: 2\.0.*radius 0, which must be positive"):
+        CYLINDER.receded(2.0)
+
+
 @pytest.mark.parametrize("radius", [0.0, -1.0, np.inf, np.nan])
 def test_circle_refuses_radii(radius: float) -> None:
     with pytest.raises(InputError, match=r"substrate\.radius"):
-        Circle((0.0, 0.0), radius, "inside")
+        Circle(radius, "inside", (0.0, 0.0))
 
 
 @pytest.mark.parametrize(
@@ -278,7 +318,7 @@ def test_circle_refuses_radii(radius: float) -> None:
 )
 def test_circle_refuses_what_is_none(centre: tuple[float, float], solid: SolidPart, reason: str) -> None:
     with pytest.raises(InputError, match=reason):
-        Circle(centre, 1.0, solid)
+        Circle(1.0, solid, centre)
 
 
 @pytest.mark.parametrize(

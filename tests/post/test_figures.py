@@ -13,9 +13,9 @@ from PIL import Image
 import isopeel
 from isopeel import Curve, InputError, Problem, RowSpace, Step
 from isopeel.arrays import FloatArray, frozen
-from isopeel.post.closed_form import beam_peeling
+from isopeel.post.closed_form import expected
 from isopeel.post.fields import sample_fields
-from isopeel.post.figures import moment_figure, save, shapes_figure, space_figure
+from isopeel.post.figures import reaction_figure, save, shapes_figure, space_figure
 from isopeel.post.reading import PlateauReading
 from isopeel.problem import Column
 
@@ -45,6 +45,7 @@ def long_curve() -> Curve:
         zeros,
         zeros,
         zeros,
+        zeros,
     )
 
 
@@ -63,9 +64,9 @@ def texts(figure: Figure) -> list[str]:
 
 
 def test_a_short_run_has_one_panel_with_its_curve(run: tuple[Problem, RowSpace, list[Step]]) -> None:
-    problem, _, steps = run
+    problem, space, steps = run
     curve = Curve.of(steps, problem.drive)
-    figure = moment_figure(curve, None, beam_peeling(problem))
+    figure = reaction_figure(curve, None, expected(problem, space))
     (axes,) = figure.axes
     (line,) = axes.lines  # the closed form begins to tell something at its onset, at 53.8 degrees
     np.testing.assert_array_equal(data(line), [curve.parameter, curve.reaction])
@@ -76,14 +77,14 @@ def test_a_short_run_has_one_panel_with_its_curve(run: tuple[Problem, RowSpace, 
 
 def test_a_single_step_can_be_drawn(run: tuple[Problem, RowSpace, list[Step]], tmp_path: Path) -> None:
     problem, space, steps = run
-    save(moment_figure(Curve.of(steps[:1], problem.drive)), tmp_path / "moment.png")
+    save(reaction_figure(Curve.of(steps[:1], problem.drive)), tmp_path / "moment.png")
     save(shapes_figure(problem, space, {0.0: steps[0].displacement}), tmp_path / "shapes.png")
     assert pixels(tmp_path / "moment.png").shape[:2] == (520, 700)  # 2.6 x 3.5 inches at 200 dpi
 
 
 def test_the_closed_form_and_the_plateau_are_drawn_and_named(long_curve: Curve) -> None:
     plateau = PlateauReading((90.0, 110.0), 1.63, 1e-4, "running mean", 0.004, 0.002, -0.002)
-    figure = moment_figure(long_curve, plateau, beam_peeling(isopeel.strip()))
+    figure = reaction_figure(long_curve, plateau, expected(isopeel.strip(), isopeel.row_space("L1", (20, 2))))
     whole, enlarged = figure.axes
     _, level, onset = whole.lines
     np.testing.assert_allclose(data(level)[1], 1.6315, atol=5e-5)  # the published digits
@@ -98,7 +99,7 @@ def test_the_closed_form_and_the_plateau_are_drawn_and_named(long_curve: Curve) 
     assert enlarged.get_xlim() == (87.0, 113.0)
     assert "$10^{-3}$" in enlarged.get_ylabel()
     assert texts(figure) == [
-        "closed form 1.6315",
+        "beam theory 1.6315",
         "onset 53.8°",
         "mean 1.63, amplitude $4.00\\times 10^{-3}$\n"
         "slopes $2.00\\times 10^{-3}$, $-2.00\\times 10^{-3}$ per degree\n"
@@ -132,15 +133,15 @@ def test_shapes_share_one_scale_and_hold_the_body(
     assert (width, height) == (1440, int(200 * figure.get_figheight()))  # 7.2 inches at 200 dpi
 
 
-def test_the_front_is_enlarged_where_the_gap_opens() -> None:
+def test_the_front_is_enlarged_where_the_pull_is_strongest() -> None:
     problem, space = isopeel.strip(), isopeel.row_space("L1", (40, 2))
     displacement = np.zeros((space.size, 2))
     places = 200 * space.greville[:, 0]
     displacement[:, 1] = np.maximum(places - 100, 0) / 10  # a ramp of slope 1/10 from x = 100
     figure = shapes_figure(problem, space, {1.0: displacement})
     lower = figure.axes[1]
-    # a gap of 3 r_eq is reached where the lift is 2 r_eq = 0.509, at x = 105.1; points are 0.375 apart
-    assert np.mean(lower.get_xlim()) == pytest.approx(105.1, abs=0.4)
+    # at the gap 0.3059, where the lift is 0.0512, at x = 100.5; points are 0.375 apart
+    assert np.mean(lower.get_xlim()) == pytest.approx(100.5, abs=0.4)
 
 
 def test_each_kind_of_row_has_a_panel() -> None:
@@ -156,9 +157,9 @@ def test_each_kind_of_row_has_a_panel() -> None:
 
 
 def test_the_users_settings_neither_matter_nor_change(long_curve: Curve, tmp_path: Path) -> None:
-    save(moment_figure(long_curve), tmp_path / "ours.png")
+    save(reaction_figure(long_curve), tmp_path / "ours.png")
     with mpl.rc_context({"font.size": 30, "lines.linewidth": 9, "savefig.dpi": 17}):
-        save(moment_figure(long_curve), tmp_path / "theirs.png")
+        save(reaction_figure(long_curve), tmp_path / "theirs.png")
         assert mpl.rcParams["font.size"] == 30
     np.testing.assert_array_equal(pixels(tmp_path / "ours.png"), pixels(tmp_path / "theirs.png"))
 

@@ -25,6 +25,7 @@ def curve_of(angles: FloatArray, moments: FloatArray) -> Curve:
         zeros,
         zeros,
         zeros,
+        zeros,
     )
 
 

@@ -15,29 +15,31 @@ HELD = -1
 
 @dataclass(frozen=True, eq=False)
 class Constraints:
-    """The map u = T z + g(parameter) from unknowns z to the coefficients u of the displacement.
+    """The map u = T z + u0 + g(parameter) from unknowns z to the coefficients u of the displacement.
 
     Each coefficient follows one unknown or none (T has one 1 in a row, or none), so that a condensation
     with T is exact and costs nothing: `unknowns` (size, 2) is the number of the unknown, or HELD. The side
-    that the drive moves shares one unknown per free translation.
+    that the drive moves shares one unknown per component that is common to it. What is held, and what moves
+    as a whole, does so from where it is in the `base` state: `offset` holds that part of it, u0.
     """
 
     unknowns: IntArray
     count: int
+    offset: FloatArray  # (size, 2)
     drive: Drive
     driven: IntArray  # functions on the driven side
-    driven_points: FloatArray  # their reference control points
+    driven_points: FloatArray  # their control points in the base state
 
     def displacement(self, unknown_values: FloatArray, parameter: float) -> FloatArray:
         """Coefficients u (size, 2) of unknowns z (count,) at a value of the drive's parameter."""
         # the number HELD = -1 reads the zero at the end
-        u: FloatArray = np.append(unknown_values, 0.0)[self.unknowns]
+        u: FloatArray = np.append(unknown_values, 0.0)[self.unknowns] + self.offset
         u[self.driven] += self.drive.prescribed(self.driven_points, parameter)
         return u
 
     def unknown_values(self, displacement: FloatArray, parameter: float) -> FloatArray:
         """The unknowns z (count,) of coefficients u (size, 2) that satisfy the constraints."""
-        free = displacement.copy()
+        free = displacement - self.offset
         free[self.driven] -= self.drive.prescribed(self.driven_points, parameter)
         z = np.empty(self.count + 1)
         z[self.unknowns] = free
@@ -49,34 +51,44 @@ class Constraints:
         return totals[1:].astype(np.float64, copy=False)
 
     def reaction(self, forces: FloatArray, parameter: float) -> float:
-        """Generalised force that works on the drive's parameter."""
+        """Generalised force that works on the parameter of a drive that moves its side."""
         return float(np.sum(forces[self.driven] * self.drive.rate(self.driven_points, parameter)))
 
 
-def constrain(problem: Problem, space: RowSpace, elements: Sequence[IntArray]) -> Constraints:
+def constrain(
+    problem: Problem, space: RowSpace, elements: Sequence[IntArray], base: FloatArray | None = None
+) -> Constraints:
     """Collect a problem's constraints on a space, and number the unknowns for a narrow band.
 
-    `elements` are arrays (E, m) of the functions of each element, which are coupled with each other.
+    `elements` are arrays (E, m) of the functions of each element, which are coupled with each other; `base`
+    (size, 2) are the coefficients of the state that the drive begins with, by default those of the body as
+    it is.
 
-    Raises InputError where a held component belongs to the driven side.
+    Raises InputError where a held component belongs to a driven side that must be free to move along it.
     """
-    driven = space.side_functions(problem.drive.side)
+    drive = problem.drive
+    driven = space.side_functions(drive.side)
+    u0 = np.zeros((space.size, 2)) if base is None else base
     # groups[function, component]: what shares one unknown has one group
     groups = np.arange(2 * space.size).reshape(space.size, 2)
-    for component, free in enumerate(problem.drive.free_translations):
-        groups[driven, component] = groups[driven[0], component] if free else HELD
+    offset = np.zeros((space.size, 2))
+    for component, freedom in enumerate(drive.freedoms):
+        if freedom != "free":
+            groups[driven, component] = groups[driven[0], component] if freedom == "common" else HELD
+            offset[driven, component] = u0[driven, component]
     for fixed in problem.fixed:
         held = space.side_functions(fixed.side)
         for component in fixed.components:
-            if np.isin(held, driven).any():
+            if drive.freedoms[component] in ("common", "prescribed") and np.isin(held, driven).any():
                 raise InputError(
-                    "fixed", fixed.side, f"it meets the side {problem.drive.side}, which the drive moves"
+                    "fixed", fixed.side, f"it meets the side {drive.side}, which the drive moves"
                 )
             groups[held, component] = HELD
+            offset[held, component] = u0[held, component]
     numberings = [_number(groups, space.greville, axis) for axis in (0, 1)]
     unknowns = min(numberings, key=lambda numbering: half_bandwidth(numbering, elements))
-    control_points = space.interpolate(problem.body.shape.evaluate)
-    return Constraints(unknowns, int(unknowns.max()) + 1, problem.drive, driven, control_points[driven])
+    control_points = space.interpolate(problem.body.shape.evaluate) + u0
+    return Constraints(unknowns, int(unknowns.max()) + 1, offset, drive, driven, control_points[driven])
 
 
 def _number(groups: IntArray, places: FloatArray, axis: int) -> IntArray:

@@ -12,6 +12,7 @@ from numba import njit
 
 from isopeel.arrays import FloatArray, IntArray
 from isopeel.physics.adhesion.irreversible import with_history
+from isopeel.physics.adhesion.sliding import with_slip
 from isopeel.physics.batch import BatchFunction
 
 #: Elements of a batch: enough that the test for overlapping arrays, made before each innermost loop, costs
@@ -196,9 +197,12 @@ def adhesion(
     positions: FloatArray,
     normals: FloatArray,
     unknowns: IntArray,
+    factors: bool,
     projected: bool,
     irreversible: bool,
     openings: FloatArray,
+    sliding_length: float,
+    tangents: FloatArray,
     equilibrium_gap: float,
     u: FloatArray,
     forces: FloatArray,
@@ -209,7 +213,8 @@ def adhesion(
     """Add the forces -int N_a T n phi dA of a substrate and their tangent; return two energies.
 
     They are the adhesive energy and the dissipated one, which an `irreversible` law has after the largest
-    `openings` (E, Q) so far.
+    `openings` (E, Q) so far. With `factors` the law is told the curvature. A joint with a `sliding_length`,
+    zero for none, also holds along the `tangents` (E, Q, 2).
 
     phi = 1 on the reference area, or -n . F^-T N_o when `projected`. The normal turns along a substrate of
     curvature k: dn/dx = k/(1 + k r) t t (Sadhana 46:3, 2021, Eqs. 19, 26, 27; with v = F^-T N_o, w = F^-1 n,
@@ -221,10 +226,15 @@ def adhesion(
     gap = np.empty(Q)
     n = np.empty((2, Q))
     curvature = np.empty(Q)
+    seen = np.zeros(Q)
+    closed = np.full(Q, equilibrium_gap)
+    bottom = np.zeros((3, Q))
+    slip = np.empty(Q)
     potential = np.empty(Q)
     T = np.empty(Q)
     dT = np.empty(Q)
     lost = np.zeros(Q)
+    shear = np.zeros((3, Q))
     F = np.empty((2, 2))
     H = np.empty((2, 2))
     v = np.empty(2)
@@ -240,12 +250,34 @@ def adhesion(
                 for a in range(m):
                     x[i, q] += values[e, q, a] * u[functions[e, a], i]
         substrate(x, substrate_parameters, Q, gap, n, curvature)
+        if factors:
+            seen[:] = curvature
         if irreversible:
             with_history(
-                law, gap, curvature, openings[e], equilibrium_gap, law_parameters, Q, potential, T, dT, lost
+                law, gap, seen, openings[e], equilibrium_gap, law_parameters, Q, potential, T, dT, lost
             )
         else:
-            law(gap, curvature, law_parameters, Q, potential, T, dT)
+            law(gap, seen, law_parameters, Q, potential, T, dT)
+        if sliding_length > 0.0:
+            for q in range(Q):
+                slip[q] = 0.0
+                for i in range(2):
+                    slip[q] += tangents[e, q, i] * (x[i, q] - positions[e, q, i])
+            law(closed, seen, law_parameters, Q, bottom[0], bottom[1], bottom[2])
+            with_slip(
+                gap,
+                slip,
+                sliding_length,
+                equilibrium_gap,
+                bottom[0],
+                Q,
+                potential,
+                T,
+                dT,
+                shear[0],
+                shear[1],
+                shear[2],
+            )
         K[:] = 0.0
         for q in range(Q):
             phi = 1.0
@@ -260,13 +292,14 @@ def adhesion(
             dissipated += area * phi * lost[q]
             for a in range(m):
                 for i in range(2):
-                    forces[functions[e, a], i] -= area * phi * T[q] * n[i, q] * values[e, q, a]
+                    pull = phi * T[q] * n[i, q] - shear[0, q] * tangents[e, q, i]
+                    forces[functions[e, a], i] -= area * pull * values[e, q, a]
             if not with_tangent:
                 continue
             t[0] = -n[1, q]
             t[1] = n[0, q]
             turn = curvature[q] / (1.0 + curvature[q] * gap[q])
-            slip = turn * (t[0] * v[0] + t[1] * v[1]) if projected else 0.0
+            turning = turn * (t[0] * v[0] + t[1] * v[1]) if projected else 0.0
             for a in range(m):
                 share = -area * values[e, q, a]
                 for i in range(2):
@@ -276,9 +309,13 @@ def adhesion(
                         )
                         for k in range(2):
                             moved = dT[q] * n[i, q] * n[k, q] + T[q] * turn * t[i] * t[k]
+                            if sliding_length > 0.0:
+                                hold = tangents[e, q]
+                                moved -= shear[1, q] * hold[i] * hold[k]
+                                moved -= shear[2, q] * (n[i, q] * hold[k] + hold[i] * n[k, q])
                             change = moved * phi * values[e, q, b]
                             if projected:
-                                change += T[q] * n[i, q] * (v[k] * along - slip * t[k] * values[e, q, b])
+                                change += T[q] * n[i, q] * (v[k] * along - turning * t[k] * values[e, q, b])
                             K[i, a, k, b] += share * change
         if with_tangent:
             for a in range(m):

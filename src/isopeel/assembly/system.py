@@ -9,6 +9,8 @@ from psutil import virtual_memory
 from isopeel.arrays import FloatArray, IntArray, frozen
 from isopeel.assembly import kernels
 from isopeel.assembly.constraints import Constraints, constrain, half_bandwidth
+from isopeel.assembly.loads import AssembledLoad
+from isopeel.assembly.start import check_start
 from isopeel.assembly.tables import BatchTable, ElementTable, SideTable, element_tables, side_table
 from isopeel.errors import InputError
 from isopeel.physics.batch import evaluate_substrate
@@ -28,7 +30,7 @@ class Equilibrium:
     dissipated_energy: float
     lowest_determinant: float  # of F at the quadrature points
     forces: FloatArray  # (size, 2), on every coefficient
-    residual: FloatArray  # (count,), on every unknown
+    residual: FloatArray  # (count,), on every unknown; the forces less those of the load
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,12 +67,20 @@ class System:
     """Forces and tangents of a problem on a space. Tables are made once; the pattern never changes.
 
     The adhesive force has `contact_points` Gauss points per element, one more than the degree by default.
-    Raises InputError where the memory does not suffice, or where problem and space do not fit together.
+    `base` are the coefficients (size, 2) of the state that the drive begins with, if it is not the body as
+    it is. Raises InputError where the memory does not suffice, where problem and space do not fit together,
+    where the body overlaps the substrate, or where it can move as a whole without a force.
 
     Tangents share one array per storage: each call of `linearize` overwrites the last one's.
     """
 
-    def __init__(self, problem: Problem, space: RowSpace, contact_points: int | None = None) -> None:
+    def __init__(
+        self,
+        problem: Problem,
+        space: RowSpace,
+        contact_points: int | None = None,
+        base: FloatArray | None = None,
+    ) -> None:
         needed, free = bytes_needed(space), virtual_memory().available
         if needed > free:
             allowed = (
@@ -83,20 +93,64 @@ class System:
         self.space = space.weighted(shape)
         self.elements: tuple[ElementTable, ...] = element_tables(shape, self.space)
         functions = [table.functions for table in self.elements]
-        self.constraints: Constraints = constrain(problem, self.space, functions)
+        self.constraints: Constraints = constrain(problem, self.space, functions, base)
         self.half_bandwidth: int = half_bandwidth(self.constraints.unknowns, functions)
         part = adhesion.start, adhesion.end
         self.adhesive: SideTable = side_table(shape, self.space, adhesion.side, part, contact_points)
         #: Largest openings so far at the points of the adhesive force, (E, Q), for irreversible adhesion.
         self.openings: FloatArray = frozen(np.zeros(self.adhesive.weights.shape))
+        self.load: AssembledLoad | None = AssembledLoad.of(problem.drive, shape, self.space, self.constraints)
+        #: Substrate's tangents at the points' first positions, (E, Q, 2), along which a joint may hold.
+        self.tangents: FloatArray = check_start(
+            problem, self.space, self.adhesive, self.constraints, self.load, base
+        )
         self._batches: list[BatchTable] = [BatchTable.of(t, self.constraints) for t in self.elements]
         self._adhesive_unknowns: IntArray = self.constraints.unknowns[self.adhesive.functions]
         self._workspaces: dict[Storage, FloatArray] = {}
 
     @property
+    def load_is_unknown(self) -> bool:
+        """Whether the size of the load is one more unknown, after those of the displacement."""
+        return self.load is not None and self.load.load.control == "displacement"
+
+    @property
+    def count(self) -> int:
+        """Number of unknowns y: those of the displacement, and the size of a load that is unknown."""
+        return self.constraints.count + self.load_is_unknown
+
+    def state(self, unknown_values: FloatArray, parameter: float) -> tuple[FloatArray, float]:
+        """Coefficients u (size, 2) and size of the load, of unknowns y (count,) at a parameter."""
+        u = self.constraints.displacement(unknown_values[: self.constraints.count], parameter)
+        if self.load is None:
+            return u, 0.0
+        return u, float(unknown_values[-1]) if self.load_is_unknown else parameter
+
+    def unknown_values(self, displacement: FloatArray, parameter: float) -> FloatArray:
+        """Unknowns y (count,) of coefficients u (size, 2); the size of an unknown load is left at zero."""
+        z = self.constraints.unknown_values(displacement, parameter)
+        # a dead load enters the equations linearly: Newton's method finds it at once
+        return np.append(z, 0.0) if self.load_is_unknown else z
+
+    def reaction(
+        self, equilibrium: Equilibrium, displacement: FloatArray, load: float, parameter: float
+    ) -> float:
+        """What answers the parameter: the force or moment that moves, the load, or its displacement."""
+        if self.load is None:
+            return self.constraints.reaction(equilibrium.forces, parameter)
+        return load if self.load_is_unknown else self.load.displacement(displacement)
+
+    def control(self, displacement: FloatArray, parameter: float) -> tuple[float, FloatArray, FloatArray]:
+        """What the displacement of an unknown load misses, and the last column and row of the tangent."""
+        assert self.load is not None
+        missed = parameter - self.load.displacement(displacement)
+        column = -self.constraints.condense(self.load.forces(displacement))
+        return missed, column, -self.constraints.condense(self.load.pattern)
+
+    @property
     def storage(self) -> Storage:
         """Symmetric where all forces have a potential."""
-        return "symmetric" if self.problem.adhesion.traction == "reference" else "general"
+        turning = self.load is not None and self.load.load.follows
+        return "general" if turning or self.problem.adhesion.traction == "projected" else "symmetric"
 
     @property
     def energy_scale(self) -> float:
@@ -124,12 +178,12 @@ class System:
             gap, _, _ = evaluate_substrate(adhesion.substrate.kernel, adhesion.substrate.parameters, position)
             self.openings = frozen(np.maximum(self.openings, gap - adhesion.law.equilibrium_gap))
 
-    def equilibrium(self, displacement: FloatArray) -> Equilibrium:
-        """Energies, forces and residual of coefficients u (size, 2)."""
-        return self._assemble(displacement, None)
+    def equilibrium(self, displacement: FloatArray, load: float = 0.0) -> Equilibrium:
+        """Energies, forces and residual of coefficients u (size, 2) under a load of a size."""
+        return self._assemble(displacement, load, None)
 
     def linearize(
-        self, displacement: FloatArray, storage: Storage | None = None
+        self, displacement: FloatArray, storage: Storage | None = None, load: float = 0.0
     ) -> tuple[Equilibrium, BandMatrix]:
         """The same with the tangent dR/dz, in `general` storage where it may not be positive definite."""
         storage = storage or self.storage
@@ -140,9 +194,9 @@ class System:
         band = self._workspaces[storage]
         band.fill(0.0)
         matrix = BandMatrix(band, self.half_bandwidth, storage)
-        return self._assemble(displacement, matrix), matrix
+        return self._assemble(displacement, load, matrix), matrix
 
-    def _assemble(self, displacement: FloatArray, matrix: BandMatrix | None) -> Equilibrium:
+    def _assemble(self, displacement: FloatArray, load: float, matrix: BandMatrix | None) -> Equilibrium:
         band = np.empty((0, 0)) if matrix is None else matrix.workspace
         diagonal = 0 if matrix is None or matrix.storage == "symmetric" else 2 * self.half_bandwidth
         material, adhesion = self.problem.body.material, self.problem.adhesion
@@ -177,9 +231,12 @@ class System:
             side.positions,
             side.normals,
             self._adhesive_unknowns,
+            adhesion.substrate.constant_curvature,
             adhesion.traction == "projected",
             adhesion.irreversible,
             self.openings,
+            adhesion.sliding_length or 0.0,
+            self.tangents,
             adhesion.law.equilibrium_gap,
             displacement,
             forces,
@@ -187,4 +244,10 @@ class System:
             diagonal,
             matrix is not None,
         )
-        return Equilibrium(stored, adhesive, dissipated, lowest, forces, self.constraints.condense(forces))
+        unbalanced = forces
+        if self.load is not None:
+            unbalanced = forces - load * self.load.forces(displacement)
+            if matrix is not None and self.load.load.follows:
+                self.load.add_stiffness(band, diagonal, load)
+        residual = self.constraints.condense(unbalanced)
+        return Equilibrium(stored, adhesive, dissipated, lowest, forces, residual)

@@ -10,10 +10,9 @@ import isopeel
 #: What turns the text of a case into converged steps.
 _SOURCES = (
     "arrays.py",
-    "case.py",
-    "case_laws.py",
-    "case_sections.py",
-    "case_values.py",
+    "case",
+    "quantities.py",
+    "registry.py",
     "units.py",
     "splines",
     "physics",

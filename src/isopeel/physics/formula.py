@@ -1,7 +1,8 @@
 """User-written formulas: a parser that admits formulas only, and their translation to batch functions.
 
 The text never reaches `eval`: Python's parser turns it into a tree, and only numbers, known names, the four
-operations, powers and the functions in `FUNCTIONS` are carried over into a SymPy expression.
+operations, powers and the functions in `FUNCTIONS` are carried over into a SymPy expression. SymPy is
+loaded when a formula is met: a second that most runs can save.
 """
 
 import ast
@@ -10,28 +11,18 @@ import re
 from collections.abc import Callable, Iterable, Mapping
 from functools import lru_cache
 from keyword import iskeyword
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import sympy
-from sympy.printing.pycode import pycode
 
 from isopeel.errors import InputError
 from isopeel.physics.batch import BatchFunction, compile_batch
 
+if TYPE_CHECKING:
+    import sympy
+
 #: Functions a formula may use.
-FUNCTIONS = {
-    "exp": sympy.exp,
-    "log": sympy.log,
-    "sqrt": sympy.sqrt,
-    "sin": sympy.sin,
-    "cos": sympy.cos,
-    "tan": sympy.tan,
-    "atan": sympy.atan,
-    "sinh": sympy.sinh,
-    "cosh": sympy.cosh,
-    "tanh": sympy.tanh,
-}
+FUNCTIONS = ("exp", "log", "sqrt", "sin", "cos", "tan", "atan", "sinh", "cosh", "tanh")
 _OPERATIONS: dict[type[ast.operator], Callable[[Any, Any], Any]] = {
     ast.Add: operator.add,
     ast.Sub: operator.sub,
@@ -42,8 +33,10 @@ _LONGEST = 2000  # characters: far more than any law of the literature, and litt
 _NAMESPACE = {name: getattr(np, name) for name in (*FUNCTIONS, "pi", "nan")}
 
 
-def parse_formula(field: str, text: str, names: tuple[str, ...]) -> sympy.Expr:
+def parse_formula(field: str, text: str, names: tuple[str, ...]) -> "sympy.Expr":
     """Translate a formula of the given variable names to SymPy; InputError on anything that is not one."""
+    import sympy
+
     if len(text) > _LONGEST:
         raise InputError(field, text[:40] + "...", f"a formula has at most {_LONGEST} characters")
     allowed = (
@@ -60,7 +53,9 @@ def parse_formula(field: str, text: str, names: tuple[str, ...]) -> sympy.Expr:
     return expression
 
 
-def _translate(node: ast.expr, symbols: Mapping[str, sympy.Symbol]) -> sympy.Expr:
+def _translate(node: ast.expr, symbols: "Mapping[str, sympy.Symbol]") -> "sympy.Expr":
+    import sympy
+
     match node:
         case ast.Constant(value=bool()):
             raise ValueError("not a number")
@@ -86,7 +81,7 @@ def _translate(node: ast.expr, symbols: Mapping[str, sympy.Symbol]) -> sympy.Exp
             combine = _OPERATIONS[type(op)]
             return combine(_translate(left, symbols), _translate(right, symbols))
         case ast.Call(func=ast.Name(id=name), args=[argument], keywords=[]) if name in FUNCTIONS:
-            return FUNCTIONS[name](_translate(argument, symbols))
+            return getattr(sympy, name)(_translate(argument, symbols))
     raise ValueError(f"{type(node).__name__} is not part of a formula")
 
 
@@ -100,8 +95,10 @@ def check_constants(field: str, constants: Mapping[str, float], reserved: tuple[
             raise InputError(f"{field}.{name}", value, "it must be finite")
 
 
-def check_smooth(field: str, text: str, expressions: Iterable[sympy.Expr]) -> None:
+def check_smooth(field: str, text: str, expressions: "Iterable[sympy.Expr]") -> None:
     """Raise InputError where derivatives of a formula have jumps, or functions that a formula has not."""
+    import sympy
+
     for expression in expressions:
         functions = {type(part).__name__ for part in expression.atoms(sympy.Function)}
         if functions - set(FUNCTIONS) or expression.has(sympy.zoo, sympy.nan, sympy.I):
@@ -112,7 +109,7 @@ def batch_source(
     arguments: str,
     inputs: Mapping[str, str],
     constants: tuple[str, ...],
-    outputs: Mapping[str, sympy.Expr],
+    outputs: "Mapping[str, sympy.Expr]",
     guard: str | None = None,
 ) -> str:
     """Write a batch function: for every point n, read the inputs, and set each output to its expression.
@@ -121,6 +118,8 @@ def batch_source(
     of the expressions are computed once. Where `guard`, a condition on the entries, does not hold, the
     outputs are nan.
     """
+    import sympy
+
     # the user's names get a prefix, so that they cannot meet those of the function itself
     private = {symbol: sympy.Symbol(f"user_{symbol}") for e in outputs.values() for symbol in e.free_symbols}
     expressions = [expression.xreplace(private) for expression in outputs.values()]
@@ -139,7 +138,10 @@ def batch_source(
     return "\n".join(lines) + "\n"
 
 
-def _code(expression: sympy.Expr) -> str:
+def _code(expression: "sympy.Expr") -> str:
+    import sympy
+    from sympy.printing.pycode import pycode
+
     # floats throughout: a whole number would give the array entry of an integer type
     text: str = pycode(sympy.N(expression, 17), fully_qualified_modules=False)
     return text

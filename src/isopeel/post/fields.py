@@ -12,6 +12,9 @@ from isopeel.splines.nurbs import NurbsSurface, Side
 from isopeel.splines.rows import RowSpace
 from isopeel.splines.space import SplineSpace
 
+#: Share of the largest Jacobian below which it counts as zero: at a corner where two sides meet tangentially.
+_FLAT = 1e-9
+
 
 @dataclass(frozen=True, eq=False)
 class SampledFields:
@@ -19,7 +22,8 @@ class SampledFields:
 
     Arrays are (n_x, n_y, a + 1, b + 1, ...): elements along xi and eta, then nodes along xi and eta. An
     element has the nodes on its edges to itself, so that what jumps between elements does so here. Where an
-    element is turned inside out its stresses are nan.
+    element is turned inside out its stresses are nan, and at a corner where two sides of the shape meet
+    without a corner, as on a cylinder, all but the positions.
     """
 
     reference_position: FloatArray  # X (..., 2)
@@ -108,7 +112,10 @@ def _deformation(
     shape = problem.body.shape
     X, reference_derivatives = _on_grid(*_as_rows(shape), xi, eta)
     u, derivatives = _on_grid(space.weighted(shape), displacement, xi, eta)
-    inverse = np.asarray(np.linalg.inv(reference_derivatives), dtype=np.float64)
+    determinant = np.linalg.det(reference_derivatives)
+    flat = np.abs(determinant) <= _FLAT * np.abs(determinant).max()
+    inverse = np.linalg.inv(np.where(flat[..., None, None], np.eye(2), reference_derivatives))
+    inverse[flat] = np.nan
     return X, X + u, np.eye(2) + derivatives @ inverse, inverse
 
 
@@ -152,7 +159,7 @@ def _functions(space: SplineSpace, points: FloatArray) -> tuple[FloatArray, IntA
     """Functions, their derivatives (2, elements, nodes, p + 1) at points (elements, nodes), and numbers."""
     # a point on a knot belongs to the side on which the rest of its interval lies
     inwards = points.mean(axis=1, keepdims=True) - points
-    elements = space.element_of((points + 1e-9 * inwards).ravel())
+    elements = space.element_of((points + 1e-6 * inwards).ravel())
     values, first = space.basis(points.ravel(), 1, elements=elements)
     numbers = first[:, None] + np.arange(space.degree + 1)
     return values.reshape(2, *points.shape, -1), numbers.reshape(*points.shape, -1)

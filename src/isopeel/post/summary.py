@@ -1,53 +1,64 @@
 """The summary of a run: what was read from it, for a JSON file."""
 
+from dataclasses import asdict
 from math import isfinite
 from typing import Any
 
-from isopeel.case import Case
-from isopeel.post.closed_form import BeamPeeling
+import numpy as np
+
+from isopeel.post.closed_form import Expected
 from isopeel.post.reading import PlateauReading, onset_angle, plateau_mean, unreadable
 from isopeel.results.run_file import StoredRun
 
 
 def summarize(
-    case: Case,
+    name: str,
     run: StoredRun,
+    window: tuple[float, float] | None,
     plateau: PlateauReading | None,
-    closed_form: BeamPeeling | None,
-    period: float | None,
+    closed_form: Expected | None,
     wall_time: float,
 ) -> dict[str, Any]:
     """Collect what a run says, as plain numbers and texts; `note` says why a value is None.
 
-    Angles are in degrees, moments in E0 L0^3, slopes per degree, lengths in L0. `period` is that of the
-    oscillation on the plateau, in degrees; `wall_time` (seconds) that of the whole run, with its compilation.
+    Parameter and reaction are in the units of their columns, which `units` names, slopes per unit of the
+    parameter. The plateau is read in the `window`, if there is one; `wall_time` (seconds) is that of the
+    whole run, with its compilation.
     """
     curve, attributes, failure = run.curve, run.attributes, run.failure
     iterations = int(curve.iterations.sum())
-    onset = onset_angle(curve)
-    window = case.reading.window if case.reading else None
+    parameter, reaction = curve.parameter_column, curve.reaction_column
+    # a straight line that bends tells when peeling begins under a moment, not under a force
+    onset = onset_angle(curve) if parameter.unit == "degree" else None
+    strongest = int(np.argmax(np.abs(curve.reaction))) if len(curve) else None
     versions = {name: value for name, value in attributes.items() if name.startswith("version_")}
     return {
-        "case": case.name,
+        "case": name,
         **{name: attributes[name] for name in ("space", "mesh", "dofs", "traction")},
-        "units": {"angle": curve.parameter_column.unit, "moment": curve.reaction_column.unit, "length": "L0"},
-        "angle": float(curve.parameter[-1]) if len(curve) else None,
+        "units": {parameter.name: parameter.unit, reaction.name: reaction.unit, "length": "L0"},
+        parameter.name: float(curve.parameter[-1]) if len(curve) else None,
+        "peak": None
+        if strongest is None
+        else {
+            reaction.name: float(curve.reaction[strongest]),
+            parameter.name: float(curve.parameter[strongest]),
+        },
         "plateau": window and plateau_mean(curve, window),
         "amplitude": plateau and plateau.amplitude,
         "slopes": plateau and {"rise": plateau.steepest_rise, "fall": plateau.steepest_fall},
-        "drift": plateau and {"per_degree": plateau.drift, "of": plateau.drift_of},
+        "drift": plateau and {"per_unit": plateau.drift, "of": plateau.drift_of},
         "window": plateau and list(plateau.window),
         "onset": onset,
-        "closed_form": closed_form
-        and {"moment": closed_form.moment, "onset": closed_form.onset_deg, "radius": closed_form.radius},
-        "note": "; ".join(_notes(run, window, period, onset)) or None,
+        "closed_form": closed_form and asdict(closed_form),
+        "note": "; ".join(_notes(run, window, closed_form, onset)) or None,
         "wall_time_s": wall_time,
         "newton_iterations": iterations,
         "newton_iterations_per_step": iterations / len(curve) if len(curve) else None,
+        "released_energy": float(curve.released_energy.sum()),
         "completed": run.ending == "completed",
         "failure": failure
         and {
-            "angle": failure.parameter,
+            parameter.name: failure.parameter,
             "reason": failure.reason,
             # JSON knows no inf
             "iterations": [measure if isfinite(measure) else None for measure in failure.iterations],
@@ -58,14 +69,14 @@ def summarize(
 
 
 def _notes(
-    run: StoredRun, window: tuple[float, float] | None, period: float | None, onset: float | None
+    run: StoredRun, window: tuple[float, float] | None, closed_form: Expected | None, onset: float | None
 ) -> list[str]:
     notes = []
     if window is None:
         notes.append("plateau, amplitude and slopes: the case names no window to read them in")
-    elif reason := unreadable(run.curve, window, period):
+    elif reason := unreadable(run.curve, window, closed_form.period if closed_form else None):
         covered = plateau_mean(run.curve, window) is not None
         notes.append(f"{'' if covered else 'plateau, '}amplitude and slopes: {reason}")
-    if onset is None:
+    if onset is None and run.curve.parameter_column.unit == "degree":
         notes.append("onset: no peeling began")
     return notes

@@ -1,6 +1,6 @@
 """What is peeled: a body, where it adheres to what, what is held, and how it is driven."""
 
-from isopeel.problem.drives import Column, Drive, RotatedSide
+from isopeel.problem.drives import Column, Drive, Load, MovedSide, PulledSide, RotatedSide
 from isopeel.problem.problem import AdhesiveSide, Body, FixedSide, Problem, Traction
 from isopeel.problem.strip import strip
 
@@ -10,7 +10,10 @@ __all__ = [
     "Column",
     "Drive",
     "FixedSide",
+    "Load",
+    "MovedSide",
     "Problem",
+    "PulledSide",
     "RotatedSide",
     "Traction",
     "strip",

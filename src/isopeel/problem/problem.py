@@ -30,7 +30,8 @@ class AdhesiveSide:
     same with dA projected on the substrate, times -n_o . F^-T N_o (`projected`; its tangent is not
     symmetric), with the substrate's normal n_o and the outward normal N_o of the side (Sadhana 46:3, 2021,
     Eq. 19, read in two ways). Where it is `irreversible`, what has opened closes again along the secant of
-    the law (`physics.adhesion.irreversible`).
+    the law (`physics.adhesion.irreversible`). Without a `sliding_length` it slides along the substrate
+    without friction, with one it is held there as well (`physics.adhesion.sliding`).
     """
 
     side: Side
@@ -40,14 +41,22 @@ class AdhesiveSide:
     end: float = 1.0
     traction: Traction = "reference"
     irreversible: bool = False
+    sliding_length: float | None = None
 
     def __post_init__(self) -> None:
-        """Check the side, the interval and the kind of traction."""
+        """Check the side, the interval, the kind of traction and what holds along the substrate."""
         check_side("adhesion.side", self.side)
         if self.traction not in get_args(Traction):
             raise InputError("adhesion.traction", self.traction, f"it is {' or '.join(get_args(Traction))}")
         if not 0 <= self.start < self.end <= 1:
             raise InputError("adhesion", (self.start, self.end), "need 0 <= start < end <= 1 along the side")
+        if self.sliding_length is None:
+            return
+        if not 0 < self.sliding_length < float("inf"):
+            raise InputError("adhesion.sliding_length", self.sliding_length, "it must be positive")
+        if self.irreversible or self.traction != "reference":
+            allowed = "a joint that holds along the substrate is reversible, with 'reference' traction"
+            raise InputError("adhesion.sliding_length", self.sliding_length, allowed)
 
 
 @dataclass(frozen=True)

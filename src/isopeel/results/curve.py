@@ -27,6 +27,7 @@ class Curve:
     stored_energy: FloatArray
     adhesive_energy: FloatArray
     dissipated_energy: FloatArray
+    released_energy: FloatArray  # in jumps
     seconds: FloatArray
     energy_residuals: FloatArray  # per unknown, of the corrections of all steps, one step after the other
 
@@ -41,23 +42,25 @@ class Curve:
                 s.stored_energy,
                 s.adhesive_energy,
                 s.dissipated_energy,
+                s.released_energy,
                 s.seconds,
                 len(s.iterations),
             )
             for s in steps
         ]
-        table = np.array(rows, dtype=np.float64).reshape(len(rows), 7)
+        table = np.array(rows, dtype=np.float64).reshape(len(rows), 8)
         parameter = [drive.parameter_column.shown(value) for value in table[:, 0]]
         return cls(
             drive.parameter_column,
             drive.reaction_column,
             frozen(np.array(parameter, dtype=np.float64)),
             frozen(table[:, 1] * drive.reaction_column.factor),
-            table[:, 6].astype(np.int64),
+            table[:, 7].astype(np.int64),
             frozen(table[:, 2]),
             frozen(table[:, 3]),
             frozen(table[:, 4]),
             frozen(table[:, 5]),
+            frozen(table[:, 6]),
             frozen(np.array([residual for s in steps for residual in s.iterations], dtype=np.float64)),
         )
 
@@ -72,17 +75,17 @@ class Curve:
 
     def write_csv(self, path: Path) -> None:
         """Write the curve as a table with a header line; numbers keep all their digits."""
-        names = (self.parameter_column.name, self.reaction_column.name, "iterations")
+        columns = {
+            self.parameter_column.name: self.parameter,
+            self.reaction_column.name: self.reaction,
+            "iterations": self.iterations,
+            "stored_energy": self.stored_energy,
+            "adhesive_energy": self.adhesive_energy,
+            "dissipated_energy": self.dissipated_energy,
+            "released_energy": self.released_energy,
+            "seconds": self.seconds,
+        }
         with path.open("w", newline="", encoding="utf-8") as file:
             writer = csv.writer(file)
-            writer.writerow([*names, "stored_energy", "adhesive_energy", "dissipated_energy", "seconds"])
-            columns = (
-                self.parameter,
-                self.reaction,
-                self.iterations,
-                self.stored_energy,
-                self.adhesive_energy,
-                self.dissipated_energy,
-                self.seconds,
-            )
-            writer.writerows(zip(*(column.tolist() for column in columns), strict=True))
+            writer.writerow(columns)
+            writer.writerows(zip(*(column.tolist() for column in columns.values()), strict=True))

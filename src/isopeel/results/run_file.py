@@ -2,10 +2,13 @@
 
 Layout: `case`, the TOML text; `curve/NAME` (n,) for each column, with its `unit`, among them
 `curve/energy_residuals` (m,), one for each Newton correction of all steps; `fields/parameter` (k,) in the
-unit of the parameter's column, and `fields/displacement` (k, functions, 2); `failure`, where there was one;
-attributes of the root for all else.
+unit of the parameter's column, and `fields/displacement` (k, functions, 2); `last`, the states of the last
+steps, from which the path goes on: `parameter` (l,) in the solver's unit, `displacement` (l, functions, 2),
+`unknown_values` (l, count), and `openings` (E, Q) after the last; `failure`, where there was one; attributes
+of the root for all else.
 """
 
+from collections import deque
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -22,13 +25,13 @@ from isopeel.problem import Column, Drive, Problem
 from isopeel.results.curve import Curve
 from isopeel.results.files import replacing
 from isopeel.results.provenance import Provenance
-from isopeel.solve.trace import Step
+from isopeel.solve.trace import PREDICTOR_POINTS, State, Step
 from isopeel.splines.rows import RowSpace
 
 #: How a run ended; "running" is what the file of a killed run says.
 Ending = Literal["running", "completed", "not converged", "interrupted"]
 
-_FORMAT = "isopeel run 3"
+_FORMAT = "isopeel run 4"
 _SAVE_SECONDS = 1.0
 _SAVE_SHARE = 0.02  # of the time may go into saving
 _ROUND_OFF = 1e-9
@@ -56,6 +59,7 @@ class StoredRun:
     attributes: Mapping[str, str | int]
     ending: Ending
     failure: Failure | None = None
+    last: tuple[State, ...] = ()  # where `trace` goes on bit for bit, the newest at the end
 
 
 def run_attributes(problem: Problem, space: RowSpace, provenance: Provenance) -> dict[str, str | int]:
@@ -101,10 +105,11 @@ class RunWriter:
         self._attributes = attributes
         self._interval = field_interval
         self._outdated = outdated
-        self._next_field = -np.inf
+        self._kept = -1.0
         self._rows: list[Step] = []
         self._fields: dict[float, FloatArray] = {}
         self._last: dict[float, FloatArray] = {}
+        self._states: deque[State] = deque(maxlen=PREDICTOR_POINTS)
         self._ending: Ending = "running"
         self._failure: Failure | None = None
         self._next_save = 0.0
@@ -127,13 +132,15 @@ class RunWriter:
     def append(self, step: Step) -> None:
         """Take a step."""
         # the row without its field, which would fill the memory
-        self._rows.append(replace(step, displacement=np.empty((0, 2)), openings=np.empty((0, 0))))
+        empty = np.empty((0, 2))
+        self._rows.append(replace(step, displacement=empty, openings=empty, unknown_values=empty[:, 0]))
+        self._states.append(step.state)
         parameter = float(self._drive.parameter_column.shown(step.parameter))
         self._last = {parameter: step.displacement}
-        if parameter >= self._next_field - _ROUND_OFF:
+        passed = np.floor(abs(parameter) / self._interval + _ROUND_OFF)
+        if passed != self._kept:
             self._fields |= self._last
-            passed = np.floor(parameter / self._interval + _ROUND_OFF)
-            self._next_field = (passed + 1) * self._interval
+            self._kept = passed
         if perf_counter() >= self._next_save:
             self._save()
 
@@ -149,10 +156,11 @@ class RunWriter:
     def _save(self) -> None:
         began = perf_counter()
         fields = self._fields | self._last
-        write_run(
-            self._path,
-            StoredRun(self._case_text, self.curve, fields, self._attributes, self._ending, self._failure),
+        states = tuple(self._states)
+        run = StoredRun(
+            self._case_text, self.curve, fields, self._attributes, self._ending, self._failure, states
         )
+        write_run(self._path, run)
         if not self.saved:
             for path in self._outdated:
                 path.unlink(missing_ok=True)
@@ -185,11 +193,17 @@ def _image(run: StoredRun) -> bytes:
         file.attrs.update({"format": _FORMAT, "ending": run.ending, **run.attributes})
         for column, values in _columns(run.curve):
             data = file.create_dataset(f"curve/{column.name}", data=values)
-            data.attrs.update({"unit": column.unit, "factor": column.factor})
+            data.attrs.update({"unit": column.unit, "factor": column.factor, "words": column.words})
         for role in ("parameter", "reaction"):
             file["curve"].attrs[role] = getattr(run.curve, f"{role}_column").name
         file["fields/parameter"] = np.array(list(run.fields), dtype=np.float64)
         file["fields/displacement"] = np.array(list(run.fields.values()), dtype=np.float64)
+        if run.last:
+            parameters, displacements, openings, unknowns = zip(*run.last, strict=True)
+            file["last/parameter"] = np.array(parameters, dtype=np.float64)
+            file["last/displacement"] = np.array(displacements)
+            file["last/unknown_values"] = np.array(unknowns)
+            file["last/openings"] = openings[-1]
         if run.failure is not None:
             file.create_group("failure").attrs.update(run.failure._asdict())
         file.flush()
@@ -206,7 +220,7 @@ def _stored(file: h5py.File) -> StoredRun:
     for role in ("parameter", "reaction"):
         name = file["curve"].attrs[role]
         units = file["curve"][name].attrs
-        columns[role] = Column(name, units["unit"], float(units["factor"]))
+        columns[role] = Column(name, units["unit"], float(units["factor"]), units["words"])
     curve = Curve(
         columns["parameter"],
         columns["reaction"],
@@ -219,6 +233,7 @@ def _stored(file: h5py.File) -> StoredRun:
                 "stored_energy",
                 "adhesive_energy",
                 "dissipated_energy",
+                "released_energy",
                 "seconds",
                 "energy_residuals",
             )
@@ -230,6 +245,17 @@ def _stored(file: h5py.File) -> StoredRun:
     if "failure" in file:
         found = file["failure"].attrs
         failure = Failure(float(found["parameter"]), found["reason"], tuple(found["iterations"].tolist()))
+    last: tuple[State, ...] = ()
+    if "last" in file:
+        stored = file["last"]
+        arrays = (frozen(stored[name][()]) for name in ("displacement", "unknown_values"))
+        openings = frozen(stored["openings"][()])
+        last = tuple(
+            State(parameter, displacement, openings, unknowns)
+            for parameter, displacement, unknowns in zip(
+                stored["parameter"][()].tolist(), *arrays, strict=True
+            )
+        )
     return StoredRun(
         file["case"].asstr()[()],
         curve,
@@ -237,6 +263,7 @@ def _stored(file: h5py.File) -> StoredRun:
         MappingProxyType(attributes),
         ending,
         failure,
+        last,
     )
 
 
@@ -252,6 +279,7 @@ def _columns(curve: Curve) -> tuple[tuple[Column, FloatArray | IntArray], ...]:
         (Column("stored_energy", "E0 L0^3"), curve.stored_energy),
         (Column("adhesive_energy", "E0 L0^3"), curve.adhesive_energy),
         (Column("dissipated_energy", "E0 L0^3"), curve.dissipated_energy),
+        (Column("released_energy", "E0 L0^3"), curve.released_energy),
         (Column("seconds", "s"), curve.seconds),
         (Column("energy_residuals", "E0 L0^3"), curve.energy_residuals),
     )

@@ -6,7 +6,14 @@ import numpy as np
 
 from isopeel.arrays import FloatArray
 from isopeel.assembly.system import BandMatrix, Equilibrium, System
-from isopeel.solve.linear import Factor, NotPositiveDefiniteError, SingularError, factorize
+from isopeel.solve.linear import (
+    Border,
+    Bordered,
+    Factor,
+    NotPositiveDefiniteError,
+    SingularError,
+    factorize,
+)
 
 
 @dataclass(frozen=True)
@@ -15,11 +22,13 @@ class NewtonSettings:
 
     It ends with the first correction whose energy residual per unknown, |R . dz|/n, is below `tolerance`
     times the elastic scale E x area of the body; the correction itself is still applied. `iteration_limit`
-    corrections are made at most.
+    corrections are made at most. Where that finds no equilibrium, as past a limit point, a path with `jumps`
+    goes on from the next stable equilibrium that falling energy leads to.
     """
 
     tolerance: float = 1e-20
     iteration_limit: int = 25
+    jumps: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,6 +37,7 @@ class NewtonResult:
 
     unknown_values: FloatArray
     displacement: FloatArray
+    load: float
     equilibrium: Equilibrium
     iterations: tuple[float, ...]
 
@@ -50,22 +60,22 @@ class ConvergenceError(ArithmeticError):
 
 
 def newton(system: System, start: FloatArray, parameter: float, settings: NewtonSettings) -> NewtonResult:
-    """Solve R(z) = 0 at a value of the drive's parameter from a start z (count,).
+    """Solve R(y) = 0 at a value of the drive's parameter from a start y (count,).
 
-    Each correction is dz = -K^-1 R with the exact tangent (Wriggers, Nonlinear Finite Element Methods,
+    Each correction is dy = -K^-1 R with the exact tangent (Wriggers, Nonlinear Finite Element Methods,
     Sec. 5.1). Raises ConvergenceError with the reason.
     """
-    z = start
+    y = start
     threshold = settings.tolerance * system.energy_scale
     measures: list[float] = []
     try:
         for _ in range(settings.iteration_limit):
-            correction, measure = _correction(system, system.constraints.displacement(z, parameter))
-            z = z + correction
+            correction, measure = _correction(system, y, parameter)
+            y = y + correction
             measures.append(measure)
             if measure <= threshold:
-                u = system.constraints.displacement(z, parameter)
-                return NewtonResult(z, u, _accepted(system, u), tuple(measures))
+                u, load = system.state(y, parameter)
+                return NewtonResult(y, u, load, _accepted(system, u, load), tuple(measures))
     except _StoppedError as error:
         raise ConvergenceError(str(error), tuple(measures), parameter) from error
     reason = (
@@ -79,28 +89,35 @@ class _StoppedError(ArithmeticError):
     """The iteration cannot go on; says why."""
 
 
-def _correction(system: System, u: FloatArray) -> tuple[FloatArray, float]:
+def _correction(system: System, y: FloatArray, parameter: float) -> tuple[FloatArray, float]:
     """Newton's correction of a state, and its energy residual per unknown."""
-    equilibrium, matrix = system.linearize(u)
-    if not np.isfinite(equilibrium.residual).all():
+    u, load = system.state(y, parameter)
+    equilibrium, matrix = system.linearize(u, load=load)
+    residual = equilibrium.residual
+    if not np.isfinite(residual).all():
         raise _StoppedError(_inversion(system, u) or "the forces are not finite")
     try:
-        correction = -_factor(system, u, matrix).solve(equilibrium.residual)
+        factor = _factor(system, u, load, matrix)
+        if system.load_is_unknown:
+            missed, column, row = system.control(u, parameter)
+            residual = np.append(residual, missed)
+            factor = Bordered.of(factor, Border(column, row))
     except SingularError as error:
         raise _StoppedError(f"the tangent is singular: {error}") from error
-    return correction, abs(float(equilibrium.residual @ correction)) / len(correction)
+    correction = -factor.solve(residual)
+    return correction, abs(float(residual @ correction)) / len(correction)
 
 
-def _factor(system: System, u: FloatArray, matrix: BandMatrix) -> Factor:
+def _factor(system: System, u: FloatArray, load: float, matrix: BandMatrix) -> Factor:
     try:
         return factorize(matrix)
     except NotPositiveDefiniteError:
         # past a limit point, or on the way to a solution: Newton's correction is still defined
-        return factorize(system.linearize(u, "general")[1])
+        return factorize(system.linearize(u, "general", load)[1])
 
 
-def _accepted(system: System, u: FloatArray) -> Equilibrium:
-    equilibrium = system.equilibrium(u)
+def _accepted(system: System, u: FloatArray, load: float) -> Equilibrium:
+    equilibrium = system.equilibrium(u, load)
     if not np.isfinite(equilibrium.residual).all():
         raise _StoppedError(_inversion(system, u) or "the forces are not finite")
     # a law that stays finite where the body is turned inside out may balance there

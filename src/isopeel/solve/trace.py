@@ -6,13 +6,15 @@ from dataclasses import dataclass
 from time import perf_counter
 from typing import NamedTuple
 
+import numpy as np
 from threadpoolctl import ThreadpoolController
 
 from isopeel.arrays import FloatArray, frozen
 from isopeel.assembly.system import System
 from isopeel.errors import InputError
 from isopeel.problem import Problem
-from isopeel.solve.newton import NewtonSettings, newton
+from isopeel.solve.descent import descend, potential_energy
+from isopeel.solve.newton import ConvergenceError, NewtonResult, NewtonSettings, newton
 from isopeel.solve.predictor import extrapolate
 from isopeel.splines.rows import RowSpace
 
@@ -21,14 +23,16 @@ PREDICTOR_POINTS = 3
 
 
 class State(NamedTuple):
-    """Where a path can go on from: a parameter, displacement coefficients (functions, 2), and the history.
+    """Where a path can go on from, as a step has it: displacement coefficients (functions, 2) at a parameter.
 
-    The latter are the largest openings (E, Q) so far, as a step has them; only irreversible adhesion asks.
+    Only irreversible adhesion asks for the largest openings (E, Q) so far. Without the solver's unknowns
+    (count,), what goes on is the same to round-off; with those of three states it is the same bit for bit.
     """
 
     parameter: float
     displacement: FloatArray
     openings: FloatArray | None = None
+    unknown_values: FloatArray | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,7 +46,7 @@ class Step:
 
     number: int
     parameter: float  # of the drive; an angle is in radians
-    reaction: float  # conjugate to the parameter; a moment for an angle
+    reaction: float  # a moment for an angle, a force for a displacement, a displacement for a force
     displacement: FloatArray  # (functions, 2) coefficients, read-only
     stored_energy: float
     adhesive_energy: float  # zero at infinite gap
@@ -50,6 +54,13 @@ class Step:
     iterations: tuple[float, ...]  # energy residual per unknown before each Newton correction
     seconds: float  # wall time of the step
     openings: FloatArray  # (E, Q) largest ones so far at the points of the adhesive force, read-only
+    unknown_values: FloatArray  # (count,) of the solver, read-only
+    released_energy: float = 0.0  # in a jump, from where the last state would be carried to where this one is
+
+    @property
+    def state(self) -> State:
+        """Where another path can go on."""
+        return State(self.parameter, self.displacement, self.openings, self.unknown_values)
 
 
 def trace(
@@ -59,55 +70,65 @@ def trace(
     settings: NewtonSettings | None = None,
     *,
     start: Sequence[State] = (),
+    base: State | None = None,
     contact_points: int | None = None,
 ) -> Iterator[Step]:
     """Trace the equilibria of a problem on a space through the given values of the drive's parameter.
 
     Newton's method starts each step from the parabola through the last three states, those of `start`
-    among them, of which the last is the newest; without any, from the body as it is. The adhesive force has
-    `contact_points` Gauss points on each element, by default one more than the highest degree along it.
+    among them, of which the last is the newest; without any, from the body as it is. Where the path is a
+    stage after another, `base` is the state that the latter ended in: there the drive begins, with the
+    parameter zero, and what is held stays where it is. The adhesive force has `contact_points` Gauss points
+    on each element, by default one more than the highest degree along it.
 
     To stop early, break. Raises ConvergenceError where a step finds no equilibrium; all steps before it
     have been yielded. Raises InputError where problem, space, start and points do not fit together, or the
     memory does not suffice.
     """
-    system = System(problem, space, contact_points)
-    for state in start:
+    given = [*start] if base is None else [base, *start]
+    for state in given:
         if state.displacement.shape != (space.size, 2):
             raise InputError("start", state.displacement.shape, f"the space has {space.size} functions")
-    if start and start[-1].openings is not None:
-        if start[-1].openings.shape != system.openings.shape:
+    system = System(problem, space, contact_points, None if base is None else base.displacement)
+    if given and given[-1].openings is not None:
+        if given[-1].openings.shape != system.openings.shape:
             allowed = f"the adhesive force has {system.openings.shape} points"
-            raise InputError("start", start[-1].openings.shape, allowed)
-        system.openings = frozen(start[-1].openings)
-    return _trace(system, parameters, settings or NewtonSettings(), start)
+            raise InputError("start", given[-1].openings.shape, allowed)
+        system.openings = frozen(given[-1].openings)
+    if base is not None and not start:
+        start = [base._replace(parameter=0.0, unknown_values=None)]
+    settings = settings or NewtonSettings()
+    if settings.jumps and system.storage != "symmetric":
+        raise InputError(
+            "jumps", True, "forces without a potential, as projected or following ones, have none"
+        )
+    history = [(state.parameter, _unknown_values(system, state)) for state in start]
+    return _trace(system, parameters, settings, history)
 
 
 def _trace(
-    system: System, parameters: Iterable[float], settings: NewtonSettings, start: Sequence[State]
+    system: System,
+    parameters: Iterable[float],
+    settings: NewtonSettings,
+    start: Iterable[tuple[float, FloatArray]],
 ) -> Iterator[Step]:
     libraries = ThreadpoolController()
-    history = deque(
-        (
-            (state.parameter, system.constraints.unknown_values(state.displacement, state.parameter))
-            for state in start
-        ),
-        maxlen=PREDICTOR_POINTS,
-    )
+    history = deque(start, maxlen=PREDICTOR_POINTS)
     for number, parameter in enumerate(parameters):
         began = perf_counter()
         # the factorization of a narrow band gains nothing from threads, and loses by their start
         with libraries.limit(limits=1, user_api="blas"):
             # a drive that turns back meets a parameter again: its last state counts
-            guess = extrapolate(dict(history), parameter, system.constraints.count)
-            result = newton(system, guess, parameter, settings)
+            guess = extrapolate(dict(history), parameter, system.count)
+            result, released = _equilibrium(system, guess, history, parameter, settings)
         history.append((parameter, result.unknown_values))
         system.accept(result.displacement)
         result.displacement.setflags(write=False)
+        result.unknown_values.setflags(write=False)
         yield Step(
             number=number,
             parameter=parameter,
-            reaction=system.constraints.reaction(result.equilibrium.forces, parameter),
+            reaction=system.reaction(result.equilibrium, result.displacement, result.load, parameter),
             displacement=result.displacement,
             stored_energy=result.equilibrium.stored_energy,
             adhesive_energy=result.equilibrium.adhesive_energy,
@@ -115,4 +136,37 @@ def _trace(
             iterations=result.iterations,
             seconds=perf_counter() - began,
             openings=system.openings,
+            unknown_values=result.unknown_values,
+            released_energy=released,
         )
+
+
+def _equilibrium(
+    system: System,
+    guess: FloatArray,
+    history: Iterable[tuple[float, FloatArray]],
+    parameter: float,
+    settings: NewtonSettings,
+) -> tuple[NewtonResult, float]:
+    """Newton's method from a guess or, where it fails and the settings allow it, after a jump."""
+    try:
+        return newton(system, guess, parameter, settings), 0.0
+    except ConvergenceError:
+        if not settings.jumps:
+            raise
+    last = [y for _, y in history][-1:]
+    # the state before, carried along by the drive, is the better start wherever the drive leaves it sound
+    for start in (*last, guess):
+        before = potential_energy(system, start, parameter)
+        if np.isfinite(before):
+            break
+    result = newton(system, descend(system, start, parameter), parameter, settings)
+    return result, before - potential_energy(system, result.unknown_values, parameter)
+
+
+def _unknown_values(system: System, state: State) -> FloatArray:
+    if state.unknown_values is None:
+        return system.unknown_values(state.displacement, state.parameter)
+    if state.unknown_values.shape != (system.count,):
+        raise InputError("start", state.unknown_values.shape, f"the system has {system.count} unknowns")
+    return state.unknown_values

@@ -72,13 +72,20 @@ class NurbsCurve:
         """Return the same curve with its degree raised by `times`, and these knots added after."""
         return self._refined(lambda space, points: refinement.k_refine(space, points, times, knots))
 
-    def length(self) -> float:
-        """Return the length of the curve."""
+    def length(self, end: float | None = None) -> float:
+        """Return the length of the curve, or of its part up to a parameter.
+
+        Raises InputError for a parameter outside the interval.
+        """
         points, extent = _centred(self.control_points)
         centred = NurbsCurve(self.space, points, self.weights)
+        breakpoints = self.space.breakpoints
+        if end is not None:
+            self.space.element_of(end)  # raises outside
+            breakpoints = np.append(breakpoints[breakpoints < end], end)
         return _integral(
             lambda places: np.linalg.norm(centred.derivatives(places, 1)[1], axis=-1),
-            self.space.breakpoints,
+            breakpoints,
             ACCURACY * extent,
         )
 
@@ -258,7 +265,8 @@ def _functions(space: SplineSpace, points: ArrayLike, order: int) -> tuple[Float
     places = np.asarray(points, dtype=np.float64)
     functions, first = space.basis(places.ravel(), order)
     active = first[:, None] + np.arange(space.degree + 1)
-    return functions.reshape(order + 1, *places.shape, -1), active.reshape(*places.shape, -1)
+    support = (*places.shape, space.degree + 1)
+    return functions.reshape(order + 1, *support), active.reshape(support)
 
 
 def _quotients(homogeneous: FloatArray) -> FloatArray:

@@ -15,6 +15,8 @@ from isopeel.splines.space import SplineSpace
 
 #: Finest mesh, in elements along xi and along eta: beyond it tables and factor leave a workstation's memory.
 FINEST_MESH = (100_000, 1_000)
+#: Largest ratio of the sizes of the first and the last element: beyond it the finest mesh meets round-off.
+STRONGEST_GRADING = 1e6
 
 
 #: Function of xi (n,) and eta (n,) with values (n, ...).
@@ -174,23 +176,43 @@ class RowSpace:
         return Basis(np.concatenate(functions, axis=1), value, derivative)
 
 
-def row_space(name: str, elements: tuple[int, int], across_degree: int = 1) -> RowSpace:
-    """Build the space of a name (see `splines.names`) on a uniform mesh (elements along xi, along eta).
+def row_space(
+    name: str,
+    elements: tuple[int, int],
+    across_degree: int = 1,
+    grading: tuple[float, float] = (1.0, 1.0),
+) -> RowSpace:
+    """Build the space of a name (see `splines.names`) on a mesh (elements along xi, along eta).
 
-    Raises InputError for a name or a mesh that makes no sense.
+    `grading` is, along xi and eta, the size of the last element over that of the first, with a constant
+    ratio of neighbours in between; 1 is uniform. Raises InputError for a name or a mesh that makes no sense.
     """
     parsed = parse_space_name(name)
     for count, finest, direction in zip(elements, FINEST_MESH, ("length", "height"), strict=True):
         if not 1 <= count <= finest or count != int(count):
             shown = f"{elements[0]}x{elements[1]}"
             raise InputError("mesh", shown, f"there can be 1 to {finest} elements along the {direction}")
-    across = SplineSpace.uniform(across_degree, across_degree - 1, elements[1])
+    if len(grading) != 2 or not all(1 / STRONGEST_GRADING <= ratio <= STRONGEST_GRADING for ratio in grading):
+        allowed = f"two ratios are needed, each from {1 / STRONGEST_GRADING:g} to {STRONGEST_GRADING:g}"
+        raise InputError("grading", grading, allowed)
+    along, upwards = (_graded(int(count), ratio) for count, ratio in zip(elements, grading, strict=True))
+    across = SplineSpace.on(across_degree, across_degree - 1, upwards)
     if parsed.contact_rows > across.size:
         raise InputError("space", name, f"this mesh has {across.size} rows, so at most @{across.size}")
-    bulk = SplineSpace.uniform(parsed.bulk.degree, parsed.bulk.continuity, elements[0])
-    contact = SplineSpace.uniform(parsed.contact.degree, parsed.contact.continuity, elements[0])
+    bulk = SplineSpace.on(parsed.bulk.degree, parsed.bulk.continuity, along)
+    contact = SplineSpace.on(parsed.contact.degree, parsed.contact.continuity, along)
     upper = across.size - parsed.contact_rows
     return RowSpace(str(parsed), across, (contact,) * parsed.contact_rows + (bulk,) * upper)
+
+
+def _graded(elements: int, grading: float) -> FloatArray:
+    """Breakpoints (elements + 1,) on [0, 1] of elements whose sizes are a geometric series."""
+    steps = np.arange(elements + 1)
+    if elements == 1 or grading == 1:
+        return steps / elements
+    rate = np.log(grading) / (elements - 1)
+    breakpoints: FloatArray = np.expm1(rate * steps) / np.expm1(rate * elements)
+    return breakpoints
 
 
 def _like(factors: FloatArray, values: FloatArray) -> FloatArray:

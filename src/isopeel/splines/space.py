@@ -59,13 +59,22 @@ class SplineSpace:
     @classmethod
     def uniform(cls, degree: int, continuity: int, elements: int) -> Self:
         """Return equal elements on [0, 1] with one continuity, 0 to degree - 1, at all inner knots."""
-        if not 0 <= continuity < degree:
-            raise InputError("continuity", continuity, f"for degree {degree} it is 0 to {degree - 1}")
         if elements < 1:
             raise InputError("elements", elements, "at least one element is needed")
         # A correctly rounded quotient makes the breakpoints of nested meshes equal to the last bit.
-        inner = np.repeat(np.arange(1, elements) / elements, degree - continuity)
-        return cls(degree, np.concatenate([np.zeros(degree + 1), inner, np.ones(degree + 1)]))
+        return cls.on(degree, continuity, np.arange(elements + 1) / elements)
+
+    @classmethod
+    def on(cls, degree: int, continuity: int, breakpoints: ArrayLike) -> Self:
+        """Return the elements between increasing breakpoints with one continuity, 0 to degree - 1."""
+        if not 0 <= continuity < degree:
+            raise InputError("continuity", continuity, f"for degree {degree} it is 0 to {degree - 1}")
+        places = np.asarray(breakpoints, dtype=np.float64)
+        if places.ndim != 1 or places.size < 2 or not np.all(np.diff(places) > 0):
+            raise InputError("breakpoints", breakpoints, "at least two are needed, and they increase")
+        repeats = np.full(places.size, degree - continuity)
+        repeats[[0, -1]] = degree + 1
+        return cls(degree, np.repeat(places, repeats))
 
     @cached_property
     def breakpoints(self) -> FloatArray:

@@ -1,6 +1,6 @@
 """Adhesion laws: normal traction between two surfaces as a function of their gap.
 
-Laws from a formula are in `adhesion.formula`, which loads SymPy: a second that most runs can save.
+Laws from a formula are in `adhesion.formula`, which loads SymPy when one is made: a second.
 """
 
 from isopeel.physics.adhesion.base import AdhesionLaw

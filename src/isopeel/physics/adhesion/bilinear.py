@@ -1,10 +1,12 @@
 """The bilinear cohesive law, its kinks rounded."""
 
 from dataclasses import dataclass
+from typing import ClassVar, Self
 
 from isopeel.arrays import FloatArray
 from isopeel.physics.adhesion.trapezoidal import Trapezoidal
 from isopeel.physics.batch import BatchFunction
+from isopeel.quantities import Length, Number, Stress, SurfaceEnergy
 
 
 @dataclass(frozen=True)
@@ -15,15 +17,21 @@ class Bilinear:
     without a plateau, which says what the constants mean and what is refused.
     """
 
-    strength: float
-    work_of_adhesion: float
-    rise: float
-    rounding: float = 0.5
-    equilibrium_gap: float = 0.0
+    name: ClassVar[str] = "bilinear"
+    strength: Stress
+    work_of_adhesion: SurfaceEnergy
+    rise: Number
+    rounding: Number = 0.5
+    equilibrium_gap: Length = 0.0
 
     def __post_init__(self) -> None:
         """Check the constants."""
         self._trapezoidal()
+
+    @classmethod
+    def like(cls, strength: float, work_of_adhesion: float, equilibrium_gap: float) -> Self:
+        """The law of this strength, work and gap."""
+        return cls(strength, work_of_adhesion, 0.2, equilibrium_gap=equilibrium_gap)
 
     @property
     def parameters(self) -> FloatArray:

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from functools import cache
+from typing import ClassVar, Self
 
 import numpy as np
 
@@ -9,6 +10,7 @@ from isopeel.arrays import FloatArray
 from isopeel.errors import InputError
 from isopeel.physics.adhesion.cohesive import check_cohesive
 from isopeel.physics.batch import ADHESION_SIGNATURE, BatchFunction, compile_batch
+from isopeel.quantities import Length, Number, Stress, SurfaceEnergy
 
 
 @dataclass(frozen=True)
@@ -25,16 +27,22 @@ class Dugdale:
     InputError unless both are positive and 0 < transition <= 8/9, where no plateau is left.
     """
 
-    strength: float
-    work_of_adhesion: float
-    transition: float
-    equilibrium_gap: float = 0.0
+    name: ClassVar[str] = "dugdale"
+    strength: Stress
+    work_of_adhesion: SurfaceEnergy
+    transition: Number
+    equilibrium_gap: Length = 0.0
 
     def __post_init__(self) -> None:
         """Check the constants."""
         check_cohesive(self.strength, self.work_of_adhesion, self.equilibrium_gap)
         if not 0 < self.transition <= 8 / 9:
             raise InputError("adhesion.transition", self.transition, "it must lie in (0, 8/9]")
+
+    @classmethod
+    def like(cls, strength: float, work_of_adhesion: float, equilibrium_gap: float) -> Self:
+        """The law of this strength, work and gap."""
+        return cls(strength, work_of_adhesion, 0.3, equilibrium_gap)
 
     @property
     def parameters(self) -> FloatArray:

@@ -2,12 +2,14 @@
 
 from dataclasses import dataclass
 from functools import cache
+from typing import ClassVar, Self
 
 import numpy as np
 
 from isopeel.arrays import FloatArray
 from isopeel.physics.adhesion.cohesive import check_cohesive
 from isopeel.physics.batch import ADHESION_SIGNATURE, BatchFunction, compile_batch
+from isopeel.quantities import Length, Stress, SurfaceEnergy
 
 
 @dataclass(frozen=True)
@@ -22,9 +24,10 @@ class Exponential:
     Raises InputError unless both are positive.
     """
 
-    strength: float
-    work_of_adhesion: float
-    equilibrium_gap: float = 0.0
+    name: ClassVar[str] = "exponential"
+    strength: Stress
+    work_of_adhesion: SurfaceEnergy
+    equilibrium_gap: Length = 0.0
 
     def __post_init__(self) -> None:
         """Check the constants."""
@@ -34,6 +37,11 @@ class Exponential:
     def characteristic_length(self) -> float:
         """d = W / (e strength), the opening of strongest attraction."""
         return float(self.work_of_adhesion / (np.e * self.strength))
+
+    @classmethod
+    def like(cls, strength: float, work_of_adhesion: float, equilibrium_gap: float) -> Self:
+        """The law of this strength, work and gap."""
+        return cls(strength, work_of_adhesion, equilibrium_gap)
 
     @property
     def parameters(self) -> FloatArray:

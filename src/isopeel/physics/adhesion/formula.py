@@ -3,9 +3,9 @@
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cache, cached_property
+from typing import TYPE_CHECKING, Annotated, ClassVar, Self
 
 import numpy as np
-import sympy
 from scipy.optimize import brentq
 
 from isopeel.arrays import FloatArray
@@ -18,6 +18,9 @@ from isopeel.physics.formula import (
     compile_source,
     parse_formula,
 )
+
+if TYPE_CHECKING:
+    import sympy
 
 #: Gaps that the equilibrium is looked for at, 0.1 % apart: from 1 pm in metres to 1 m in nanometres. The
 #: last one counts as infinite.
@@ -34,7 +37,8 @@ class FormulaAdhesion:
     the equilibrium gap, and it takes a positive, finite work to part the surfaces from there.
     """
 
-    potential: str
+    name: ClassVar[str] = "formula"
+    potential: Annotated[str, "a formula of the gap r is needed"]
     constants: Mapping[str, float] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
@@ -48,6 +52,13 @@ class FormulaAdhesion:
         if not 0 < self.work_of_adhesion < np.inf:
             allowed = f"its work of adhesion must be positive and finite, it is {self.work_of_adhesion:g}"
             raise InputError("adhesion.potential", self.potential, allowed)
+
+    @classmethod
+    def like(cls, strength: float, work_of_adhesion: float, equilibrium_gap: float) -> Self:
+        """The exponential law of this strength, work and gap; it stays exponential in compression."""
+        length = float(work_of_adhesion / (np.e * strength))
+        constants = {"W": work_of_adhesion, "gap": equilibrium_gap, "length": length}
+        return cls("-W*(1 + (r - gap)/length)*exp(-(r - gap)/length)", constants)
 
     @property
     def parameters(self) -> FloatArray:
@@ -87,6 +98,8 @@ class FormulaAdhesion:
 
     def _function(self, order: int) -> Callable[[FloatArray], FloatArray]:
         """Phi (order 0) or T (order 1) as a function of the gap; nan and inf where it has no value."""
+        import sympy
+
         expression = _derive(self.potential, tuple(self.constants))[order]
         values = {sympy.Symbol(name, real=True): value for name, value in self.constants.items()}
         function = sympy.lambdify("r", expression.subs(values), "numpy")
@@ -99,8 +112,10 @@ class FormulaAdhesion:
 
 
 @cache
-def _derive(potential: str, constants: tuple[str, ...]) -> tuple[sympy.Expr, sympy.Expr, sympy.Expr]:
+def _derive(potential: str, constants: tuple[str, ...]) -> "tuple[sympy.Expr, sympy.Expr, sympy.Expr]":
     """Phi(r), T(r) and T'(r)."""
+    import sympy
+
     phi = parse_formula("adhesion.potential", potential, ("r", *constants))
     gap = sympy.Symbol("r", real=True)
     return phi, -phi.diff(gap), -phi.diff(gap, 2)

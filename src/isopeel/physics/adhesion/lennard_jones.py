@@ -2,12 +2,14 @@
 
 from dataclasses import dataclass
 from functools import cache
+from typing import ClassVar, Self
 
 import numpy as np
 
 from isopeel.arrays import FloatArray
 from isopeel.errors import InputError
 from isopeel.physics.batch import ADHESION_SIGNATURE, BatchFunction, compile_batch
+from isopeel.quantities import Length, Number, SurfaceEnergy
 
 
 @dataclass(frozen=True)
@@ -23,10 +25,11 @@ class LennardJones:
     InputError unless both are positive and m > n > 1.
     """
 
-    work_of_adhesion: float
-    equilibrium_gap: float
-    repulsive_exponent: float = 9.0
-    attractive_exponent: float = 3.0
+    name: ClassVar[str] = "lennard-jones"
+    work_of_adhesion: SurfaceEnergy
+    equilibrium_gap: Length
+    repulsive_exponent: Number = 9.0
+    attractive_exponent: Number = 3.0
 
     def __post_init__(self) -> None:
         """Check the constants."""
@@ -44,6 +47,11 @@ class LennardJones:
         """Largest attraction C (n/m)^(n/(m - n)) (1 - n/m), at (r_eq/r)^(m - n) = n/m."""
         m, n = self.repulsive_exponent, self.attractive_exponent
         return float(self._stress * (n / m) ** (n / (m - n)) * (1 - n / m))
+
+    @classmethod
+    def like(cls, _strength: float, work_of_adhesion: float, equilibrium_gap: float) -> Self:
+        """The law of this work and gap, which give its strength."""
+        return cls(work_of_adhesion, equilibrium_gap)
 
     @property
     def parameters(self) -> FloatArray:

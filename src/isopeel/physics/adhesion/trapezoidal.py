@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from functools import cache
+from typing import ClassVar, Self
 
 import numpy as np
 
@@ -9,6 +10,7 @@ from isopeel.arrays import FloatArray
 from isopeel.errors import InputError
 from isopeel.physics.adhesion.cohesive import check_cohesive
 from isopeel.physics.batch import ADHESION_SIGNATURE, BatchFunction, compile_batch
+from isopeel.quantities import Length, Number, Stress, SurfaceEnergy
 
 
 @dataclass(frozen=True)
@@ -27,12 +29,13 @@ class Trapezoidal:
     most 1 and 1 / (2 rise).
     """
 
-    strength: float
-    work_of_adhesion: float
-    rise: float
-    plateau: float
-    rounding: float = 0.5
-    equilibrium_gap: float = 0.0
+    name: ClassVar[str] = "trapezoidal"
+    strength: Stress
+    work_of_adhesion: SurfaceEnergy
+    rise: Number
+    plateau: Number
+    rounding: Number = 0.5
+    equilibrium_gap: Length = 0.0
 
     def __post_init__(self) -> None:
         """Check the constants."""
@@ -43,6 +46,11 @@ class Trapezoidal:
             raise InputError("adhesion.plateau", self.plateau, "it must be at least 0 and less than 1 - rise")
         if not 0 < self.rounding <= min(1, 0.5 / self.rise):
             raise InputError("adhesion.rounding", self.rounding, "it must be in (0, 1], at most 1 / (2 rise)")
+
+    @classmethod
+    def like(cls, strength: float, work_of_adhesion: float, equilibrium_gap: float) -> Self:
+        """The law of this strength, work and gap."""
+        return cls(strength, work_of_adhesion, 0.2, 0.4, equilibrium_gap=equilibrium_gap)
 
     @property
     def parameters(self) -> FloatArray:

@@ -2,12 +2,14 @@
 
 from dataclasses import dataclass
 from functools import cache
+from typing import ClassVar, Self
 
 import numpy as np
 
 from isopeel.arrays import FloatArray
 from isopeel.errors import InputError
 from isopeel.physics.batch import ADHESION_SIGNATURE, BatchFunction, compile_batch
+from isopeel.quantities import Energy, Length
 
 
 @dataclass(frozen=True)
@@ -25,14 +27,21 @@ class VanDerWaals:
     hamaker_constant: energy; equilibrium_distance: r0 of the Lennard-Jones potential, a length.
     """
 
-    hamaker_constant: float
-    equilibrium_distance: float
+    name: ClassVar[str] = "van-der-waals"
+    hamaker_constant: Energy
+    equilibrium_distance: Length
 
     def __post_init__(self) -> None:
         """Check the constants."""
         for name in ("hamaker_constant", "equilibrium_distance"):
             if not 0 < getattr(self, name) < np.inf:
                 raise InputError(f"adhesion.{name}", getattr(self, name), "it must be positive")
+
+    @classmethod
+    def like(cls, _strength: float, work_of_adhesion: float, equilibrium_gap: float) -> Self:
+        """The law of this work and gap, which give its strength."""
+        distance = equilibrium_gap * 15 ** (1 / 6)
+        return cls(work_of_adhesion * 16 * np.pi * distance**2 / 15 ** (1 / 3), distance)
 
     @property
     def parameters(self) -> FloatArray:

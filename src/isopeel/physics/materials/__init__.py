@@ -1,6 +1,6 @@
 """Materials: stored energy, first Piola-Kirchhoff stress and tangent in plane strain.
 
-Materials from a formula are in `materials.formula`, which loads SymPy: a second that most runs can save.
+Materials from a formula are in `materials.formula`, which loads SymPy when one is made: a second.
 """
 
 from isopeel.physics.materials.base import Material

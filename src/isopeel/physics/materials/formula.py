@@ -3,9 +3,9 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cache, cached_property
+from typing import TYPE_CHECKING, Annotated, ClassVar, Self
 
 import numpy as np
-import sympy
 
 from isopeel.arrays import FloatArray
 from isopeel.errors import InputError
@@ -17,6 +17,9 @@ from isopeel.physics.formula import (
     compile_source,
     parse_formula,
 )
+
+if TYPE_CHECKING:
+    import sympy
 
 _IN_PLANE = ("F11", "F12", "F21", "F22")
 _NAMES = (*_IN_PLANE, "F33", "I1", "I2", "J")
@@ -32,7 +35,8 @@ class FormulaMaterial:
     after the derivatives. Raises InputError unless the state F = I is free of stress and stable.
     """
 
-    energy: str
+    name: ClassVar[str] = "formula"
+    energy: Annotated[str, "a formula of I1, I2, J or F11 to F33 is needed"]
     constants: Mapping[str, float] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
@@ -55,6 +59,8 @@ class FormulaMaterial:
     @cached_property
     def _at_rest(self) -> tuple[float, float, float]:
         """Shear modulus, Lame's lambda and the largest stress at F = I."""
+        import sympy
+
         _, stress = _derive(self.energy, tuple(self.constants))
         values = {name: float(name in ("F11", "F22", "F33")) for name in _NAMES} | dict(self.constants)
         at_rest = {sympy.Symbol(name, real=True): value for name, value in values.items()}
@@ -66,6 +72,8 @@ class FormulaMaterial:
     @property
     def _is_isotropic(self) -> bool:
         """Whether psi(Q F) = psi(F Q) = psi(F) at a few deformations F and rotations Q."""
+        import sympy
+
         psi, _ = _derive(self.energy, tuple(self.constants))
         function = sympy.lambdify((*_IN_PLANE, "F33", *self.constants), psi, "numpy")
         deformations = np.array([[[1.1, 0.2], [-0.1, 0.9]], [[0.95, -0.3], [0.1, 1.05]]])
@@ -78,6 +86,14 @@ class FormulaMaterial:
             if not np.ptp(values, axis=0).max() < 1e-10 * shear:
                 return False
         return True
+
+    @classmethod
+    def like(cls, youngs_modulus: float, poissons_ratio: float) -> Self:
+        """The neo-Hookean material of these elastic constants."""
+        shear = youngs_modulus / (2 * (1 + poissons_ratio))
+        lame_lambda = 2 * shear * poissons_ratio / (1 - 2 * poissons_ratio)
+        constants = {"mu": shear, "lame": lame_lambda}
+        return cls("mu/2*(I1 - 3 - 2*log(J)) + lame/2*log(J)**2", constants)
 
     @property
     def youngs_modulus(self) -> float:
@@ -103,6 +119,8 @@ class FormulaMaterial:
 
     def out_of_plane_stress(self, deformation_gradient: FloatArray) -> FloatArray:
         """Cauchy stress sigma_33 = (1/J) d psi/dF33 (...) for F (..., 2, 2)."""
+        import sympy
+
         _, stress = _derive(self.energy, tuple(self.constants))
         names = (*_IN_PLANE, *self.constants)
         function = sympy.lambdify(names, stress["F33"].subs(sympy.Symbol("F33", real=True), 1), "numpy")
@@ -112,14 +130,16 @@ class FormulaMaterial:
         return value
 
 
-def _number(expression: sympy.Expr) -> float:
+def _number(expression: "sympy.Expr") -> float:
     value = expression.evalf()
     return float(value) if value.is_number and value.is_real else float("nan")
 
 
 @cache
-def _derive(energy: str, constants: tuple[str, ...]) -> tuple[sympy.Expr, dict[str, sympy.Expr]]:
+def _derive(energy: str, constants: tuple[str, ...]) -> "tuple[sympy.Expr, dict[str, sympy.Expr]]":
     """psi(F11, ..., F33) and its derivatives with respect to each component."""
+    import sympy
+
     psi = parse_formula("material.energy", energy, (*_NAMES, *constants))
     symbol = {name: sympy.Symbol(name, real=True) for name in _NAMES}
     F = sympy.Matrix(
@@ -133,6 +153,8 @@ def _derive(energy: str, constants: tuple[str, ...]) -> tuple[sympy.Expr, dict[s
 
 @cache
 def _source(energy: str, constants: tuple[str, ...]) -> str:
+    import sympy
+
     psi, stress = _derive(energy, constants)
     plane = {sympy.Symbol("F33", real=True): 1}
     index = {name: f"{int(name[1]) - 1}, {int(name[2]) - 1}" for name in _IN_PLANE}

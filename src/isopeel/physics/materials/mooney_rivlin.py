@@ -2,12 +2,14 @@
 
 from dataclasses import dataclass
 from functools import cache
+from typing import ClassVar, Self
 
 import numpy as np
 
 from isopeel.arrays import FloatArray
 from isopeel.errors import InputError
 from isopeel.physics.batch import MATERIAL_SIGNATURE, BatchFunction, compile_batch
+from isopeel.quantities import Stress
 
 
 @dataclass(frozen=True)
@@ -20,9 +22,10 @@ class MooneyRivlin:
     are stresses; energies are nan where J <= 0. Raises InputError unless c10 + c01 > 0 and kappa > 0.
     """
 
-    c10: float
-    c01: float
-    bulk_modulus: float
+    name: ClassVar[str] = "mooney-rivlin"
+    c10: Stress
+    c01: Stress
+    bulk_modulus: Stress
 
     def __post_init__(self) -> None:
         """Check that the state of rest is stable."""
@@ -50,6 +53,12 @@ class MooneyRivlin:
         """nu = (3 kappa - 2 mu) / (6 kappa + 2 mu) at small strain."""
         bulk, shear = self.bulk_modulus, self.shear_modulus
         return (3 * bulk - 2 * shear) / (6 * bulk + 2 * shear)
+
+    @classmethod
+    def like(cls, youngs_modulus: float, poissons_ratio: float) -> Self:
+        """The material of these constants at small strain, c10 = c01."""
+        quarter = youngs_modulus / (8 * (1 + poissons_ratio))
+        return cls(quarter, quarter, youngs_modulus / (3 * (1 - 2 * poissons_ratio)))
 
     @property
     def parameters(self) -> FloatArray:

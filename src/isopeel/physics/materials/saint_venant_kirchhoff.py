@@ -2,12 +2,14 @@
 
 from dataclasses import dataclass
 from functools import cache
+from typing import ClassVar, Self
 
 import numpy as np
 
 from isopeel.arrays import FloatArray
 from isopeel.errors import InputError
 from isopeel.physics.batch import MATERIAL_SIGNATURE, BatchFunction, compile_batch
+from isopeel.quantities import Number, Stress
 
 
 @dataclass(frozen=True)
@@ -20,8 +22,9 @@ class SaintVenantKirchhoff:
     -1 < nu < 1/2.
     """
 
-    youngs_modulus: float
-    poissons_ratio: float
+    name: ClassVar[str] = "saint-venant-kirchhoff"
+    youngs_modulus: Stress
+    poissons_ratio: Number
 
     def __post_init__(self) -> None:
         """Check the elastic constants."""
@@ -40,6 +43,11 @@ class SaintVenantKirchhoff:
         """lambda = E nu / ((1 + nu) (1 - 2 nu))."""
         nu = self.poissons_ratio
         return self.youngs_modulus * nu / ((1 + nu) * (1 - 2 * nu))
+
+    @classmethod
+    def like(cls, youngs_modulus: float, poissons_ratio: float) -> Self:
+        """The material of these elastic constants."""
+        return cls(youngs_modulus, poissons_ratio)
 
     @property
     def parameters(self) -> FloatArray:

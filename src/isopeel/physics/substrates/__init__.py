@@ -1,6 +1,6 @@
 """Rigid substrates: gap, normal and curvature as seen from a point.
 
-Substrates from a formula are in `substrates.formula`, which loads SymPy: a second that most runs can save.
+Substrates from a formula are in `substrates.formula`, which loads SymPy when one is made: a second.
 """
 
 from isopeel.physics.substrates.base import Substrate

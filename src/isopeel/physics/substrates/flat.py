@@ -1,20 +1,23 @@
 """A flat substrate."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
+from typing import ClassVar, Self
 
 import numpy as np
 
 from isopeel.arrays import FloatArray
 from isopeel.errors import InputError
 from isopeel.physics.batch import SUBSTRATE_SIGNATURE, BatchFunction, compile_batch
+from isopeel.quantities import Length
 
 
 @dataclass(frozen=True)
 class Flat:
     """Half space below the line y = `height` (length); its normal points along +y."""
 
-    height: float = 0.0
+    name: ClassVar[str] = "flat"
+    height: Length = 0.0
 
     def __post_init__(self) -> None:
         """Check the height."""
@@ -30,6 +33,15 @@ class Flat:
     def kernel(self) -> BatchFunction:
         """Batch function of gap, normal and curvature."""
         return _compiled()
+
+    @property
+    def constant_curvature(self) -> bool:
+        """Yes: zero."""
+        return True
+
+    def receded(self, gap: float) -> Self:
+        """Lower by a gap (length)."""
+        return replace(self, height=self.height - gap)
 
 
 @cache

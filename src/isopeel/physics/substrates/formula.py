@@ -1,11 +1,11 @@
 """A substrate from one expression of its height."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cache, lru_cache
+from typing import TYPE_CHECKING, Annotated, ClassVar, Self
 
 import numpy as np
-import sympy
 
 from isopeel.arrays import FloatArray
 from isopeel.errors import InputError
@@ -18,6 +18,9 @@ from isopeel.physics.formula import (
     parse_formula,
 )
 from isopeel.physics.substrates.closest_point import CURVE_SIGNATURE, graph_kernel
+
+if TYPE_CHECKING:
+    import sympy
 
 #: Places that a formula is tried at: from 1 pm in metres to 1 m in nanometres, on both sides.
 _PLACES = np.concatenate([-np.geomspace(1e-12, 1e9, 211), [0.0], np.geomspace(1e-12, 1e9, 211)])
@@ -32,11 +35,14 @@ class FormulaSubstrate:
     InputError unless f'' is free of jumps and f has a value somewhere.
     """
 
-    formula: str
+    name: ClassVar[str] = "formula"
+    formula: Annotated[str, "a formula of the place x is needed"]
     constants: Mapping[str, float] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         """Check the formula."""
+        import sympy
+
         check_constants("substrate.constants", self.constants, ("x",))
         object.__setattr__(self, "constants", dict(sorted(self.constants.items())))
         curve = _derive(self.formula, tuple(self.constants))
@@ -57,6 +63,15 @@ class FormulaSubstrate:
         """Batch function of gap, normal and curvature."""
         return _compiled(self.formula, tuple(self.constants))
 
+    @property
+    def constant_curvature(self) -> bool:
+        """No, but for formulas that had better be written as another substrate."""
+        return False
+
+    def receded(self, gap: float) -> Self:
+        """Lower by a gap (length)."""
+        return replace(self, formula=f"({self.formula}) - ({float(gap)!r})")
+
 
 @lru_cache(maxsize=64)
 def _compiled(formula: str, constants: tuple[str, ...]) -> BatchFunction:
@@ -67,8 +82,10 @@ def _compiled(formula: str, constants: tuple[str, ...]) -> BatchFunction:
 
 
 @cache
-def _derive(formula: str, constants: tuple[str, ...]) -> tuple[sympy.Expr, sympy.Expr, sympy.Expr]:
+def _derive(formula: str, constants: tuple[str, ...]) -> "tuple[sympy.Expr, sympy.Expr, sympy.Expr]":
     """f, f' and f''."""
+    import sympy
+
     height = parse_formula("substrate.formula", formula, ("x", *constants))
     place = sympy.Symbol("x", real=True)
     return height, height.diff(place), height.diff(place, 2)

@@ -12,7 +12,7 @@ from matplotlib.patches import Patch, Rectangle
 
 from isopeel.arrays import FloatArray
 from isopeel.errors import InputError
-from isopeel.physics.batch import evaluate_substrate
+from isopeel.physics.batch import evaluate_law, evaluate_substrate
 from isopeel.post.fields import SampledFields, sample_fields, side_positions
 from isopeel.post.figures.body import Window, draw_elements, draw_field, draw_outline, draw_substrate
 from isopeel.post.style import DASHES, SHADE, TWO_COLUMNS, VERMILION, style
@@ -21,10 +21,9 @@ from isopeel.splines.nurbs import Side
 from isopeel.splines.rows import RowSpace
 
 MOST_SHAPES = 6
-#: The front is where the gap exceeds so many equilibrium gaps: well past the peak of the attraction.
-FRONT_GAP = 3.0
 
 _OPPOSITE: dict[Side, Side] = {"left": "right", "right": "left", "bottom": "top", "top": "bottom"}
+_NO_PULL = 1e-6  # of Young's modulus: less is round-off
 _CLOSEST_ENDS = 0.03  # of the largest extent: nearer shapes would hide each other, and their labels meet
 
 
@@ -126,17 +125,21 @@ def _whole_window(states: list[_State]) -> Window:
 
 
 def _front_window(problem: Problem, state: _State) -> Window:
-    """The body at the front, with a margin."""
+    """The body where the substrate pulls most, with a margin."""
     substrate, law = problem.adhesion.substrate, problem.adhesion.law
     gap, _, _ = evaluate_substrate(substrate.kernel, substrate.parameters, state.adhering)
-    lost = gap > FRONT_GAP * law.equilibrium_gap
-    changes = np.flatnonzero(lost != lost[0])
-    # where nothing is lost yet, a front will start from the end next to the drive
+    attraction = -evaluate_law(law.kernel, law.parameters, gap, np.zeros_like(gap))[1]
+    # where nothing is pulled yet, a front will start from the end next to the drive
     from_drive = np.linalg.norm(state.adhering - state.driven[1], axis=1)
-    at = int(changes[0] if changes.size else np.argmin(from_drive))
-    thickness = float(np.linalg.norm(state.opposite[at] - state.adhering[at]))
-    x, y = ((state.opposite[at] + state.adhering[at]) / 2).tolist()
-    half_width, half_height = 1.6 * thickness, 0.65 * thickness
+    pulls = attraction.max() > _NO_PULL * problem.body.material.youngs_modulus
+    at = int(np.argmax(attraction) if pulls else np.argmin(from_drive))
+    through = state.opposite[at] - state.adhering[at]
+    length = float(np.linalg.norm(np.diff(state.adhering, axis=0), axis=1).sum())
+    thickness = float(np.linalg.norm(through))
+    # of a body that is thick for what adheres, such as a cylinder, only the part next to the substrate
+    size = min(thickness, length / 2)
+    x, y = (state.adhering[at] + through * size / thickness / 2).tolist()
+    half_width, half_height = 1.6 * size, 0.65 * size
     return Window((x - half_width, x + half_width), (y - half_height, y + half_height))
 
 

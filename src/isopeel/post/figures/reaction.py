@@ -7,17 +7,15 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from isopeel.post.closed_form import BeamPeeling
+from isopeel.post.closed_form import Expected
 from isopeel.post.reading import PlateauReading
 from isopeel.post.style import BLUE, DASHES, GREY, ONE_COLUMN, SHADE, TWO_COLUMNS, style
 from isopeel.problem import Column
 from isopeel.results.curve import Curve
 
-_WORDS = {"theta_deg": "rotation of the driven face", "moment": "moment $M$"}
 
-
-def moment_figure(
-    curve: Curve, plateau: PlateauReading | None = None, closed_form: BeamPeeling | None = None
+def reaction_figure(
+    curve: Curve, plateau: PlateauReading | None = None, closed_form: Expected | None = None
 ) -> Figure:
     """Draw the reaction over the drive's parameter, and in a second panel the plateau, if one was read.
 
@@ -35,24 +33,29 @@ def moment_figure(
         return figure
 
 
-def _whole(axes: Axes, curve: Curve, closed_form: BeamPeeling | None) -> None:
+def _whole(axes: Axes, curve: Curve, closed_form: Expected | None) -> None:
     # a line through one step could not be seen
     axes.plot(curve.parameter, curve.reaction, "." if len(curve) == 1 else "-", color=BLUE)
     axes.set_xlabel(_label(curve.parameter_column))
     axes.set_ylabel(_label(curve.reaction_column))
     last = curve.parameter[-1]
     axes.margins(x=0)
-    if closed_form is None or last < closed_form.onset_deg:
+    # the curve of a path that turns back has no first and last parameter to draw the theory between
+    turns_back = len(curve) > 1 and np.ptp(np.sign(np.diff(curve.parameter))) > 0
+    if closed_form is None or turns_back or last < (closed_form.onset or 0.0):
         return
-    moment, onset = closed_form.moment, closed_form.onset_deg
+    reaction, onset = closed_form.reaction, closed_form.onset
+    degree = "°" if curve.parameter_column.unit == "degree" else ""
     # the curve rises from the lower left to the upper right, so that two corners are free for words
-    for x, y, words, place in (
-        ([curve.parameter[0], last], [moment, moment], f"closed form {moment:.4f}", (3, 3)),
-        ([onset, onset], [0.0, moment], f"onset {onset:.1f}°", (4, 3)),
-    ):
+    lines = [
+        ([curve.parameter[0], last], [reaction, reaction], f"{closed_form.source} {reaction:.5g}", (3, 3))
+    ]
+    if onset is not None:
+        lines.append(([onset, onset], [0.0, reaction], f"onset {onset:.1f}{degree}", (4, 3)))
+    for x, y, words, place in lines:
         axes.plot(x, y, color=GREY, linestyle=DASHES, linewidth=0.8)
         axes.annotate(words, (x[0], y[0]), place, textcoords="offset points", fontsize=8, color=GREY)
-    axes.set_ylim(min(0.0, curve.reaction.min()), 1.12 * max(moment, curve.reaction.max()))
+    axes.set_ylim(min(0.0, curve.reaction.min()), 1.12 * max(reaction, curve.reaction.max()))
 
 
 def _enlarged(axes: Axes, curve: Curve, plateau: PlateauReading) -> None:
@@ -83,7 +86,7 @@ def _enlarged(axes: Axes, curve: Curve, plateau: PlateauReading) -> None:
 
 
 def _label(column: Column) -> str:
-    return f"{_WORDS.get(column.name, column.name)} / {_mathematical(column.unit)}"
+    return f"{column.words or column.name} / {_mathematical(column.unit)}"
 
 
 def _mathematical(unit: str) -> str:

@@ -1,0 +1,71 @@
+"""The load of a drive on a space: its force on every coefficient, and how that turns with the body."""
+
+from dataclasses import dataclass
+from typing import Self
+
+import numpy as np
+
+from isopeel.arrays import FloatArray, IntArray
+from isopeel.assembly.constraints import HELD, Constraints
+from isopeel.assembly.tables import side_table
+from isopeel.problem import Drive, Load
+from isopeel.splines.nurbs import NurbsSurface
+from isopeel.splines.rows import RowSpace
+
+
+@dataclass(frozen=True, eq=False)
+class AssembledLoad:
+    """Forces q(u) of a load of one per unit width; q . du is the mean displacement of the loaded part.
+
+    A dead load has q = q0; one that follows has the traction Q dx/ds, with x the deformed side, s its
+    reference length and Q the rotation from the side's tangent to the force. That is linear in u: q0 + B u.
+    """
+
+    load: Load
+    pattern: FloatArray  # q0 (size, 2), which also weighs the coefficients of the mean displacement
+    functions: IntArray  # (E, m)
+    blocks: FloatArray  # B by elements, (E, m, 2, m, 2); no elements for a dead load
+    places: tuple[IntArray, IntArray]  # unknowns of the rows and columns of B, (E, m, 2, m, 2)
+
+    @classmethod
+    def of(cls, drive: Drive, shape: NurbsSurface, space: RowSpace, constraints: Constraints) -> Self | None:
+        """Integrate the load of a drive; None where it has none."""
+        load = drive.load
+        if load is None:
+            return None
+        side = side_table(shape, space, drive.side, (load.start, load.end))
+        weights = side.weights / side.weights.sum()
+        mean = np.zeros((space.size, 2))
+        np.add.at(mean, side.functions, np.einsum("eq,eqa,i->eai", weights, side.values, load.direction))
+        elements = len(side.functions) if load.follows else 0
+        # the boundary runs anticlockwise, with the outward normal to its right
+        tangents = np.stack([-side.normals[..., 1], side.normals[..., 0]], axis=-1)
+        cosine = np.einsum("eqi,i->eq", tangents, load.direction)
+        sine = tangents[..., 0] * load.direction[1] - tangents[..., 1] * load.direction[0]
+        rotation = np.moveaxis(np.array([[cosine, -sine], [sine, cosine]]), (0, 1), (2, 3))
+        stretches = np.einsum("eqJ,eqJb->eqb", tangents, side.gradients)
+        blocks = np.einsum("eq,eqa,eqik,eqb->eaibk", weights, side.values, rotation, stretches)[:elements]
+        numbers = constraints.unknowns[side.functions[:elements]]
+        rows, columns = np.broadcast_arrays(numbers[:, :, :, None, None], numbers[:, None, None])
+        return cls(load, mean, side.functions[:elements], blocks, (rows, columns))
+
+    def forces(self, displacement: FloatArray) -> FloatArray:
+        """q(u), (size, 2), for coefficients u (size, 2)."""
+        turned = self.pattern.copy()
+        np.add.at(
+            turned,
+            self.functions,
+            np.einsum("eaibk,ebk->eai", self.blocks, displacement[self.functions]),
+        )
+        return turned
+
+    def displacement(self, displacement: FloatArray) -> float:
+        """Mean displacement of the loaded part along the force on the undeformed body."""
+        return float(np.sum(self.pattern * displacement))
+
+    def add_stiffness(self, band: FloatArray, diagonal: int, size: float) -> None:
+        """Add -size B to a band in the general storage, entry (i, j) at band[j, diagonal + i - j]."""
+        rows, columns = self.places
+        inside = (rows != HELD) & (columns != HELD)
+        i, j = rows[inside], columns[inside]
+        np.add.at(band, (j, diagonal + i - j), -size * self.blocks[inside])

@@ -1,0 +1,98 @@
+"""What can be known before the first step: whether the body overlaps the substrate, or is not held at all."""
+
+import numpy as np
+
+from isopeel.arrays import FloatArray, frozen
+from isopeel.assembly.constraints import HELD, Constraints
+from isopeel.assembly.loads import AssembledLoad
+from isopeel.assembly.tables import SideTable
+from isopeel.errors import InputError
+from isopeel.physics.batch import evaluate_law, evaluate_substrate
+from isopeel.problem import Problem
+from isopeel.splines.rows import RowSpace
+
+#: Motions are told apart from none by more than this share of the body's own size.
+_ROUND_OFF = 1e-9
+
+
+def check_start(
+    problem: Problem,
+    space: RowSpace,
+    side: SideTable,
+    constraints: Constraints,
+    load: AssembledLoad | None,
+    base: FloatArray | None,
+) -> FloatArray:
+    """Return the substrate's tangents (E, Q, 2) at the points of the adhesive force, where all is well.
+
+    Raises InputError where the body overlaps the substrate, where a point of it has no one closest point
+    there, or where it can move as a whole without a force.
+    """
+    adhesion = problem.adhesion
+    substrate, law = adhesion.substrate, adhesion.law
+    positions = side.positions
+    if base is not None:
+        positions = positions + np.einsum("eqm,emi->eqi", side.values, base[side.functions])
+    gap, normal, curvature = evaluate_substrate(substrate.kernel, substrate.parameters, positions)
+    extent = float(np.ptp(problem.body.shape.control_points.reshape(-1, 2), axis=0).max())
+    if not np.isfinite(gap).all():
+        raise InputError("substrate", type(substrate).__name__, "it must have a closest point to every point")
+    deepest = np.unravel_index(np.argmin(gap), gap.shape)
+    if base is None and gap[deepest] < -_ROUND_OFF * extent:
+        place = "({:.4g}, {:.4g})".format(*positions[deepest])
+        allowed = f"the body must not overlap it at the start; at X = {place} it does"
+        raise InputError("substrate", f"gap {gap[deepest]:.4g}", allowed)
+    if (1 + curvature * gap <= 0).any():
+        allowed = (
+            "the body must lie nearer to it than its centre of curvature, where the closest point is one"
+        )
+        raise InputError("substrate", f"curvature radius {np.abs(1 / curvature).min():.4g}", allowed)
+    seen = curvature if substrate.constant_curvature else np.zeros_like(curvature)
+    stiffness = evaluate_law(law.kernel, law.parameters, gap, seen)[2]
+    acts = stiffness != 0
+    tangent = np.stack([-normal[..., 1], normal[..., 0]], axis=-1)
+    directions = [normal, tangent] if adhesion.sliding_length else [normal]
+    rows = [np.einsum("ni,nim->nm", d[acts], _motions(positions[acts])) for d in directions]
+    points = space.interpolate(problem.body.shape.evaluate)
+    rows += _constrained(constraints, load, _motions(points))
+    free = _free_motion(np.concatenate(rows), extent)
+    if free is not None:
+        raise InputError(
+            "held", free, "nothing holds the body against it; hold a side, or let it adhere there"
+        )
+    return frozen(tangent if base is None else _tangents(problem, side))
+
+
+def _tangents(problem: Problem, side: SideTable) -> FloatArray:
+    substrate = problem.adhesion.substrate
+    _, normal, _ = evaluate_substrate(substrate.kernel, substrate.parameters, side.positions)
+    return np.stack([-normal[..., 1], normal[..., 0]], axis=-1)
+
+
+def _motions(points: FloatArray) -> FloatArray:
+    """Displacements (n, 2, 3) of points (n, 2) by the rigid motions: along x, along y, a turn."""
+    ones, zeros = np.ones(len(points)), np.zeros(len(points))
+    along_x = np.stack([ones, zeros, -points[:, 1]], axis=1)
+    along_y = np.stack([zeros, ones, points[:, 0]], axis=1)
+    return np.stack([along_x, along_y], axis=1)
+
+
+def _constrained(
+    constraints: Constraints, load: AssembledLoad | None, motions: FloatArray
+) -> list[FloatArray]:
+    """Rows (n, 3): what rigid motions (size, 2, 3) of the control points would change of what is held."""
+    flat, numbers = motions.reshape(-1, 3), constraints.unknowns.ravel()
+    order = np.argsort(numbers, kind="stable")
+    shared = np.flatnonzero(np.diff(numbers[order]) == 0)
+    rows = [flat[numbers == HELD], flat[order[shared + 1]] - flat[order[shared]]]
+    if load is not None and load.load.control == "displacement":
+        rows.append(np.einsum("ai,aim->m", load.pattern, motions)[None])
+    return rows
+
+
+def _free_motion(rows: FloatArray, extent: float) -> str | None:
+    """Name a rigid motion that no row (n, 3) notices, where there is one."""
+    _, sizes, motions = np.linalg.svd(np.vstack([rows, np.zeros((3, 3))]) / [1.0, 1.0, extent])
+    if sizes[-1] > _ROUND_OFF * max(sizes[0], 1.0):
+        return None
+    return ("a motion along x", "a motion along y", "a rotation")[int(np.argmax(np.abs(motions[-1])))]

@@ -1,0 +1,281 @@
+"""The case: a TOML file with units that says what is peeled, on which space, how far and in which steps."""
+
+import json
+import re
+import tomllib
+from collections.abc import Mapping
+from importlib import resources
+from pathlib import Path
+from typing import Annotated, Any, Self, TypeGuard
+
+import numpy as np
+from pydantic import (
+    BeforeValidator,
+    Field,
+    PrivateAttr,
+    ValidationError,
+    ValidationInfo,
+    field_validator,
+    model_validator,
+)
+
+from isopeel.case.errors import first_error
+from isopeel.case.sections import (
+    AdhesionSection,
+    BodySection,
+    DiscretizationSection,
+    DriveSection,
+    HeldSection,
+    MaterialSection,
+    OutputSection,
+    ReadingSection,
+    SubstrateSection,
+    fields_every_of,
+    window_of,
+)
+from isopeel.case.stages import Stage
+from isopeel.case.values import Section
+from isopeel.errors import InputError
+from isopeel.physics.substrates import Flat
+from isopeel.problem import AdhesiveSide, Body, Problem
+from isopeel.splines.nurbs import Side
+from isopeel.splines.rows import RowSpace, row_space
+
+#: More, and the stiffnesses along and across an element, its square apart, leave double precision.
+LARGEST_ASPECT = 1e4
+
+
+class Case(Section):
+    """A checked case. Make one with `load_case` or `Case.parse`, and variants with `overridden`."""
+
+    name: Annotated[
+        str,
+        Field(
+            pattern=r"^[A-Za-z0-9][A-Za-z0-9._-]{0,99}$",
+            description="a name of letters, digits, '.', '_' and '-' is needed",
+        ),
+    ]
+    about: Annotated[str, Field(description="a text is needed, in quotes")] = ""
+    body: BodySection
+    material: MaterialSection
+    adhesion: AdhesionSection
+    substrate: SubstrateSection = Field(default={}, validate_default=True)
+    held: HeldSection = HeldSection(left="x")
+    discretization: DiscretizationSection = DiscretizationSection()
+    drive: Annotated[
+        tuple[DriveSection, ...],
+        BeforeValidator(lambda written: [written] if isinstance(written, Mapping) else written),
+        Field(default={}, min_length=1, validate_default=True),
+    ]
+    reading: ReadingSection | None = None
+    output: OutputSection = Field(default={}, validate_default=True)
+    _document: dict[str, Any] = PrivateAttr(default_factory=dict)
+
+    @classmethod
+    def parse(cls, text: str, source: str = "text", folder: Path = Path()) -> Self:
+        """Read a TOML text, whose files are seen from a folder.
+
+        Raises InputError whose field is the path of the key, or CASE for broken TOML.
+        """
+        try:
+            document = tomllib.loads(text)
+        except (ValueError, RecursionError) as error:
+            raise InputError("CASE", source, f"it is not TOML: {error}") from error
+        return cls._checked(document, folder)
+
+    @classmethod
+    def _checked(cls, document: dict[str, Any], folder: Path = Path()) -> Self:
+        try:
+            case = cls.model_validate(document, context={"folder": folder})
+        except ValidationError as error:
+            raise first_error(error, document, cls) from error
+        # files as they are seen from anywhere
+        files = {key: str(value) for key, value in case.body if isinstance(value, Path)}
+        case._document = document | {"body": document["body"] | files}
+        return case
+
+    @field_validator("reading", "output", mode="before")
+    @classmethod
+    def _in_the_drives_dimension(cls, written: object, info: ValidationInfo) -> object:
+        """Read parameters as they are shown, which takes the drive of the last stage."""
+        stages: tuple[DriveSection, ...] = info.data.get("drive", ())
+        if not stages or not isinstance(written, Mapping):
+            return written
+        read = window_of if info.field_name == "reading" else fields_every_of
+        return read(written, stages[-1])
+
+    @model_validator(mode="after")
+    def _parts_fit_together(self) -> Self:
+        self.stages()
+        self.space()
+        return self
+
+    def overridden(
+        self,
+        *,
+        space: str | None = None,
+        mesh: str | None = None,
+        to: str | float | None = None,
+        step: str | float | None = None,
+        traction: str | None = None,
+        contact_points: int | None = None,
+    ) -> Self:
+        """Return the case with other values, `to` and `step` those of the last stage.
+
+        They are texts with units; plain numbers are degrees where an angle is needed. Raises InputError whose
+        field is the option of the command line, such as --mesh.
+        """
+        given = {
+            ("discretization", "space"): space,
+            ("discretization", "mesh"): mesh,
+            ("drive", "to"): to,
+            ("drive", "step"): step,
+            ("adhesion", "traction"): traction,
+            ("discretization", "contact_points"): contact_points,
+        }
+        changes = {path: value for path, value in given.items() if value is not None}
+        document = dict(self._document)
+        for (section, key), value in changes.items():
+            table = document.get(section, {})
+            entry = {key: self._parameter(value) if section == "drive" else value}
+            document[section] = [*table[:-1], table[-1] | entry] if isinstance(table, list) else table | entry
+        try:
+            return self._checked(document)
+        except InputError as error:
+            for (section, key), value in changes.items():
+                several_stages = section == "drive" and isinstance(document[section], list)
+                place = f"{section}.{len(self.drive)}" if several_stages else section
+                if error.field == f"{place}.{key}":
+                    raise InputError(f"--{key.replace('_', '-')}", value, error.allowed) from error
+            raise
+
+    def _parameter(self, value: object) -> object:
+        """A parameter of the last stage as it is written."""
+        try:
+            number = float(str(value))
+        except ValueError:
+            return value
+        return f"{number!r} deg" if self.drive[-1].dimension.angle else str(value)
+
+    @property
+    def text(self) -> str:
+        """The case as TOML, with the units it was written in."""
+        return _toml(self._document)
+
+    def problem(self) -> Problem:
+        """Build the problem of the first stage, in L0 and E0."""
+        return self.stages()[0].problem
+
+    def stages(self) -> tuple[Stage, ...]:
+        """Build all stages: one body and its adhesion, and a drive each."""
+        shape, law = self.body.body_shape(), self.adhesion.adhesion_law()
+        substrate = self.substrate.substrate(law.equilibrium_gap)
+        if self.adhesion.symmetric and not isinstance(substrate, Flat):
+            allowed = "a body meets its mirror image at a plane, so that the substrate must be flat"
+            raise InputError("adhesion.symmetric", True, allowed)
+        length = self.adhesion.length
+        adhesion = AdhesiveSide(
+            side="bottom",
+            law=law,
+            substrate=substrate,
+            end=1.0 if length is None else shape.parameter_at(length),
+            traction=self.adhesion.traction,
+            irreversible=self.adhesion.irreversible,
+            sliding_length=self.adhesion.sliding_length,
+        )
+        last = self.drive[-1]
+        body, fixed = Body(shape.surface(), self.material.material()), self.held.fixed()
+        return tuple(
+            Stage(
+                name=stage.label,
+                problem=Problem(self.name, body, adhesion, fixed, stage.drive()),
+                parameters=stage.parameters(),
+                jumps=stage.jumps,
+                fields_every=self.output.fields_every if stage is last else stage.usual_fields_every,
+                window=self.reading.window if self.reading and stage is last else None,
+            )
+            for stage in self.drive
+        )
+
+    def space(self) -> RowSpace:
+        """Build the space of the displacement."""
+        chosen = self.discretization
+        mesh = parse_mesh("discretization.mesh", chosen.mesh)
+        try:
+            space = row_space(chosen.space, mesh, chosen.across_degree, chosen.grading)
+        except InputError as error:
+            raise InputError(f"discretization.{error.field}", error.value, error.allowed) from error
+        shape = self.body.body_shape().surface()
+        sides: tuple[tuple[Side, Side], ...] = ("bottom", "top"), ("left", "right")
+        lengths = [max(shape.boundary(side).length() for side in pair) for pair in sides]
+        along, across = (
+            length * np.diff(directional.breakpoints)
+            for length, directional in zip(lengths, (space.rows[0], space.across), strict=True)
+        )
+        for one, other in ((along.max(), across.min()), (along.min(), across.max())):
+            if max(one, other) > LARGEST_ASPECT * min(one, other):
+                sizes = f"{one:g} nm x {other:g} nm"
+                allowed = (
+                    f"it has elements of {sizes}; one side may be {LARGEST_ASPECT:g} times the other at most"
+                )
+                raise InputError("discretization.mesh", chosen.mesh, allowed)
+        return space
+
+
+def shipped_cases() -> tuple[str, ...]:
+    """Names of the cases that come with the package."""
+    folders = resources.files("isopeel").joinpath("cases").iterdir()
+    return tuple(sorted(folder.name for folder in folders if folder.is_dir() and folder.name[0] not in "._"))
+
+
+def load_case(case: str | Path) -> Case:
+    """Load a shipped case by its name, or a TOML file by its path.
+
+    Raises InputError; its field is the key's path, or CASE where the file itself cannot be used.
+    """
+    if case in shipped_cases():
+        file = resources.files("isopeel").joinpath("cases", str(case), "case.toml")
+        return Case.parse(file.read_text("utf-8"))
+    path = Path(case)
+    try:
+        if not path.is_file():
+            kind = "is no file" if path.exists() else "does not exist"
+            allowed = f"it {kind}; give a TOML file or a shipped case: {', '.join(shipped_cases())}"
+            raise InputError("CASE", str(case), allowed)
+        text = path.read_text("utf-8")
+    except OSError as error:
+        raise InputError("CASE", str(case), f"it cannot be read: {error.strerror}") from error
+    except UnicodeDecodeError as error:
+        allowed = f"a TOML file is UTF-8 text; byte {error.start} is not"
+        raise InputError("CASE", str(case), allowed) from error
+    return Case.parse(text, str(case), path.parent)
+
+
+def parse_mesh(field: str, text: str) -> tuple[int, int]:
+    """Read a number of elements along the length x the height, such as 200x10; InputError names the field."""
+    parts = re.fullmatch(r"(\d{1,15})x(\d{1,15})", text)
+    if not parts:
+        raise InputError(field, text, "elements along length x height are needed, such as 200x10")
+    return int(parts[1]), int(parts[2])
+
+
+def _toml(table: Mapping[str, Any], path: tuple[str, ...] = ()) -> str:
+    """Write a table of texts, numbers, lists and tables; its keys are plain words."""
+    # JSON's texts, numbers and lists are TOML's
+    lines = [
+        f"{key} = {json.dumps(value, ensure_ascii=False)}"
+        for key, value in table.items()
+        if not isinstance(value, dict) and not _are_tables(value)
+    ]
+    for key, value in table.items():
+        place = ".".join((*path, key))
+        if isinstance(value, dict):
+            lines += ["", f"[{place}]", _toml(value, (*path, key)).rstrip()]
+        elif _are_tables(value):
+            for one in value:
+                lines += ["", f"[[{place}]]", _toml(one, (*path, key)).rstrip()]
+    return "\n".join(lines) + "\n"
+
+
+def _are_tables(value: object) -> TypeGuard[list[dict[str, Any]]]:
+    return isinstance(value, list) and any(isinstance(one, dict) for one in value)

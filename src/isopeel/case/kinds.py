@@ -1,0 +1,85 @@
+"""Tables of a case file that choose one of several kinds, their keys made from the dataclasses themselves.
+
+A new law, material, substrate, shape or drive is a new module of its package: `registry.discover` finds the
+dataclass, its fields become the keys, and its `name` is what the case file calls it.
+"""
+
+import dataclasses
+from collections.abc import Mapping
+from functools import cache
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self, get_type_hints
+
+from pydantic import Field, ModelWrapValidatorHandler, ValidationInfo, create_model, model_validator
+
+from isopeel.case.values import Section, key_of
+from isopeel.errors import InputError
+from isopeel.registry import discover
+
+
+class KindSection(Section):
+    """A table whose keys are the fields of a dataclass, and those that all of its family have."""
+
+    #: The table, the package of its dataclasses, the key that names one, and the name where it is left out.
+    table: ClassVar[str]
+    package: ClassVar[str]
+    chooser: ClassVar[str]
+    usual: ClassVar[str | None] = None
+    #: The dataclass; a family has none.
+    maker: ClassVar[type[Any] | None] = None
+
+    if TYPE_CHECKING:
+        # the keys of the dataclass are known when it runs only
+        def __getattr__(self, name: str) -> Any: ...
+
+    @classmethod
+    def chosen(cls, written: Mapping[str, Any]) -> type[Self]:
+        """The section of the dataclass that a table names. Raises InputError that lists those there are."""
+        name = written.get(cls.chooser, cls.usual)
+        known = discover(cls.package)
+        if not isinstance(name, str) or name not in known:
+            allowed = f"one of these {cls.chooser}s is needed: {', '.join(known)}"
+            raise InputError(f"{cls.table}.{cls.chooser}", name, allowed)
+        kind: Any = known[name]
+        section: type[Self] = _section(cls, kind)
+        return section
+
+    @model_validator(mode="wrap")
+    @classmethod
+    def _choose(cls, written: object, handler: ModelWrapValidatorHandler[Self], info: ValidationInfo) -> Self:
+        if cls.maker is not None or not isinstance(written, Mapping):
+            return handler(written)
+        return cls.chosen(written).model_validate(written, context=info.context)
+
+    def made(self) -> Any:
+        """Make the object. Raises InputError of its class."""
+        assert self.maker is not None
+        return self.maker(**{field.name: getattr(self, field.name) for field in _given(self.maker)})
+
+
+def _given(kind: type[Any]) -> list[dataclasses.Field[Any]]:
+    """The fields of a dataclass that it is made with."""
+    return [field for field in dataclasses.fields(kind) if field.init]
+
+
+@cache
+def _section(family: type[KindSection], kind: type[Any]) -> Any:
+    """Make the section of a dataclass. Raises TypeError where no case could have one of its fields."""
+    hints = get_type_hints(kind, include_extras=True)
+    keys: dict[str, Any] = {}
+    for field in _given(kind):
+        if field.name in (family.chooser, *family.model_fields) or hasattr(family, field.name):
+            raise TypeError(f"{kind.__qualname__}.{field.name} needs another name: a case has its own")
+        try:
+            annotation, needed = key_of(hints[field.name])
+        except TypeError as error:
+            raise TypeError(f"{kind.__qualname__}.{field.name}: {error}") from error
+        default: Any = Field()
+        if field.default is not dataclasses.MISSING:
+            default = field.default
+        elif field.default_factory is not dataclasses.MISSING:
+            default = Field(default_factory=field.default_factory)
+        keys[field.name] = (Annotated[annotation, Field(description=needed)], default)
+    choice: Any = Literal[kind.name], ... if family.usual != kind.name else kind.name
+    section = create_model(f"{kind.__name__}Section", __base__=family, **{family.chooser: choice}, **keys)
+    section.maker = kind
+    return section

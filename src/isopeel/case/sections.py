@@ -1,0 +1,206 @@
+"""The sections of a case file: what each key means, but for the keys that dataclasses bring."""
+
+from collections.abc import Mapping
+from typing import Annotated, Any, Literal, Self, get_args
+
+from pydantic import BeforeValidator, Field, model_validator
+
+from isopeel.arrays import FloatArray
+from isopeel.case.kinds import KindSection
+from isopeel.case.stages import stage_parameters
+from isopeel.case.values import FlagKey, LengthKey, NumberKey, Section, list_of, read_quantity, several
+from isopeel.errors import InputError
+from isopeel.physics.adhesion import AdhesionLaw
+from isopeel.physics.adhesion.mirrored import Mirrored
+from isopeel.physics.materials import Material
+from isopeel.physics.materials.prestretched import Prestretched
+from isopeel.physics.substrates import Substrate
+from isopeel.problem import Drive, FixedSide, Traction
+from isopeel.problem.shapes import Shape
+from isopeel.quantities import NUMBER, Dimension
+from isopeel.splines.nurbs import Side
+
+
+class BodySection(KindSection):
+    """The shape of the body, in L0."""
+
+    table, package, chooser, usual = "body", "isopeel.problem.shapes", "shape", "strip"
+
+    def body_shape(self) -> Shape:
+        """Build the shape."""
+        shape: Shape = self.made()
+        return shape
+
+
+class MaterialSection(KindSection):
+    """The material, with the stretch that it is laid at; stresses in E0."""
+
+    table, package, chooser = "material", "isopeel.physics.materials", "law"
+
+    prestretch: Annotated[float | None, Field(strict=True, description=NUMBER.needed)] = None
+
+    def material(self) -> Material:
+        """Build the material."""
+        material: Material = self.made()
+        return material if self.prestretch is None else Prestretched(material, self.prestretch)
+
+
+class AdhesionSection(KindSection):
+    """Adhesion of the lower face up to `length`, or of all of it; in E0 and L0."""
+
+    table, package, chooser = "adhesion", "isopeel.physics.adhesion", "law"
+
+    length: LengthKey | None = None
+    traction: Annotated[Traction, Field(description="'reference' or 'projected' is needed")] = "reference"
+    irreversible: FlagKey = False
+    sliding_length: LengthKey | None = None
+    symmetric: FlagKey = False
+
+    def adhesion_law(self) -> AdhesionLaw:
+        """Build the law."""
+        law: AdhesionLaw = self.made()
+        return Mirrored(law) if self.symmetric else law
+
+
+class SubstrateSection(KindSection):
+    """The substrate, and the gap to it at the start where that is not the equilibrium gap; in L0."""
+
+    table, package, chooser, usual = "substrate", "isopeel.physics.substrates", "kind", "flat"
+
+    gap: LengthKey | None = None
+
+    def substrate(self, equilibrium_gap: float) -> Substrate:
+        """Build the substrate."""
+        substrate: Substrate = self.made()
+        return substrate.receded(equilibrium_gap if self.gap is None else self.gap)
+
+
+_A_WINDOW = "two values are needed, the smaller one first"
+_RATIOS = several(2, "the size of the last element over that of the first is needed")
+_Held = Annotated[Literal["x", "y", "xy"] | None, Field(description="'x', 'y' or 'xy' is needed")]
+
+
+class HeldSection(Section):
+    """The components of the displacement that are held at zero, by side."""
+
+    left: _Held = None
+    right: _Held = None
+    bottom: _Held = None
+    top: _Held = None
+
+    def fixed(self) -> tuple[FixedSide, ...]:
+        """Build the held sides."""
+        held: dict[Side, str | None] = {side: getattr(self, side) for side in get_args(Side)}
+        return tuple(
+            FixedSide(side, tuple("xy".index(component) for component in components))
+            for side, components in held.items()
+            if components is not None
+        )
+
+
+class DiscretizationSection(Section):
+    """The spline space, its elements along the length and the height, and the adhesive force's points."""
+
+    space: Annotated[str, Field(description="the name of a space is needed, such as 'N2.1'")] = "N2.1"
+    mesh: Annotated[str, Field(description="elements along length x height are needed, such as '200x10'")] = (
+        "200x10"
+    )
+    contact_points: Annotated[
+        int | None,
+        Field(strict=True, ge=1, description="a number of Gauss points on an element is needed"),
+    ] = None
+    across_degree: Annotated[
+        int, Field(strict=True, ge=1, le=8, description="a degree across the height is needed, from 1 to 8")
+    ] = 1
+    grading: Annotated[
+        tuple[NumberKey, NumberKey], BeforeValidator(list_of(2, _RATIOS)), Field(description=_RATIOS)
+    ] = (1.0, 1.0)
+
+
+class DriveSection(KindSection):
+    """One stage: a drive, how far it goes, and in which steps, in the dimension of its parameter."""
+
+    table, package, chooser, usual = "drive", "isopeel.problem.drives", "kind", "rotation"
+
+    name: Annotated[
+        str | None,
+        Field(pattern=r"^[A-Za-z0-9-]{1,40}$", description="a name of letters, digits and '-' is needed"),
+    ] = None
+    to: Any = "120 deg"
+    step: Any = "0.1 deg"
+    jumps: FlagKey = False
+
+    @model_validator(mode="after")
+    def _can_be_made(self) -> Self:
+        for key in ("to", "step"):
+            if not self.dimension.angle and key not in self.model_fields_set:
+                raise InputError(f"drive.{key}", None, f"the key is missing; {self.dimension.needed}")
+        self.parameters()
+        return self
+
+    @property
+    def label(self) -> str:
+        """The name of the stage, given or not."""
+        return self.name or str(getattr(self, self.chooser))
+
+    def drive(self) -> Drive:
+        """Build the drive."""
+        drive: Drive = self.made()
+        return drive
+
+    @property
+    def dimension(self) -> Dimension:
+        """Dimension of the parameter."""
+        return self.drive().parameter_dimension
+
+    @property
+    def usual_fields_every(self) -> float:
+        """Distance of fields where nothing is said: 10 degrees, or a tenth of the way."""
+        return 10.0 if self.dimension.angle else float(abs(self.parameters()[-1]) / 10)
+
+    def parameters(self) -> FloatArray:
+        """Parameters of the steps, in radians, or in L0 and E0."""
+        return stage_parameters(self.dimension, self.to, self.step)
+
+
+class ReadingSection(Section):
+    """The window that the plateau is read in, in degrees, or in L0 and E0."""
+
+    window: Annotated[tuple[float, float], Field(description=_A_WINDOW)]
+
+
+class OutputSection(Section):
+    """The parameters that the displacement is kept at, in degrees, or in L0 and E0: multiples of one."""
+
+    fields_every: float
+
+
+def window_of(written: Mapping[str, Any], stage: DriveSection) -> Mapping[str, Any]:
+    """Read the window of a section in the dimension of a stage."""
+    if "window" not in written:
+        return written
+    needed = f"{_A_WINDOW}; for each, {stage.dimension.needed}"
+    window = written["window"]
+    if not isinstance(window, list) or len(window) != 2:
+        raise InputError("reading.window", window, needed)
+    try:
+        start, end = (read_quantity(stage.dimension, value) for value in window)
+    except ValueError as error:
+        raise InputError("reading.window", window, str(error)) from error
+    if not start < end:
+        raise InputError("reading.window", window, needed)
+    return {**written, "window": (start, end)}
+
+
+def fields_every_of(written: Mapping[str, Any], stage: DriveSection) -> Mapping[str, Any]:
+    """Read the distance of fields in the dimension of a stage."""
+    if "fields_every" not in written:
+        return {**written, "fields_every": stage.usual_fields_every}
+    every = written["fields_every"]
+    try:
+        value = read_quantity(stage.dimension, every)
+    except ValueError as error:
+        raise InputError("output.fields_every", every, str(error)) from error
+    if not value > 0:
+        raise InputError("output.fields_every", every, f"it must be positive; {stage.dimension.needed}")
+    return {**written, "fields_every": value}

@@ -1,0 +1,147 @@
+"""The values that keys of a case file take, in L0 and E0, and what is said where they are wrong."""
+
+from collections.abc import Callable, Mapping
+from math import radians
+from pathlib import Path
+from types import UnionType
+from typing import Annotated, Any, Literal, NamedTuple, Union, get_args, get_origin
+
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationInfo
+
+from isopeel.quantities import LENGTH, NUMBER, Dimension
+from isopeel.units import parse_quantity
+
+#: Magnitudes, in L0 and E0 or degrees, between which products of a few powers of them stay finite.
+SMALLEST, LARGEST = 1e-12, 1e12
+
+
+class Section(BaseModel):
+    """A table of known keys."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", protected_namespaces=())
+
+
+def read_quantity(dimension: Dimension, written: object) -> float:
+    """Read a quantity in E0^stress L0^length, or in degrees. Raises ValueError that says what is needed."""
+    try:
+        quantity = parse_quantity(str(written))
+    except ValueError as error:
+        raise ValueError(f"{error}; {dimension.needed}") from error
+    powers_agree = quantity.stress == dimension.stress and quantity.length == dimension.length
+    if not powers_agree or quantity.angle != dimension.angle:
+        raise ValueError(dimension.needed)
+    if quantity.value and not SMALLEST <= abs(quantity.value) <= LARGEST:
+        unit = "degrees" if quantity.angle else "units made of 1 nm and 2 GPa"
+        raise ValueError(f"it must lie between {SMALLEST:g} and {LARGEST:g} in {unit}")
+    return quantity.value
+
+
+def several(count: int, needed: str) -> str:
+    """Say that a list is needed, of so many values that are each needed."""
+    return f"a list of {count} is needed; for each value, {needed}"
+
+
+class Key(NamedTuple):
+    """How the value of a key is checked, and what is needed there."""
+
+    annotation: Any
+    needed: str | None
+
+
+def key_of(hint: Any) -> Key:
+    """Return the key for a type of a dataclass's field. Raises TypeError for types that no case can have.
+
+    Floats have a dimension (`isopeel.quantities`), and texts may say in words what is needed; further there
+    are true or false, whole numbers, texts to choose from, files, tuples of these, and constants by name.
+    """
+    if get_origin(hint) is Annotated:
+        plain, *notes = get_args(hint)
+        for note in notes:
+            if isinstance(note, Dimension) and plain is float:
+                return Key(_of(note), note.needed)
+            if isinstance(note, str):
+                return Key(key_of(plain).annotation, note)
+        return key_of(plain)
+    if get_origin(hint) in (Union, UnionType):
+        kinds = [kind for kind in get_args(hint) if kind is not type(None)]
+        if len(kinds) == 1:
+            key = key_of(kinds[0])
+            return Key(key.annotation | None, key.needed)
+    if get_origin(hint) is Literal:
+        first, last = ", ".join(map(repr, get_args(hint)[:-1])), repr(get_args(hint)[-1])
+        return Key(hint, f"{first} or {last} is needed" if first else f"{last} is needed")
+    if get_origin(hint) is tuple and Ellipsis not in get_args(hint):
+        return _tuple_of([key_of(kind) for kind in get_args(hint)])
+    if get_origin(hint) is Mapping and get_args(hint) == (str, float):
+        return Key(dict[str, Annotated[float, BeforeValidator(_constant)]], None)
+    try:
+        return _PLAIN[hint]
+    except (KeyError, TypeError) as error:
+        allowed = "floats have a dimension, see isopeel.quantities"
+        raise TypeError(f"a case file has no values of the type {hint}; {allowed}") from error
+
+
+def _of(dimension: Dimension) -> Any:
+    if dimension.is_number:
+        return Annotated[float, Field(strict=True)]
+
+    def read(written: object) -> float:
+        value = read_quantity(dimension, written)
+        return radians(value) if dimension.angle else value
+
+    return Annotated[float, BeforeValidator(read)]
+
+
+def _tuple_of(keys: list[Key]) -> Key:
+    needed = several(len(keys), keys[0].needed or "a value is needed")
+    tuple_type: Any = tuple
+    annotation = tuple_type[tuple(key.annotation for key in keys)]
+    return Key(Annotated[annotation, BeforeValidator(list_of(len(keys), needed))], needed)
+
+
+def list_of(count: int, needed: str) -> Callable[[object], object]:
+    """Return the check that something written is a list of so many values."""
+
+    def check(written: object) -> object:
+        if not isinstance(written, list) or len(written) != count:
+            raise ValueError(needed)
+        return written
+
+    return check
+
+
+def _constant(written: object) -> float:
+    """Read a constant of a formula: a plain number, or a text with a unit made of stresses and lengths."""
+    if isinstance(written, int | float) and not isinstance(written, bool):
+        try:
+            return float(written)
+        except OverflowError as error:
+            raise ValueError("it must be finite") from error
+    quantity = parse_quantity(str(written))
+    if quantity.angle:
+        raise ValueError("write angles as plain numbers, in radians")
+    return quantity.value
+
+
+_A_FILE = "the path of a file is needed, as seen from the folder of the case"
+
+
+def _file(written: object, info: ValidationInfo) -> Path:
+    """Read the path of a file, as seen from the folder of the case."""
+    if not isinstance(written, str):
+        raise ValueError(_A_FILE)
+    folder: Path = (info.context or {}).get("folder", Path())
+    return (folder / written).absolute()
+
+
+_PLAIN = {
+    bool: Key(Annotated[bool, Field(strict=True)], "true or false is needed"),
+    int: Key(Annotated[int, Field(strict=True)], "a whole number is needed"),
+    str: Key(str, "a text is needed"),
+    Path: Key(Annotated[Path, BeforeValidator(_file)], _A_FILE),
+}
+
+# The same for keys that no dataclass has.
+LengthKey = Annotated[float, BeforeValidator(lambda written: read_quantity(LENGTH, written))]
+NumberKey = Annotated[float, Field(strict=True, description=NUMBER.needed)]
+FlagKey = Annotated[bool, Field(strict=True, description="true or false is needed")]

@@ -1,0 +1,36 @@
+"""Closed forms that a run is held against.
+
+`expected` and `beam_peeling` read a problem; the others are functions of numbers, in any consistent units.
+That of a rigid cylinder is in `closed_form.rigid_cylinder`, which loads SciPy's quadrature: time that most
+runs can save.
+"""
+
+from isopeel.post.closed_form.beams import beam_moment, double_cantilever_force, double_cantilever_moment
+from isopeel.post.closed_form.cohesive_cylinder import (
+    CohesiveCylinder,
+    maugis_cylinder,
+    maugis_cylinder_pull_off,
+)
+from isopeel.post.closed_form.expected import Expected, expected
+from isopeel.post.closed_form.line_contact import HertzLine, hertz_line, jkr_line_load, jkr_line_pull_off
+from isopeel.post.closed_form.strip import BeamPeeling, beam_peeling
+from isopeel.post.closed_form.tape import kendall_force, sliding_tape_force
+
+__all__ = [
+    "BeamPeeling",
+    "CohesiveCylinder",
+    "Expected",
+    "HertzLine",
+    "beam_moment",
+    "beam_peeling",
+    "double_cantilever_force",
+    "double_cantilever_moment",
+    "expected",
+    "hertz_line",
+    "jkr_line_load",
+    "jkr_line_pull_off",
+    "kendall_force",
+    "maugis_cylinder",
+    "maugis_cylinder_pull_off",
+    "sliding_tape_force",
+]

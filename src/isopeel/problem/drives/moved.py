@@ -1,0 +1,76 @@
+"""A side that is moved along a straight line."""
+
+from dataclasses import dataclass
+from typing import ClassVar, Literal, TypeAlias, get_args
+
+import numpy as np
+
+from isopeel.arrays import FloatArray
+from isopeel.errors import InputError
+from isopeel.problem.drives.base import DISPLACEMENT, FORCE, Column, Freedom, Load, unit_vector
+from isopeel.quantities import LENGTH, Angle, Dimension
+from isopeel.splines.nurbs import Side, check_side
+
+#: What becomes of the displacement across the motion.
+Transverse: TypeAlias = Literal["free", "held"]
+
+
+@dataclass(frozen=True)
+class MovedSide:
+    """A side whose points all move by one displacement along an angle (radians) from the x axis.
+
+    Parameter: the displacement (length); reaction: the force along it per unit width. Across it each point
+    is `free`, which takes an angle along an axis, or `held`.
+    """
+
+    name: ClassVar[str] = "displacement"
+    side: Side
+    angle: Angle
+    transverse: Transverse = "free"
+
+    def __post_init__(self) -> None:
+        """Check the side, the angle and what is held."""
+        check_side("drive.side", self.side)
+        if self.transverse not in get_args(Transverse):
+            allowed = f"it is {' or '.join(get_args(Transverse))}"
+            raise InputError("drive.transverse", self.transverse, allowed)
+        if not np.isfinite(self.angle):
+            raise InputError("drive.angle", self.angle, "it must be finite")
+        if self.transverse == "free" and 0.0 not in unit_vector(self.angle):
+            allowed = "along a slanted line the side must be 'held' across it; free is 0, 90, 180 or 270 deg"
+            raise InputError("drive.angle", self.angle, allowed)
+
+    @property
+    def parameter_dimension(self) -> Dimension:
+        """A length."""
+        return LENGTH
+
+    @property
+    def parameter_column(self) -> Column:
+        """The displacement."""
+        return DISPLACEMENT
+
+    @property
+    def reaction_column(self) -> Column:
+        """The force on a body of unit width."""
+        return FORCE
+
+    @property
+    def freedoms(self) -> tuple[Freedom, Freedom]:
+        """Prescribed along the motion."""
+        x, y = unit_vector(self.angle)
+        across: Freedom = "free" if self.transverse == "free" else "held"
+        return "prescribed" if x else across, "prescribed" if y else across
+
+    @property
+    def load(self) -> Load | None:
+        """None."""
+        return None
+
+    def prescribed(self, points: FloatArray, parameter: float) -> FloatArray:
+        """The same displacement for all points."""
+        return np.broadcast_to(parameter * unit_vector(self.angle), points.shape)
+
+    def rate(self, points: FloatArray, parameter: float) -> FloatArray:  # noqa: ARG002 (a drive's interface)
+        """The direction."""
+        return np.broadcast_to(unit_vector(self.angle), points.shape)

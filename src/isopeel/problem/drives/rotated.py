@@ -1,0 +1,71 @@
+"""A side that is turned by a pure moment."""
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from isopeel.arrays import FloatArray
+from isopeel.problem.drives.base import Column, Freedom, Load
+from isopeel.quantities import ANGLE, Dimension
+from isopeel.splines.nurbs import Side, check_side
+
+
+@dataclass(frozen=True)
+class RotatedSide:
+    """A side that moves as a rigid line: turned anticlockwise by an angle about its own free centre.
+
+    Parameter: the angle in radians. The centre is free, so that the net force vanishes and the only
+    reaction is a pure moment (energy per radian and unit width).
+    """
+
+    name: ClassVar[str] = "rotation"
+    side: Side = "right"
+
+    def __post_init__(self) -> None:
+        """Check the side."""
+        check_side("drive.side", self.side)
+
+    @property
+    def parameter_dimension(self) -> Dimension:
+        """An angle."""
+        return ANGLE
+
+    @property
+    def parameter_column(self) -> Column:
+        """The angle in degrees."""
+        return Column("theta_deg", "degree", 180 / np.pi, "rotation of the driven face")
+
+    @property
+    def reaction_column(self) -> Column:
+        """The moment of a strip of unit width."""
+        return Column("moment", "E0 L0^3", words="moment $M$")
+
+    @property
+    def freedoms(self) -> tuple[Freedom, Freedom]:
+        """Both shared: the centre is free."""
+        return "common", "common"
+
+    @property
+    def load(self) -> Load | None:
+        """None."""
+        return None
+
+    def prescribed(self, points: FloatArray, parameter: float) -> FloatArray:
+        """(Q(angle) - 1)(x - centre)."""
+        # 1 - cos by the half angle, which keeps its digits at small angles
+        sine, versine = np.sin(parameter), 2 * np.sin(parameter / 2) ** 2
+        turned: FloatArray = self._arms(points) @ np.array([[-versine, -sine], [sine, -versine]]).T
+        return turned
+
+    def rate(self, points: FloatArray, parameter: float) -> FloatArray:
+        """dQ/dangle (x - centre)."""
+        sine, cosine = np.sin(parameter), np.cos(parameter)
+        turning: FloatArray = self._arms(points) @ np.array([[-sine, -cosine], [cosine, -sine]]).T
+        return turning
+
+    @staticmethod
+    def _arms(points: FloatArray) -> FloatArray:
+        # any point of the line would do: another one differs by a translation, which is free
+        arms: FloatArray = points - points.mean(axis=0)
+        return arms

@@ -1,0 +1,57 @@
+"""What every shape offers, and what shapes share."""
+
+from math import inf
+from typing import ClassVar, Protocol
+
+from scipy.optimize import brentq
+
+from isopeel.errors import InputError
+from isopeel.splines.nurbs import NurbsCurve, NurbsSurface
+
+ROUND_OFF = 1e-12  # a length beyond the whole by no more, relative to it, is the whole
+
+
+class Shape(Protocol):
+    """A body's outline, as one patch over the unit square.
+
+    xi runs along the lower side, "bottom", which faces the substrate, and eta away from it. The lower side
+    starts at the origin, unless the shape says otherwise.
+    """
+
+    #: The name of the shape in a case file.
+    name: ClassVar[str]
+
+    def surface(self) -> NurbsSurface:
+        """The exact shape, in the unit of its lengths."""
+        ...
+
+    def parameter_at(self, length: float) -> float:
+        """The parameter of the lower side at an arc length from its left end.
+
+        Raises InputError ("adhesion.length") for lengths that are not positive, or beyond the right end.
+        """
+        ...
+
+
+def check_positive(**fields: float) -> None:
+    """Raise InputError unless these fields of a body are positive and finite."""
+    for name, value in fields.items():
+        if not 0 < value < inf:
+            raise InputError(f"body.{name}", value, "it must be positive")
+
+
+def check_length(length: float, total: float) -> None:
+    """Raise InputError unless so much of a lower side of this total length can adhere."""
+    if not 0 < length <= total:
+        raise InputError("adhesion.length", length, f"it must be positive and at most {total:g}")
+
+
+def parameter_at_length(curve: NurbsCurve, length: float) -> float:
+    """Return the parameter of a curve at an arc length from its start, to round-off."""
+    start, end = (float(place) for place in curve.space.breakpoints[[0, -1]])
+    total = curve.length()
+    check_length(length, total * (1 + ROUND_OFF))
+    if length >= total:
+        return end
+    place = brentq(lambda parameter: curve.length(parameter) - length, start, end, xtol=1e-15, rtol=1e-15)
+    return float(place)

@@ -1,0 +1,60 @@
+"""The curved strip: it lies on a cylinder, or in a hollow one."""
+
+from dataclasses import dataclass
+from math import cos, pi, sin, tan
+from typing import ClassVar, Literal, TypeAlias, get_args
+
+import numpy as np
+
+from isopeel.errors import InputError
+from isopeel.problem.shapes.base import check_positive, parameter_at_length
+from isopeel.quantities import Length
+from isopeel.splines.nurbs import NurbsSurface
+from isopeel.splines.space import SplineSpace
+
+#: Where the ends of a strip point: down, as on a cylinder, or up, as in a hollow one.
+Bend: TypeAlias = Literal["down", "up"]
+
+
+@dataclass(frozen=True)
+class CurvedStrip:
+    """Strip of constant height whose lower face is an arc of a `length` and a `radius`.
+
+    The arc starts at the origin along +x and bends down, about (0, -radius), or up, about (0, radius).
+    Raises InputError unless all lengths are positive, the angle length / radius is below pi and a strip that
+    bends up is lower than its radius.
+    """
+
+    name: ClassVar[str] = "curved-strip"
+
+    length: Length
+    height: Length
+    radius: Length
+    bends: Bend = "down"
+
+    def __post_init__(self) -> None:
+        """Check the lengths and the bend."""
+        check_positive(length=self.length, height=self.height, radius=self.radius)
+        if self.bends not in get_args(Bend):
+            raise InputError("body.bends", self.bends, f"it is {' or '.join(get_args(Bend))}")
+        if not self.length / self.radius < pi:
+            raise InputError("body.length", self.length, f"it must be below pi radii, {pi * self.radius:g}")
+        if self.bends == "up" and not self.height < self.radius:
+            raise InputError("body.height", self.height, f"it must be below the radius, {self.radius:g}")
+
+    def surface(self) -> NurbsSurface:
+        """One patch of exact arcs: quadratic, with weights 1, cos(angle/2), 1 (The NURBS Book, Sec. 7.3)."""
+        angle, outwards = self.length / self.radius, 1 if self.bends == "down" else -1
+        middle = cos(angle / 2)
+        points = np.zeros((3, 2, 2))
+        for j, y in enumerate((0.0, self.height)):
+            radius = self.radius + outwards * y
+            # seen from the origin, not from the centre, whose distance may be large
+            drop = outwards * 2 * radius * sin(angle / 2) ** 2
+            points[:, j] = [0, y], [radius * tan(angle / 2), y], [radius * sin(angle), y - drop]
+        weights = np.repeat([[1.0], [middle], [1.0]], 2, axis=1)
+        return NurbsSurface((SplineSpace.uniform(2, 1, 1), SplineSpace.uniform(1, 0, 1)), points, weights)
+
+    def parameter_at(self, length: float) -> float:
+        """The parameter of the lower side at an arc length from its left end; InputError beyond its ends."""
+        return parameter_at_length(self.surface().boundary("bottom"), length)

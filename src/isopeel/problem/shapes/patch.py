@@ -1,0 +1,108 @@
+"""A patch from a file in splinepy's JSON format."""
+
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import ClassVar
+
+import numpy as np
+
+from isopeel.arrays import FloatArray
+from isopeel.errors import InputError
+from isopeel.problem.shapes.base import check_positive, parameter_at_length
+from isopeel.problem.shapes.spline_file import read_surface
+from isopeel.quantities import Length
+from isopeel.splines.nurbs import NurbsSurface
+from isopeel.splines.space import SplineSpace
+
+POINTS_PER_SPAN = 5
+
+
+@dataclass(frozen=True)
+class Patch:
+    """A plane NURBS patch from a file, one unit of whose coordinates means `unit_length`.
+
+    The file is what `splinepy.io.json.export` writes of one surface, encoded or not:
+
+        {"SplineList": [{"SplineType": "NURBS", "para_dim": 2, "dim": 2, "degrees": [2, 1],
+          "knot_vectors": [[0, 0, 0, 1, 1, 1], [0, 0, 1, 1]],
+          "control_points": [[0, 0], [5, 0], [10, 2], [0, 3], [5, 3], [10, 5]],
+          "weights": [1, 1, 1, 1, 1, 1]}]}
+
+    Control points are counted along xi first. A "BSpline" has no weights, a "RationalBezier" no knot
+    vectors, a "Bezier" neither; other keys are passed over. The intervals of the knots become [0, 1].
+    Coordinates are kept: the lower side is where eta = 0 and may lie anywhere. The file is read once, when
+    the object is made. Raises InputError where it cannot be, and for a patch that folds.
+    """
+
+    name: ClassVar[str] = "patch"
+
+    file: Path
+    unit_length: Length = 1.0
+
+    def __post_init__(self) -> None:
+        """Read the file."""
+        object.__setattr__(self, "file", Path(self.file))
+        check_positive(unit_length=self.unit_length)
+        try:
+            with np.errstate(all="ignore"):  # what does not stay finite is refused
+                _check_orientation(self._surface)
+        except InputError as error:
+            reason = f"in it, {error.field} {error.value}: {error.allowed}"
+            raise InputError("body.file", str(self.file), reason) from error
+        except ValueError as error:
+            raise InputError("body.file", str(self.file), str(error)) from error
+
+    def surface(self) -> NurbsSurface:
+        """The patch of the file."""
+        return self._surface
+
+    def parameter_at(self, length: float) -> float:
+        """The parameter of the lower side at an arc length from its left end; InputError beyond its ends."""
+        return parameter_at_length(self._surface.boundary("bottom"), length)
+
+    @cached_property
+    def _surface(self) -> NurbsSurface:
+        drawn = read_surface(self.file)
+        return NurbsSurface(drawn.spaces, drawn.control_points * self.unit_length, drawn.weights)
+
+
+def _check_orientation(surface: NurbsSurface) -> None:
+    """Raise ValueError unless the Jacobian is positive at points of all knot spans."""
+    xi, eta = (_points(space) for space in surface.spaces)
+    determinants = _determinants(surface, xi, eta)
+    if np.all(determinants < 0):
+        raise ValueError(
+            "its Jacobian is negative everywhere: let xi run along the lower side and eta to the left of it, "
+            "by swapping or reversing directions"
+        )
+    if not np.all(determinants > 0):
+        i, j = np.unravel_index(np.argmin(determinants), determinants.shape)
+        raise ValueError(f"the patch must not fold, as it does at xi = {xi[i]:.6g}, eta = {eta[j]:.6g}")
+
+
+def _points(space: SplineSpace) -> FloatArray:
+    start, end = space.breakpoints[:-1, None], space.breakpoints[1:, None]
+    points: FloatArray = start + (end - start) * (np.arange(POINTS_PER_SPAN) + 0.5) / POINTS_PER_SPAN
+    return points.ravel()
+
+
+def _determinants(surface: NurbsSurface, xi: FloatArray, eta: FloatArray) -> FloatArray:
+    """The Jacobian's determinants (n, m) up to positive factors at all of xi (n,) with all of eta (m,).
+
+    Those of a rational map A/w are det(A_xi, A_eta, A) / w^3 with its homogeneous points A.
+    """
+    centred = surface.control_points - surface.control_points[0, 0]  # a far origin costs no digits
+    # sizes of 1, whose products stay finite
+    centred, weights = centred / (np.abs(centred).max() or 1.0), surface.weights / surface.weights.max()
+    homogeneous = NurbsSurface(surface.spaces, centred, weights).homogeneous_points
+    along, across = surface.spaces
+
+    def derivatives(by_xi: int, by_eta: int) -> FloatArray:
+        columns = along.collocation(xi, by_xi) @ homogeneous.reshape(along.size, -1)
+        columns = columns.reshape(xi.size, across.size, 3).swapaxes(0, 1).reshape(across.size, -1)
+        grid: FloatArray = across.collocation(eta, by_eta) @ columns
+        return grid.reshape(eta.size, xi.size, 3).swapaxes(0, 1)
+
+    parts = [derivatives(1, 0), derivatives(0, 1), derivatives(0, 0)]
+    return np.asarray(np.linalg.det(np.stack(parts, axis=-2)))

@@ -1,0 +1,41 @@
+"""The quarter cylinder: the right half of a half cylinder, for symmetric problems."""
+
+from dataclasses import dataclass
+from math import pi
+from typing import ClassVar
+
+from isopeel.problem.shapes.base import check_positive, parameter_at_length
+from isopeel.problem.shapes.blending import arc, blended, line
+from isopeel.quantities import Length
+from isopeel.splines.nurbs import NurbsSurface
+
+
+@dataclass(frozen=True)
+class QuarterCylinder:
+    """Quarter disc of a `radius`: the right half of the half cylinder, with the line of symmetry as "left".
+
+    The sides "bottom", from the lowest point at the origin, and "right" are arcs of 45 degrees. Where they
+    meet the outline has no corner, so that the Jacobian vanishes there, and only there. Raises InputError
+    unless the radius is positive.
+    """
+
+    name: ClassVar[str] = "quarter-cylinder"
+
+    radius: Length
+
+    def __post_init__(self) -> None:
+        """Check the radius."""
+        check_positive(radius=self.radius)
+
+    def surface(self) -> NurbsSurface:
+        """One biquadratic patch with exact arcs."""
+        return blended(
+            left=line((0.0, 0.0), (0.0, self.radius)),
+            right=arc(self.radius, pi / 4, pi / 2),
+            bottom=arc(self.radius, 0.0, pi / 4),
+            top=line((0.0, self.radius), (self.radius, self.radius)),
+        )
+
+    def parameter_at(self, length: float) -> float:
+        """The parameter of the lower side at an arc length from its left end; InputError beyond its ends."""
+        return parameter_at_length(self.surface().boundary("bottom"), length)

@@ -1,0 +1,139 @@
+"""Reading one surface from a file in splinepy's JSON format, which may come from anywhere."""
+
+import base64
+from pathlib import Path
+from typing import Annotated, Literal
+
+import numpy as np
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationError
+
+from isopeel.splines.nurbs import NurbsSurface
+from isopeel.splines.space import HIGHEST_DEGREE, SplineSpace
+
+LARGEST_FILE = 50_000_000  # bytes
+MOST_POINTS = 100_000
+
+#: What each type of spline has besides degrees and control points.
+PARTS = {
+    "NURBS": {"knot_vectors", "weights"},
+    "BSpline": {"knot_vectors"},
+    "RationalBezier": {"weights"},
+    "Bezier": set(),
+}
+
+
+def _numbers(encoded: str) -> list[float]:
+    """Decode numbers of double precision from base64."""
+    numbers: list[float] = np.frombuffer(base64.b64decode(encoded, validate=True), dtype="<f8").tolist()
+    return numbers
+
+
+def _decoded_points(written: object) -> object:
+    """Make encoded coordinates a list of points."""
+    if not isinstance(written, str):
+        return written
+    numbers = _numbers(written)
+    return [list(pair) for pair in zip(numbers[::2], numbers[1::2], strict=True)]
+
+
+def _decoded_weights(written: object) -> object:
+    """Make encoded weights one list, and also lists of one weight each, as splinepy writes them."""
+    if isinstance(written, str):
+        return _numbers(written)
+    if isinstance(written, list) and all(isinstance(row, list) and len(row) == 1 for row in written):
+        return [row[0] for row in written]
+    return written
+
+
+_Degree = Annotated[int, Field(ge=1, le=HIGHEST_DEGREE)]
+_Point = Annotated[list[float], Field(min_length=2, max_length=2)]
+
+
+class _Part(BaseModel):
+    model_config = ConfigDict(strict=True, allow_inf_nan=False)
+
+
+class _Spline(_Part):
+    """The keys of a spline, named as in the file; descriptions say what each needs."""
+
+    SplineType: Literal["NURBS", "BSpline", "RationalBezier", "Bezier"] = Field(
+        description=f"it is one of {', '.join(PARTS)}"
+    )
+    para_dim: Literal[2] = Field(description="it must be 2, for a surface")
+    dim: Literal[2] = Field(description="it must be 2, for a shape in the plane")
+    degrees: tuple[_Degree, _Degree] = Field(
+        description=f"two whole numbers from 1 to {HIGHEST_DEGREE} are needed"
+    )
+    knot_vectors: tuple[list[float], list[float]] | None = Field(
+        default=None, description="two lists of finite numbers are needed"
+    )
+    control_points: Annotated[list[_Point], BeforeValidator(_decoded_points)] = Field(
+        description="pairs of finite numbers are needed, as lists or, of 8 bytes each, in base64"
+    )
+    weights: Annotated[list[float], BeforeValidator(_decoded_weights)] | None = Field(
+        default=None, description="finite numbers are needed, as a list or, of 8 bytes each, in base64"
+    )
+
+
+class _File(_Part):
+    SplineList: list[_Spline] = Field(
+        description="a list of one spline is needed", min_length=1, max_length=1
+    )
+
+
+def read_surface(path: Path) -> NurbsSurface:
+    """Return the one surface of a file, over the unit square. Raises ValueError that says why it cannot."""
+    spline = _read(path)
+    for part in ("knot_vectors", "weights"):
+        needed = part in PARTS[spline.SplineType]
+        if needed != (getattr(spline, part) is not None):
+            raise ValueError(f"in it, a {spline.SplineType} {'needs' if needed else 'has no'} {part}")
+    knots = spline.knot_vectors or tuple([0.0] * (p + 1) + [1.0] * (p + 1) for p in spline.degrees)
+    along, across = map(_on_unit_interval, spline.degrees, knots)
+    sizes, count = (along.size, across.size), len(spline.control_points)
+    if count != sizes[0] * sizes[1] or count > MOST_POINTS:
+        limit = f"; at most {MOST_POINTS} can be read" if count > MOST_POINTS else ""
+        raise ValueError(
+            f"in it, degrees and knots go with {sizes[0]} x {sizes[1]} control points, not {count}{limit}"
+        )
+    weights = [1.0] * count if spline.weights is None else spline.weights
+    if len(weights) != count:
+        raise ValueError(f"in it, there are {len(weights)} weights for {count} control points")
+    points = np.array(spline.control_points).reshape(*sizes[::-1], 2).swapaxes(0, 1)
+    return NurbsSurface((along, across), points, np.array(weights).reshape(sizes[::-1]).T)
+
+
+def _read(path: Path) -> _Spline:
+    """Return the one spline of a file, its keys checked one by one."""
+    try:
+        if not path.is_file():
+            raise ValueError("there is no such file")
+        with path.open("rb") as file:
+            content = file.read(LARGEST_FILE + 1)
+    except OSError as error:
+        raise ValueError(f"it cannot be read: {error.strerror}") from error
+    if len(content) > LARGEST_FILE:
+        raise ValueError(f"it has more than {LARGEST_FILE // 10**6} MB")
+    try:
+        return _File.model_validate_json(content).SplineList[0]
+    except ValidationError as error:
+        raise ValueError(_first(error)) from error
+
+
+def _first(error: ValidationError) -> str:
+    """Say where in the file pydantic's first complaint is, and what is needed there."""
+    details = error.errors(include_url=False, include_input=False)[0]
+    match details["loc"]:
+        case ():
+            return f"it is not a JSON file of splines: {details['msg']}"
+        case ("SplineList", int(), str(key), *_):
+            needed = _Spline.model_fields[key].description
+        case _:
+            key, needed = "SplineList", _File.model_fields["SplineList"].description
+    return f"in it, {key}{' is missing' if details['type'] == 'missing' else ''}: {needed}"
+
+
+def _on_unit_interval(degree: int, knots: list[float]) -> SplineSpace:
+    written = SplineSpace(degree, np.array(knots)).knot_vector
+    with np.errstate(all="ignore"):  # what does not stay finite is refused
+        return SplineSpace(degree, (written - written[0]) / (written[-1] - written[0]))

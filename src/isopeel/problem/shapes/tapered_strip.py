@@ -1,0 +1,40 @@
+"""The tapered strip: a flat lower face, and a height that changes linearly."""
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from isopeel.problem.shapes.base import check_length, check_positive
+from isopeel.quantities import Length
+from isopeel.splines.nurbs import NurbsSurface
+from isopeel.splines.space import SplineSpace
+
+
+@dataclass(frozen=True)
+class TaperedStrip:
+    """Strip of `height` at its left and `end_height` at its right end, with a flat lower face.
+
+    Raises InputError unless all lengths are positive.
+    """
+
+    name: ClassVar[str] = "tapered-strip"
+
+    length: Length
+    height: Length
+    end_height: Length
+
+    def __post_init__(self) -> None:
+        """Check the lengths."""
+        check_positive(length=self.length, height=self.height, end_height=self.end_height)
+
+    def surface(self) -> NurbsSurface:
+        """One bilinear patch."""
+        linear = SplineSpace.uniform(1, 0, 1)
+        left, right = [[0.0, 0.0], [0.0, self.height]], [[self.length, 0.0], [self.length, self.end_height]]
+        return NurbsSurface((linear, linear), np.array([left, right]), np.ones((2, 2)))
+
+    def parameter_at(self, length: float) -> float:
+        """The parameter of the lower side at a length from its left end; InputError beyond its ends."""
+        check_length(length, self.length)
+        return length / self.length

@@ -1,0 +1,45 @@
+"""What the fields of physics and problem objects are: floats with a dimension, in any consistent units.
+
+    radius: Length
+
+says that a field is a length, and nothing of its unit: whoever makes the object from Python chooses units
+that fit together. Only a case file has units, and reads them by these dimensions.
+"""
+
+from dataclasses import dataclass
+from typing import Annotated, TypeAlias
+
+
+@dataclass(frozen=True)
+class Dimension:
+    """A power product of stresses and lengths, an angle (in radians), or a plain number if it is none.
+
+    `needed` says what has to be written for it, with an example.
+    """
+
+    needed: str
+    stress: int = 0
+    length: int = 0
+    angle: bool = False
+
+    @property
+    def is_number(self) -> bool:
+        """Whether it is written without a unit."""
+        return not (self.stress or self.length or self.angle)
+
+
+LENGTH = Dimension("a length is needed, such as '200 nm'", length=1)
+STRESS = Dimension("a stress is needed, such as '2 GPa'", stress=1)
+ENERGY = Dimension("an energy is needed, such as '1e-19 J'", stress=1, length=3)
+SURFACE_ENERGY = Dimension("an energy per area is needed, such as '0.03 J/m^2'", stress=1, length=1)
+FORCE_PER_WIDTH = Dimension("a force per width is needed, such as '0.05 N/m'", stress=1, length=1)
+ANGLE = Dimension("an angle is needed, such as '0.1 deg'", angle=True)
+NUMBER = Dimension("a number is needed, without quotes")
+
+Length: TypeAlias = Annotated[float, LENGTH]
+Stress: TypeAlias = Annotated[float, STRESS]
+Energy: TypeAlias = Annotated[float, ENERGY]
+SurfaceEnergy: TypeAlias = Annotated[float, SURFACE_ENERGY]
+ForcePerWidth: TypeAlias = Annotated[float, FORCE_PER_WIDTH]
+Angle: TypeAlias = Annotated[float, ANGLE]
+Number: TypeAlias = Annotated[float, NUMBER]

@@ -1,0 +1,82 @@
+"""The jump to the next stable equilibrium: a damped search along which the energy falls."""
+
+import numpy as np
+
+from isopeel.arrays import FloatArray
+from isopeel.assembly.system import BandMatrix, Equilibrium, System
+from isopeel.solve.linear import BandCholesky, Border, Bordered, Factor, NotPositiveDefiniteError
+
+_MOST_ITERATIONS = 500
+_SMALLEST_SHIFT = 1e-8  # of the mean entry on the diagonal
+_LARGEST_SHIFT = 1e6
+_SHORTEST = 2.0**-30  # of a step
+_SUFFICIENT = 1e-4  # of the decrease that the slope promises
+_FLAT = 1e-13  # of the energy: a decrease below it is round-off
+
+
+def descend(system: System, start: FloatArray, parameter: float) -> FloatArray:
+    """Follow falling energy from a start y (count,), at one value of the parameter, to near a minimum.
+
+    Newton's method with a shifted tangent, K + shift x 1 where K is not positive definite, and steps halved
+    until the energy falls (Nocedal and Wright, Numerical Optimization, Algorithms 3.2 and 3.3). The start
+    must keep every element from being turned inside out. Returns the best y, which may not have converged:
+    Newton's method from there tells.
+    """
+    y = start
+    shift = 0.0
+    energy = potential_energy(system, y, parameter)
+    for _ in range(_MOST_ITERATIONS):
+        u, load = system.state(y, parameter)
+        equilibrium, matrix = system.linearize(u, "symmetric", load)
+        factor, shift = _positive_definite(matrix, shift)
+        direction = -_solve(system, factor, equilibrium, u, parameter)
+        slope = float(equilibrium.residual @ direction[: system.constraints.count])
+        step = 1.0
+        trial = potential_energy(system, y + direction, parameter)
+        # the control's equation is linear: a first full step satisfies it, and later ones keep to it
+        while not trial <= energy + _SUFFICIENT * step * min(slope, 0.0) and step > _SHORTEST:
+            step /= 2
+            trial = potential_energy(system, y + step * direction, parameter)
+        if not trial < energy:
+            break
+        y = y + step * direction
+        if shift == 0.0 and energy - trial < _FLAT * abs(energy):
+            break
+        energy = trial
+        # try to do with less the next time
+        shift = shift / 10 if shift > _SMALLEST_SHIFT else 0.0
+    return y
+
+
+def potential_energy(system: System, y: FloatArray, parameter: float) -> float:
+    """Energy of body, joint and a known load; infinite where an element is turned inside out."""
+    u, load = system.state(y, parameter)
+    at = system.equilibrium(u, load)
+    total = at.stored_energy + at.adhesive_energy + at.dissipated_energy
+    if system.load is not None and not system.load_is_unknown:
+        total -= load * system.load.displacement(u)
+    return total if at.lowest_determinant > 0 and np.isfinite(total) else np.inf
+
+
+def _positive_definite(matrix: BandMatrix, shift: float) -> tuple[Factor, float]:
+    """Factorize the matrix with the least shift, from a first guess on, that makes it positive definite."""
+    entries = matrix.entries.copy()
+    mean = float(np.abs(entries[:, 0]).mean())
+    while True:
+        matrix.entries[:] = entries
+        matrix.entries[:, 0] += shift * mean
+        try:
+            return BandCholesky.of(matrix), shift
+        except NotPositiveDefiniteError:
+            shift = max(4 * shift, _SMALLEST_SHIFT)
+            if shift > _LARGEST_SHIFT:
+                raise
+
+
+def _solve(
+    system: System, factor: Factor, equilibrium: Equilibrium, u: FloatArray, parameter: float
+) -> FloatArray:
+    if not system.load_is_unknown:
+        return factor.solve(equilibrium.residual)
+    missed, column, row = system.control(u, parameter)
+    return Bordered.of(factor, Border(column, row)).solve(np.append(equilibrium.residual, missed))
