@@ -226,7 +226,7 @@ BAD_VALUES = [
     ('length = "200 nm"', 'length = "-200 nm"', "body.length", "positive"),
     ('height = "10 nm"', 'height = "0 nm"', "body.height", "positive"),
     ('height = "10 nm"', 'heigth = "10 nm"', "body.heigth", "length, height"),
-    ("[body]", "[bodies]", "bodies", "name, about, body, material"),
+    ("[body]", "[bodies]", "bodies", "name, about, units, body"),
     ('name = "strip"', 'name = "../strip"', "name", "letters"),
     ('name = "strip"', "name = 3", "name", "letters"),
     ('length = "150 nm"', 'length = "201 nm"', "adhesion.length", "at most 200"),

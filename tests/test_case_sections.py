@@ -1,6 +1,7 @@
 """What a case file can say beyond the strip: shapes, substrates, held sides, drives and their stages."""
 
 import json
+import re
 import tomllib
 from pathlib import Path
 
@@ -308,3 +309,36 @@ def test_a_mirror_is_flat() -> None:
 def test_graded_elements_that_are_needles_are_refused() -> None:
     with pytest.raises(InputError, match="one side may be 10000 times the other"):
         Case.parse(case_with(discretization="grading = [1e6, 1.0]"))
+
+
+STRIP = load_case("strip").text
+UNITS = STRIP.replace("[body]", '[units]\nlength = "1 um"\nstress = "1 MPa"\n\n[body]', 1)
+
+
+def test_a_case_has_units_of_its_own() -> None:
+    """The same strip: lengths a thousandth, stresses 2000 times as large, energies by their products."""
+    one, other = Case.parse(STRIP).stages()[0], Case.parse(UNITS).stages()[0]
+    a, b = one.problem, other.problem
+    assert b.body.shape.control_points.max() == 0.2
+    assert b.body.material.youngs_modulus == 2000 * a.body.material.youngs_modulus
+    ratio = b.adhesion.law.work_of_adhesion / a.adhesion.law.work_of_adhesion
+    assert ratio == pytest.approx(2000 / 1000, rel=1e-14)  # a few roundings
+    np.testing.assert_array_equal(one.parameters, other.parameters)
+    assert Case.parse(Case.parse(UNITS).text).stages()[0].problem.adhesion.law == b.adhesion.law
+
+
+@pytest.mark.parametrize(
+    ("units", "message"),
+    [
+        ("length = '1 Pa'", "units.length: '1 Pa' cannot be used; a length is needed"),
+        ("stress = '0 Pa'", "units.stress: '0 Pa' cannot be used; it must be positive"),
+        ("length = 3", "units.length: 3 cannot be used"),
+        (
+            "mass = '1 kg'",
+            "units.mass: '1 kg' cannot be used; there is no such key; here the keys are length, stress",
+        ),
+    ],
+)
+def test_units_that_are_none(units: str, message: str) -> None:
+    with pytest.raises(InputError, match=re.escape(message)):
+        Case.parse(STRIP.replace("[body]", f"[units]\n{units}\n\n[body]", 1))

@@ -199,7 +199,7 @@ def validate(
 ) -> int:
     """Hold runs against closed forms, and report on all deviations."""
     try:
-        from isopeel.paper.execution import WorkerLostError
+        from isopeel.validation.processes import WorkerLostError
         from isopeel.validation.report import chosen_checks
         from isopeel.validation.report import validate as run_checks
 

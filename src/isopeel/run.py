@@ -77,7 +77,8 @@ def _run_stage(
         raise InputError(field, error.value, error.allowed) from error
     _check_folder(out)
     file, *others = (out / name for name in FILES)
-    attributes = run_attributes(problem, space, Provenance.of_this_process())
+    units = {"L0": case.units.length, "E0": case.units.stress}
+    attributes = units | run_attributes(problem, space, Provenance.of_this_process())
     every = stage.fields_every
     writer = RunWriter(file, problem.drive, case.text, attributes, every, others)
     try:
@@ -194,7 +195,8 @@ def _print_table(summary: dict[str, Any], curve: Curve, out: Path, console: Cons
     table.add_row("time", f"{summary['wall_time_s']:.1f} s")
     console.print(table)
     if summary["note"]:
-        console.print(f"not read: {summary['note']}")
+        console.print(f"not read: {summary['note']}", soft_wrap=True)
+    console.print("L0 = {L0}, E0 = {E0}; for a width of L0".format(**summary["units"]))
     console.print(f"files in {out}", soft_wrap=True)
 
 

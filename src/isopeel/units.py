@@ -1,6 +1,9 @@
 """Quantities with units, as text, and their values in the internal units L0 and E0."""
 
 import re
+from collections.abc import Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache
@@ -9,10 +12,33 @@ from typing import Any
 
 import pint
 
-#: Length that lengths are measured in, 1 nm, in metres.
+#: Length that lengths are measured in if not told otherwise, 1 nm, in metres.
 L0 = Fraction(1, 10**9)
-#: Stress that stresses are measured in, 2 GPa, in pascals.
+#: Stress that stresses are measured in if not told otherwise, 2 GPa, in pascals.
 E0 = Fraction(2 * 10**9)
+
+
+@dataclass(frozen=True)
+class UnitSystem:
+    """What lengths and stresses are measured in, in metres and in pascals, exactly."""
+
+    length: Fraction = L0
+    stress: Fraction = E0
+
+
+_USUAL = UnitSystem()
+_MEASURED_IN = ContextVar("_MEASURED_IN", default=_USUAL)
+
+
+@contextmanager
+def measured_in(units: UnitSystem) -> Iterator[None]:
+    """Read quantities in these units while the context is open."""
+    token = _MEASURED_IN.set(units)
+    try:
+        yield
+    finally:
+        _MEASURED_IN.reset(token)
+
 
 _NUMBER = r"[-+]?(?:(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d{1,3})?|inf|nan)"
 _FACTOR = r"(?:[^\W\d_]+(?:(?:\^|\*\*)?-?[1-9]|[²³])?|°)"
@@ -22,12 +48,13 @@ _LONGEST = 100  # characters
 
 @dataclass(frozen=True)
 class Quantity:
-    """A value in E0^stress L0^length or, if `angle`, in degrees."""
+    """A value in E0^stress L0^length or, if `angle`, in degrees; `exact` is the same in SI units."""
 
     value: float
     stress: Fraction
     length: Fraction
     angle: bool = False
+    exact: Fraction = Fraction(0)
 
 
 def parse_quantity(text: str) -> Quantity:
@@ -35,7 +62,8 @@ def parse_quantity(text: str) -> Quantity:
 
     Mass^a length^b time^c is a power product of stresses and lengths where c = -2 a: it is
     stress^a length^(a + b). The conversion is exact until the value is rounded to a float, so that
-    "200 nm" is 200.0 to the last bit. Raises ValueError that says why a text is no such quantity.
+    "200 nm" is 200.0 to the last bit. L0 and E0 are 1 nm and 2 GPa unless `measured_in` other units. Raises
+    ValueError that says why a text is no such quantity.
     """
     written = _QUANTITY.fullmatch(text.strip()) if len(text) <= _LONGEST else None
     if written is None:
@@ -61,12 +89,18 @@ def parse_quantity(text: str) -> Quantity:
     # pure numbers need no unit, and some of their units, such as dB, are not even factors
     if powers or time != -2 * mass or not (angle or mass or length):
         raise ValueError(f"{unit!r} is not made of stresses and lengths, nor an angle")
-    internal = registry.get_base_units("degree")[0] if angle else E0**mass * L0 ** (length + mass)
+    system = _MEASURED_IN.get()
+    exact = Fraction(number) * factor
+    internal = (
+        registry.get_base_units("degree")[0]
+        if angle
+        else system.stress**mass * system.length ** (length + mass)
+    )
     try:
-        value = float(Fraction(number) * factor / internal)
+        value = float(exact / internal)
     except OverflowError as error:
         raise ValueError("it is not finite") from error
-    return Quantity(value, mass, length + mass, angle)
+    return Quantity(value, mass, length + mass, angle, exact)
 
 
 def _parts(units: Any) -> dict[str, Any]:

@@ -30,6 +30,7 @@ from isopeel.case.sections import (
     OutputSection,
     ReadingSection,
     SubstrateSection,
+    UnitsSection,
     fields_every_of,
     window_of,
 )
@@ -40,6 +41,7 @@ from isopeel.physics.substrates import Flat
 from isopeel.problem import AdhesiveSide, Body, Problem
 from isopeel.splines.nurbs import Side
 from isopeel.splines.rows import RowSpace, row_space
+from isopeel.units import UnitSystem, measured_in
 
 #: More, and the stiffnesses along and across an element, its square apart, leave double precision.
 LARGEST_ASPECT = 1e4
@@ -56,6 +58,7 @@ class Case(Section):
         ),
     ]
     about: Annotated[str, Field(description="a text is needed, in quotes")] = ""
+    units: UnitsSection = UnitsSection()
     body: BodySection
     material: MaterialSection
     adhesion: AdhesionSection
@@ -86,7 +89,8 @@ class Case(Section):
     @classmethod
     def _checked(cls, document: dict[str, Any], folder: Path = Path()) -> Self:
         try:
-            case = cls.model_validate(document, context={"folder": folder})
+            with measured_in(_units(document)):
+                case = cls.model_validate(document, context={"folder": folder})
         except ValidationError as error:
             raise first_error(error, document, cls) from error
         # files as they are seen from anywhere
@@ -168,6 +172,10 @@ class Case(Section):
 
     def stages(self) -> tuple[Stage, ...]:
         """Build all stages: one body and its adhesion, and a drive each."""
+        with measured_in(self.units.system()):
+            return self._stages()
+
+    def _stages(self) -> tuple[Stage, ...]:
         shape, law = self.body.body_shape(), self.adhesion.adhesion_law()
         substrate = self.substrate.substrate(law.equilibrium_gap)
         if self.adhesion.symmetric and not isinstance(substrate, Flat):
@@ -220,6 +228,14 @@ class Case(Section):
                 )
                 raise InputError("discretization.mesh", chosen.mesh, allowed)
         return space
+
+
+def _units(document: Mapping[str, Any]) -> UnitSystem:
+    """The units of a case; the usual ones where it has none that can be used, which checking it will tell."""
+    try:
+        return UnitsSection.model_validate(document.get("units", {})).system()
+    except ValidationError:
+        return UnitSystem()
 
 
 def shipped_cases() -> tuple[str, ...]:

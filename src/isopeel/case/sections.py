@@ -17,8 +17,9 @@ from isopeel.physics.materials.prestretched import Prestretched
 from isopeel.physics.substrates import Substrate
 from isopeel.problem import Drive, FixedSide, Traction
 from isopeel.problem.shapes import Shape
-from isopeel.quantities import NUMBER, Dimension
+from isopeel.quantities import LENGTH, NUMBER, STRESS, Dimension
 from isopeel.splines.nurbs import Side
+from isopeel.units import UnitSystem, parse_quantity
 
 
 class BodySection(KindSection):
@@ -73,6 +74,27 @@ class SubstrateSection(KindSection):
         """Build the substrate."""
         substrate: Substrate = self.made()
         return substrate.receded(equilibrium_gap if self.gap is None else self.gap)
+
+
+class UnitsSection(Section):
+    """What the run measures in, L0 and E0."""
+
+    length: str = "1 nm"
+    stress: str = "2 GPa"
+
+    def system(self) -> UnitSystem:
+        """Build the unit system. Raises InputError where one is not a positive length or stress."""
+        sizes = []
+        for key, dimension in (("length", LENGTH), ("stress", STRESS)):
+            written = getattr(self, key)
+            try:
+                read_quantity(dimension, written)
+            except ValueError as error:
+                raise InputError(f"units.{key}", written, str(error)) from error
+            sizes.append(parse_quantity(written).exact)
+            if sizes[-1] <= 0:
+                raise InputError(f"units.{key}", written, "it must be positive")
+        return UnitSystem(*sizes)
 
 
 _A_WINDOW = "two values are needed, the smaller one first"

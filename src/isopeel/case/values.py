@@ -31,7 +31,7 @@ def read_quantity(dimension: Dimension, written: object) -> float:
     if not powers_agree or quantity.angle != dimension.angle:
         raise ValueError(dimension.needed)
     if quantity.value and not SMALLEST <= abs(quantity.value) <= LARGEST:
-        unit = "degrees" if quantity.angle else "units made of 1 nm and 2 GPa"
+        unit = "degrees" if quantity.angle else "units of the case, or of 1 nm and 2 GPa"
         raise ValueError(f"it must lie between {SMALLEST:g} and {LARGEST:g} in {unit}")
     return quantity.value
 

@@ -35,7 +35,10 @@ def summarize(
     return {
         "case": name,
         **{name: attributes[name] for name in ("space", "mesh", "dofs", "traction")},
-        "units": {parameter.name: parameter.unit, reaction.name: reaction.unit, "length": "L0"},
+        "units": {
+            **{column.name: column.unit for column in (parameter, reaction)},
+            **{name: attributes[name] for name in ("L0", "E0")},
+        },
         parameter.name: float(curve.parameter[-1]) if len(curve) else None,
         "peak": None
         if strongest is None
