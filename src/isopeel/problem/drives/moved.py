@@ -20,7 +20,8 @@ class MovedSide:
     """A side whose points all move by one displacement along an angle (radians) from the x axis.
 
     Parameter: the displacement (length); reaction: the force along it per unit width. Across it each point
-    is `free`, which takes an angle along an axis, or `held`.
+    is `free`, which takes an angle along an axis, or `held`. A side that moves along itself cannot turn
+    without being stretched: the end of a beam is better driven by `PulledSide`.
     """
 
     name: ClassVar[str] = "displacement"

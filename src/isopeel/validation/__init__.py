@@ -1,0 +1,1 @@
+"""Runs held against closed forms: one module per check, and the report on all of them."""

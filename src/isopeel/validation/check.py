@@ -1,0 +1,123 @@
+"""What a check is, and what it finds."""
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from typing import Generic, TypeVar
+
+import numpy as np
+
+from isopeel.arrays import FloatArray, frozen
+from isopeel.errors import InputError
+from isopeel.paper.document import Picture
+from isopeel.problem import Problem
+from isopeel.solve.newton import ConvergenceError, NewtonSettings
+from isopeel.solve.trace import Step, trace
+from isopeel.splines.rows import RowSpace
+
+C = TypeVar("C")
+O = TypeVar("O")  # noqa: E741 (an outcome)
+
+
+@dataclass(frozen=True)
+class Row:
+    """A number that was computed, beside the one that is expected.
+
+    `allowed` is the largest relative deviation, None where the row tells of a closed form beyond its reach;
+    `details` are cells for the columns that the check adds. Raises InputError unless it is positive.
+    """
+
+    computed: float  # nan where there is no equilibrium
+    expected: float
+    allowed: float | None
+    details: tuple[str, ...]
+
+    def __post_init__(self) -> None:
+        """Check what is allowed."""
+        if self.allowed is not None and not self.allowed > 0:
+            raise InputError("allowed", self.allowed, "a deviation that is allowed is positive")
+
+    @property
+    def deviation(self) -> float:
+        """Relative deviation."""
+        return self.computed / self.expected - 1
+
+    @property
+    def passed(self) -> bool:
+        """Whether the deviation is not larger than allowed; a number that is missing is never."""
+        return self.share_of_allowed <= 1
+
+    @property
+    def share_of_allowed(self) -> float:
+        """Deviation over the allowed one: zero where none is judged, infinite where a number is missing."""
+        if self.allowed is None:
+            return 0.0
+        return abs(self.deviation) / self.allowed if np.isfinite(self.computed) else np.inf
+
+
+@dataclass(frozen=True)
+class Result:
+    """What a check found: its rows, what made them, and figures.
+
+    `text` says in Markdown what is compared and how it is read; `settings` are names and values;
+    `columns` head the details of the rows, the first `named_by` of which tell the rows apart; `problems` say
+    why numbers are missing.
+    """
+
+    quantity: str
+    text: str
+    settings: tuple[tuple[str, str], ...]
+    columns: tuple[str, ...]
+    named_by: int
+    rows: tuple[Row, ...]
+    pictures: tuple[Picture, ...]
+    problems: tuple[str, ...] = ()
+
+    @property
+    def passed(self) -> bool:
+        """Whether all rows pass."""
+        return all(row.passed for row in self.rows)
+
+
+@dataclass(frozen=True)
+class Check(Generic[C, O]):
+    """Cases that can be computed one by one, in processes of their own, and how outcomes are judged."""
+
+    title: str
+    cases: tuple[C, ...]
+    compute: Callable[[C], O]
+    judge: Callable[[Sequence[O]], Result]
+
+
+@dataclass(frozen=True, eq=False)
+class EquilibriumPath:
+    """Equilibria from the first parameter of a path to the last that was found."""
+
+    parameter: FloatArray
+    reaction: FloatArray
+    displacement: FloatArray | None  # coefficients of the last step, None where there is none
+    failure: str  # why it ended early, empty where it did not
+
+
+def traced(
+    problem: Problem,
+    space: RowSpace,
+    parameters: Iterable[float],
+    settings: NewtonSettings | None = None,
+    until: Callable[[Sequence[Step]], bool] = lambda _: False,
+) -> EquilibriumPath:
+    """Trace a path to its end, or until a condition on its steps holds."""
+    steps: list[Step] = []
+    failure = ""
+    try:
+        for step in trace(problem, space, parameters, settings):
+            steps.append(step)
+            if until(steps):
+                break
+    except ConvergenceError as error:
+        failure = str(error)
+    return EquilibriumPath(
+        frozen(np.array([step.parameter for step in steps])),
+        frozen(np.array([step.reaction for step in steps])),
+        steps[-1].displacement if steps else None,
+        failure,
+    )

@@ -1,0 +1,135 @@
+"""The curvature factors of the van der Waals law against integrals over pairs of points."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+from matplotlib.figure import Figure
+from scipy.integrate import quad
+
+from isopeel.paper.document import Picture
+from isopeel.physics.adhesion import VanDerWaals
+from isopeel.physics.batch import evaluate_law
+from isopeel.post.style import BLUE, DASHES, GREY, TWO_COLUMNS, VERMILION, style
+from isopeel.validation.check import Check, Result, Row
+
+ALLOWED, ALLOWED_HOLLOW = 1e-6, 0.002
+#: The powers with which repulsion and attraction of a flat substrate fall with the gap.
+POWERS = (9, 3)
+_GAP = 1.0
+_RADII = (100.0, 20.0, 10.0, 5.0, 2.0, 1.0, -100.0, -20.0, -10.0, -5.0)
+#: The smallest radius, in gaps, at which the law is to hold in a hollow substrate.
+_HOLLOW_LIMIT = -10.0
+
+
+@dataclass(frozen=True)
+class Factors:
+    """f1 and f2 at a ratio R/r, as the law has them and as integrals give them."""
+
+    radius: float  # in units of the gap; negative where the substrate is hollow
+    by_law: tuple[float, float]
+    by_integrals: tuple[float, float]
+
+
+def curvature_factors(radius: float) -> Factors:
+    """Read f1 and f2 off the tractions of two laws, and integrate them, at R/r = `radius`."""
+    integrated = tuple(_layers(radius, power) / _layers(np.inf, power) for power in POWERS)
+    return Factors(radius, law_factors(1 / radius), (integrated[0], integrated[1]))
+
+
+def law_factors(curvature: float) -> tuple[float, float]:
+    """f1 and f2 that the tractions of two laws of different r0 amount to, at the gap 1."""
+    terms, tractions = [], []
+    for distance in (0.2, 1.4):
+        law = VanDerWaals(2 * np.pi * distance**3, distance)  # whose factor A_H/(2 pi r0^3) is 1
+        gap, bend = np.array([_GAP]), np.array([curvature])
+        tractions.append(evaluate_law(law.kernel, law.parameters, gap, bend)[1][0])
+        terms.append([(distance / _GAP) ** 9 / 45, -((distance / _GAP) ** 3) / 3])
+    repulsion, attraction = np.linalg.solve(np.array(terms), np.array(tractions))
+    return float(repulsion), float(attraction)
+
+
+def _layers(radius: float, power: int) -> float:
+    """Pair forces of a half space on the layers of a body around a sphere, up to its centre if hollow."""
+    end = -radius if radius < 0 else np.inf
+
+    def layer(depth: float) -> float:
+        growth = (1 + depth / radius) / (1 + _GAP / radius)
+        return half_space(depth, power + 3) * growth**2
+
+    total: float = quad(layer, _GAP, end, epsabs=0, epsrel=1e-9, limit=200)[0]
+    return total
+
+
+def half_space(gap: float, power: int) -> float:
+    """Force of a half space on a point, by pairs of energy d^-power: rings about the point's normal.
+
+    Points at a height q = gap t above, in rings of radius q tan(b), are at the distance q/cos(b).
+    """
+
+    def ring(angle: float) -> float:
+        return float(2 * np.pi * power * np.tan(angle) * np.cos(angle) ** power)
+
+    rings = quad(ring, 0, np.pi / 2, epsabs=0, epsrel=1e-10)[0]
+    heights = quad(lambda height: height ** (1 - power), gap, np.inf, epsabs=0, epsrel=1e-10)[0]
+    return float(rings * heights)
+
+
+def judge(outcomes: Sequence[Factors]) -> Result:
+    """Compare the factors one by one."""
+    rows = []
+    for found in outcomes:
+        shape = "convex" if found.radius > 0 else "hollow"
+        limit = ALLOWED_HOLLOW if found.radius <= _HOLLOW_LIMIT else None
+        allowed = ALLOWED if found.radius > 0 else limit
+        rows += [
+            Row(by_law, integral, allowed, (shape, f"{found.radius:g}", name))
+            for name, by_law, integral in zip(("f1", "f2"), found.by_law, found.by_integrals, strict=True)
+        ]
+    return Result(
+        quantity="factor",
+        text=(
+            "The van der Waals law multiplies repulsion by f1 and attraction by f2 where the substrate is"
+            " curved. They are held against the sum of the forces on all layers of a body around a *sphere*"
+            " of radius R, each point of which a half space at its own gap attracts, by quadrature over"
+            " pairs of points: {curvature-factors}. That is what the factors are; they are not those of a"
+            " cylinder in plane strain. In a hollow substrate (R < 0) the layers end at the centre, while the"
+            " law counts them beyond it: a share of about (r/R)^3 of the attraction, which is allowed for"
+            " down to a radius of ten gaps, and told below."
+        ),
+        settings=(("laws", "r0 = 0.2 r and 1.4 r; f1 and f2 follow from two tractions"),),
+        columns=("substrate", "R/r", "factor"),
+        named_by=3,
+        rows=tuple(rows),
+        pictures=(
+            Picture(
+                "curvature-factors",
+                "The factors of the van der Waals law (lines) and of integrals over pairs of points (marks).",
+                partial(_draw, tuple(outcomes)),
+            ),
+        ),
+    )
+
+
+def _draw(outcomes: Sequence[Factors]) -> Figure:
+    with style():
+        figure = Figure(figsize=(TWO_COLUMNS / 2, 2.6), layout="constrained")
+        axes = figure.subplots()
+        curvature = np.linspace(-0.22, 1.0, 123)
+        lines = np.array([law_factors(k) for k in curvature])
+        at = [1 / found.radius for found in outcomes]
+        axes.axvline(0.0, color=GREY, linewidth=0.6)
+        for k, (name, color, line, marker) in enumerate(
+            (("$f_1$, repulsion", BLUE, "-", "o"), ("$f_2$, attraction", VERMILION, DASHES, "s"))
+        ):
+            axes.plot(curvature, lines[:, k], color=color, linestyle=line, label=name)
+            values = [found.by_integrals[k] for found in outcomes]
+            axes.plot(at, values, marker, color=color, markersize=4, markerfacecolor="white")
+        axes.set_xlabel("gap over radius $r/R$")
+        axes.set_ylabel("factor")
+        axes.legend()
+        return figure
+
+
+CHECK = Check("Curved substrates", _RADII, curvature_factors, judge)

@@ -1,0 +1,99 @@
+"""Computing tasks that do not depend on each other in processes of their own."""
+
+import os
+import signal
+import time
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from concurrent.futures.process import BrokenProcessPool
+from contextlib import contextmanager
+from multiprocessing import active_children, get_context, parent_process
+from threading import Thread
+from typing import NamedTuple, TypeVar
+
+O = TypeVar("O")  # noqa: E741 (an outcome)
+
+
+class WorkerLostError(RuntimeError):
+    """A process that computed a task was ended from outside."""
+
+
+class Done(NamedTuple):
+    """What a task returned, and the seconds it took."""
+
+    outcome: object
+    seconds: float
+
+
+def compute_all(
+    tasks: Sequence[Callable[[], object]], workers: int, finished: Callable[[int, Done], None]
+) -> list[Done]:
+    """Compute tasks, which go from process to process, and tell when each is finished; in their order.
+
+    The processes end at once where this one does, in whatever way. Raises WorkerLostError where one of
+    them is ended, and what a task raises.
+    """
+    others = active_children()
+    done: dict[int, Done] = {}
+    with ProcessPoolExecutor(workers, get_context("spawn"), _start_worker) as pool:
+        try:
+            with _interrupts_held():
+                futures: dict[Future[Done], int] = {
+                    pool.submit(_timed, task): number for number, task in enumerate(tasks)
+                }
+            left = set(futures)
+            while left:
+                ready, left = wait(left, return_when=FIRST_COMPLETED)
+                for future in ready:
+                    done[futures[future]] = future.result()
+                    finished(futures[future], done[futures[future]])
+        except BaseException as error:
+            for process in active_children():
+                if process not in others:
+                    process.terminate()
+            if isinstance(error, BrokenProcessPool):
+                reason = "a process was ended from outside, perhaps for lack of memory"
+                raise WorkerLostError(reason) from error
+            raise
+    return [done[number] for number in range(len(tasks))]
+
+
+def cores() -> int:
+    """Cores that this process may use; Windows waits for no more than 61 processes."""
+    own = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    return min(own, 61)
+
+
+def _timed(task: Callable[[], O]) -> Done:
+    began = time.perf_counter()
+    outcome = task()
+    return Done(outcome, time.perf_counter() - began)
+
+
+@contextmanager
+def _interrupts_held() -> Iterator[None]:
+    """Start processes that do not heed Ctrl-C: it goes to all of a group, and the first alone should.
+
+    What is held back in the meantime reaches the first process afterwards. Windows has no such mask.
+    """
+    if not hasattr(signal, "pthread_sigmask"):
+        yield
+        return
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+def _start_worker() -> None:
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # where it is not inherited
+    Thread(target=_end_with_parent, daemon=True).start()
+
+
+def _end_with_parent() -> None:
+    """Leave no process behind where the first is killed."""
+    parent = parent_process()
+    if parent is not None:
+        parent.join()
+        os._exit(1)

@@ -1,0 +1,200 @@
+"""The validation table: which checks there are, computing them, and the report on them."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from rich.console import Console
+from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+
+from isopeel.errors import InputError
+from isopeel.paper.document import Block, Document, Section, Table, Text, print_table, write_document
+from isopeel.results.provenance import Provenance
+from isopeel.validation import bending, cantilever, curvature, cylinder, hertz, tapes
+from isopeel.validation.check import Check, Result, Row
+from isopeel.validation.processes import Done, compute_all, cores
+
+#: By the name that the command line knows them by, in the order of the report.
+CHECKS: dict[str, Check[Any, Any]] = {
+    "tapes": tapes.CHECK,
+    "cantilever": cantilever.CHECK,
+    "cylinder": cylinder.CHECK,
+    "hertz": hertz.CHECK,
+    "bending": bending.CHECK,
+    "curvature": curvature.CHECK,
+}
+
+_ABSTRACT = """
+Each check below runs problems whose answers are known in closed form, and holds what comes out against
+them. A row passes where its deviation is not larger than what is allowed; rows without an allowance tell how
+a closed form fares beyond its reach. Forces are per unit width; lengths are in L0, stresses in E0. {summary}
+sums up; the sections tell how each number was read.
+"""
+
+
+#: The columns that every table has.
+_NUMBERS = ("computed", "closed form", "deviation / %", "allowed / %", "verdict")
+
+
+@dataclass(frozen=True)
+class Validation:
+    """What was found, by the names of checks, and where it is written."""
+
+    results: Mapping[str, Result]
+    page: Path
+
+    @property
+    def failed(self) -> int:
+        """How many rows do not pass."""
+        return sum(not row.passed for result in self.results.values() for row in result.rows)
+
+
+def chosen_checks(names: Sequence[str]) -> list[str]:
+    """Names of checks in the order of the report, by default all. Raises InputError for an unknown one."""
+    for name in names:
+        if name not in CHECKS:
+            raise InputError("--only", name, f"the checks are {', '.join(CHECKS)}")
+    return [name for name in CHECKS if not names or name in names]
+
+
+def validate(names: Sequence[str], out: Path, console: Console) -> Validation:
+    """Run checks, print their tables, and write the report on them with its figures and tables.
+
+    A report on less than all checks has a folder of its own in `out`. Raises InputError where the folder
+    cannot be written, OSError where a file cannot.
+    """
+    folder = out if len(names) == len(CHECKS) else out / "-".join(names)
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        allowed = f"a folder that can be written is needed: {error.strerror}"
+        raise InputError("--out", str(out), allowed) from error
+    provenance = Provenance.of_this_process()
+    done = _computed(names, console)
+    results = {name: CHECKS[name].judge([d.outcome for d in done[name]]) for name in names}
+    seconds = {name: sum(d.seconds for d in done[name]) for name in names}
+    document = make_document(results, seconds, provenance)
+    for name, result in results.items():
+        print_table(_brief(name, result), console)
+    print_table(_summary(results, seconds), console)
+    write_document(document, folder)
+    return Validation(results, folder / "report.md")
+
+
+def _computed(names: Sequence[str], console: Console) -> dict[str, list[Done]]:
+    """Outcomes of all cases of checks, which share the cores."""
+    owners = [name for name in names for _ in CHECKS[name].cases]
+    tasks = [partial(CHECKS[name].compute, case) for name in names for case in CHECKS[name].cases]
+    bar = Progress(
+        TextColumn("{task.description:12s}"),
+        BarColumn(bar_width=None),
+        TextColumn("{task.completed}/{task.total} runs"),
+        TimeElapsedColumn(),
+        console=console,
+        transient=True,
+        disable=not console.is_terminal,
+    )
+    with bar:
+        line = bar.add_task("validating", total=len(tasks))
+        finished = compute_all(
+            tasks,
+            min(cores(), len(tasks)),
+            lambda number, _: bar.update(line, advance=1, description=owners[number]),
+        )
+    return {
+        name: [done for done, owner in zip(finished, owners, strict=True) if owner == name] for name in names
+    }
+
+
+def make_document(
+    results: Mapping[str, Result], seconds: Mapping[str, float], provenance: Provenance
+) -> Document:
+    """Put the report together; its figures are drawn when it is written."""
+    sections = [
+        Section("Summary", (_summary(results, seconds),)),
+        *(
+            Section(CHECKS[name].title, tuple(_blocks(name, result)), f"isopeel validate --only {name}")
+            for name, result in results.items()
+        ),
+        Section("Where the numbers come from", (_provenance(provenance),)),
+    ]
+    return Document("Runs held against closed forms", Text(_ABSTRACT), tuple(sections))
+
+
+def _summary(results: Mapping[str, Result], seconds: Mapping[str, float]) -> Table:
+    rows = []
+    for name, result in results.items():
+        judged = [row for row in result.rows if row.allowed is not None]
+        worst = max(judged, key=lambda row: row.share_of_allowed)
+        rows.append(
+            (
+                CHECKS[name].title,
+                f"{sum(row.passed for row in judged)} of {len(judged)}",
+                _percent(worst.deviation),
+                _allowed(worst),
+                f"{seconds[name]:.0f}",
+                "pass" if result.passed else "FAIL",
+            )
+        )
+    return Table(
+        "summary",
+        "The checks: rows that pass, and the deviation that comes nearest to what is allowed.",
+        ("check", "rows that pass", "deviation / %", "allowed / %", "seconds of one core", "verdict"),
+        tuple(rows),
+    )
+
+
+def _blocks(name: str, result: Result) -> Iterator[Block]:
+    yield Text(result.text)
+    yield Text("\n".join(f"- {what}: {value}" for what, value in result.settings))
+    yield Table(
+        name,
+        f"{CHECKS[name].title}: {result.quantity}.",
+        (*result.columns, *_NUMBERS),
+        tuple((*row.details, *_numbers(row)) for row in result.rows),
+        result.problems,
+    )
+    yield from result.pictures
+
+
+def _brief(name: str, result: Result) -> Table:
+    """The table without what fills a console: a row's name in one column, no further details."""
+    named = slice(result.named_by)
+    rows = []
+    for row in result.rows:
+        computed, expected, deviation, allowed, verdict = _numbers(row)
+        shown = f"{allowed} %" if allowed else ""
+        rows.append((", ".join(row.details[named]), computed, expected, f"{deviation} %", shown, verdict))
+    headings = ("computed", "closed form", "deviation", "allowed", "verdict")
+    title = f"{CHECKS[name].title}: {result.quantity}"
+    return Table(name, title, (", ".join(result.columns[named]), *headings), tuple(rows), result.problems)
+
+
+def _numbers(row: Row) -> tuple[str, ...]:
+    computed, expected = f"{row.computed:.6g}", f"{row.expected:.6g}"
+    return computed, expected, _percent(row.deviation), _allowed(row), _verdict(row)
+
+
+def _percent(share: float) -> str:
+    return f"{round(100 * share, 4) + 0.0:+.4f}"  # no minus before a zero
+
+
+def _allowed(row: Row) -> str:
+    return "" if row.allowed is None else f"{100 * row.allowed:.2g}"
+
+
+def _verdict(row: Row) -> str:
+    if row.allowed is None:
+        return "told"
+    return "pass" if row.passed else "FAIL"
+
+
+def _provenance(provenance: Provenance) -> Text:
+    versions = ", ".join(f"{name} {version}" for name, version in provenance.versions.items())
+    revision = f", source revision {provenance.git_revision}" if provenance.git_revision else ""
+    return Text(
+        f"Computed by {versions}, on {provenance.platform}{revision}, from {provenance.started} on, in"
+        " as many processes as there are cores."
+    )
