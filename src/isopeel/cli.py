@@ -145,8 +145,8 @@ def paper(
     """
     goes_on = f"finished runs are in {out}, and the same command goes on"
     try:
-        from isopeel.paper.execution import WorkerLostError
         from isopeel.paper.report import chosen_meshes, chosen_parts, make_report
+        from isopeel.processes import WorkerLostError
 
         console = _console()
         try:
@@ -199,7 +199,7 @@ def validate(
 ) -> int:
     """Hold runs against closed forms, and report on all deviations."""
     try:
-        from isopeel.validation.processes import WorkerLostError
+        from isopeel.processes import WorkerLostError
         from isopeel.validation.report import chosen_checks
         from isopeel.validation.report import validate as run_checks
 

@@ -168,10 +168,7 @@ def _print_table(summary: dict[str, Any], curve: Curve, out: Path, console: Cons
     theory = summary["closed_form"] or {}
     table = Table("", "run", theory.get("source", "closed form"), title=summary["case"], box=SIMPLE_HEAD)
     table.add_row("space", f"{summary['space']}, {summary['mesh']}, {summary['dofs']} DOFs")
-    table.add_row(
-        parameter.words.partition("$")[0].strip() or parameter.name,
-        _shown(summary[parameter.name], "g", unit),
-    )
+    table.add_row("reached", _shown(summary[parameter.name], "g", unit))
     if peak is not None:
         at = f" at {peak[parameter.name]:g} {unit}"
         table.add_row(f"largest {reaction.name}", _shown(peak[reaction.name], ".6g", reaction.unit) + at)

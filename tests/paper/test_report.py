@@ -9,7 +9,6 @@ import pytest
 from rich.console import Console
 
 from isopeel.errors import InputError
-from isopeel.paper.document import to_markdown
 from isopeel.paper.execution import Store, execute
 from isopeel.paper.monitor import Monitor
 from isopeel.paper.published import Figures
@@ -18,7 +17,9 @@ from isopeel.paper.record import Record, read_records
 from isopeel.paper.report import PARTS, chosen_meshes, chosen_parts, make_document, needed_runs
 from isopeel.paper.results import Results
 from isopeel.paper.study import MESHES, SPACES, Run
-from isopeel.paper.wording import deviations, digits, listed
+from isopeel.paper.wording import deviations
+from isopeel.report.document import to_markdown
+from isopeel.report.wording import digits, listed
 
 STORED = Path(__file__).parents[2] / "docs" / "paper"
 WINDOW: Window = (98.0, 101.4)

@@ -15,18 +15,18 @@ from typing import Any
 
 import numpy as np
 import pytest
+from isopeel.validation.processes import Done, WorkerLostError, compute_all
 from psutil import Process, wait_procs
 from scipy.integrate import dblquad
 
 from isopeel.cli import main
 from isopeel.errors import InputError
-from isopeel.paper.document import to_markdown
+from isopeel.report.document import to_markdown
 from isopeel.results.provenance import Provenance
 from isopeel.solve.newton import ConvergenceError
 from isopeel.solve.trace import Step
 from isopeel.validation import bending, cantilever, check, curvature, cylinder, hertz, report, tapes
 from isopeel.validation.check import Result, Row
-from isopeel.validation.processes import Done, WorkerLostError, compute_all
 from isopeel.validation.report import CHECKS, make_document
 
 #: One case of each check, and what computes it; coarser than in the table where that will do.

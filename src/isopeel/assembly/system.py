@@ -50,6 +50,17 @@ class BandMatrix:
         """(n, width)."""
         return self.workspace[:-1]
 
+    def add_outer(self, vector: FloatArray, size: float) -> bool:
+        """Add size x vector vector^T to a symmetric matrix, where the band has room for it; say whether."""
+        (places,) = np.nonzero(vector)
+        if self.storage != "symmetric" or np.ptp(places) > self.half_bandwidth:
+            return False
+        row, column = np.meshgrid(places, places, indexing="ij")
+        lower = row >= column
+        i, j = row[lower], column[lower]
+        self.entries[j, i - j] += size * vector[i] * vector[j]
+        return True
+
 
 def bytes_needed(space: RowSpace) -> int:
     """Estimate of a system's memory from above: its tables, and its tangent stored for a pivoted LU."""

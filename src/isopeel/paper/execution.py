@@ -1,24 +1,21 @@
 """Computing the runs of the study on all cores; what is finished is kept in files and not done again."""
 
-import os
-import signal
 import time
-from collections.abc import Iterable, Iterator
-from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
-from concurrent.futures.process import BrokenProcessPool
-from contextlib import contextmanager
+from collections.abc import Iterable
+from concurrent.futures import FIRST_COMPLETED, Future, wait
 from dataclasses import dataclass
+from functools import partial
 from math import radians
-from multiprocessing import active_children, get_context, parent_process
+from multiprocessing import get_context
 from multiprocessing.queues import SimpleQueue
 from pathlib import Path
-from threading import Thread
 from typing import NamedTuple, Protocol
 
 from filelock import FileLock, Timeout
 
 from isopeel.errors import InputError
 from isopeel.paper.study import Run, with_bases
+from isopeel.processes import worker_pool
 from isopeel.results.provenance import Provenance
 from isopeel.results.run_file import Failure, RunWriter, StoredRun, read_run, run_attributes
 from isopeel.solve.newton import ConvergenceError
@@ -75,10 +72,6 @@ class Store:
         return stored
 
 
-class WorkerLostError(RuntimeError):
-    """A process that computed a run was ended from outside."""
-
-
 def execute(runs: Iterable[Run], store: Store, workers: int, watcher: Watcher) -> None:
     """Compute the runs that are not finished, and those they start from, in processes of their own.
 
@@ -96,17 +89,13 @@ def execute(runs: Iterable[Run], store: Store, workers: int, watcher: Watcher) -
             _execute([run for run in waiting if run.timed], store, 1, watcher)
     except Timeout as error:
         raise InputError("--out", str(store.folder), "another process computes runs in it") from error
-    except BrokenProcessPool as error:
-        raise WorkerLostError("a process was ended from outside, perhaps for lack of memory") from error
 
 
 def _execute(waiting: list[Run], store: Store, workers: int, watcher: Watcher) -> None:
     if not waiting:
         return
-    others = active_children()
-    context = get_context("spawn")
-    reports: SimpleQueue[Report] = context.SimpleQueue()
-    with ProcessPoolExecutor(workers, context, _start_worker, (reports,)) as pool:
+    reports: SimpleQueue[Report] = get_context("spawn").SimpleQueue()
+    with worker_pool(workers, partial(_report_to, reports)) as pool:
         futures: dict[Future[None], Run] = {}
 
         def submit_ready() -> None:
@@ -116,44 +105,21 @@ def _execute(waiting: list[Run], store: Store, workers: int, watcher: Watcher) -
                     continue
                 waiting.remove(run)
                 if run.base is None or _reaches(store.read(run.base), run):
-                    with _interrupts_held():
-                        futures[pool.submit(_compute, run, run.key, store)] = run
+                    futures[pool.submit(_compute, run, run.key, store)] = run
                 else:
                     watcher.skipped(run)
 
-        try:
-            submit_ready()
-            while futures:
-                done, _ = wait(futures, _REPORT_SECONDS, FIRST_COMPLETED)
-                while not reports.empty():
-                    watcher.report(reports.get())
-                for future in done:
-                    run = futures.pop(future)
-                    future.result()
-                    watcher.finished(run, store.read(run))
-                if done:
-                    submit_ready()
-        except BaseException:
-            for process in active_children():
-                if process not in others:
-                    process.terminate()
-            raise
-
-
-@contextmanager
-def _interrupts_held() -> Iterator[None]:
-    """Start processes that do not heed Ctrl-C: it goes to all of a group, and the first alone should.
-
-    What is held back in the meantime reaches the first process afterwards. Windows has no such mask.
-    """
-    if not hasattr(signal, "pthread_sigmask"):
-        yield
-        return
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
-    try:
-        yield
-    finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+        submit_ready()
+        while futures:
+            done, _ = wait(futures, _REPORT_SECONDS, FIRST_COMPLETED)
+            while not reports.empty():
+                watcher.report(reports.get())
+            for future in done:
+                run = futures.pop(future)
+                future.result()
+                watcher.finished(run, store.read(run))
+            if done:
+                submit_ready()
 
 
 def _reaches(stored: StoredRun, variant: Run) -> bool:
@@ -163,19 +129,9 @@ def _reaches(stored: StoredRun, variant: Run) -> bool:
 _reports: "SimpleQueue[Report] | None" = None
 
 
-def _start_worker(reports: "SimpleQueue[Report]") -> None:
+def _report_to(reports: "SimpleQueue[Report]") -> None:
     global _reports  # what a worker is given at its start has no other place to live
     _reports = reports
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # where it is not inherited
-    Thread(target=_end_with_parent, daemon=True).start()
-
-
-def _end_with_parent() -> None:
-    """Leave no process behind where the first is killed."""
-    parent = parent_process()
-    if parent is not None:
-        parent.join()
-        os._exit(1)
 
 
 def _compute(run: Run, key: str, store: Store) -> None:

@@ -1,6 +1,5 @@
 """The report on the published study: its sections, the runs they need, and their files."""
 
-import os
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -8,7 +7,6 @@ from pathlib import Path
 from rich.console import Console
 
 from isopeel.errors import InputError
-from isopeel.paper.document import Block, Document, Section, Table, Text, print_table, write_document
 from isopeel.paper.execution import Store, execute
 from isopeel.paper.monitor import Monitor
 from isopeel.paper.record import Record, write_records
@@ -27,6 +25,8 @@ from isopeel.paper.sections import (
     table3,
 )
 from isopeel.paper.study import MESHES, Run, with_bases
+from isopeel.processes import cores
+from isopeel.report.document import Block, Document, Section, Table, Text, print_table, write_document
 
 
 @dataclass(frozen=True)
@@ -90,7 +90,7 @@ def make_report(
     if runs:
         console.print(f"{len(runs)} runs, {len(runs) - len(missing)} of them are there already")
     with Monitor(console, missing) as monitor:
-        execute(missing, store, workers or _cores(), monitor)
+        execute(missing, store, workers or cores(), monitor)
     # a variant whose base ended before it starts was not computed
     stored = {run: found for run in runs if (found := store.finished(run)) is not None}
     results = Results({run: Record.of(run, found) for run, found in stored.items()}, store)
@@ -104,12 +104,6 @@ def make_report(
             if isinstance(block, Table) and block.name != "runs":
                 print_table(block, console)
     return folder / "report.html"
-
-
-def _cores() -> int:
-    """Cores that this process may use; Windows waits for no more than 61 processes."""
-    own = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-    return min(own, 61)
 
 
 def _folder(parts: Sequence[str], meshes: Sequence[str]) -> str:

@@ -62,8 +62,8 @@ def sample_fields(
     X, x, F, _ = _deformation(problem, space, displacement, xi, eta)
     _, P, _ = evaluate_material(material.kernel, material.parameters, F)
     stress = np.zeros((*F.shape[:-2], 3, 3))
-    determinant = np.linalg.det(F)
     with np.errstate(invalid="ignore", divide="ignore"):  # J <= 0 is answered by nan
+        determinant = np.linalg.det(F)
         stress[..., :2, :2] = P @ np.swapaxes(F, -1, -2) / determinant[..., None, None]
         stress[..., 2, 2] = material.out_of_plane_stress(F)
     stress[determinant <= 0] = np.nan  # by all materials, also those that stay finite there

@@ -1,5 +1,6 @@
 """One look for all figures: made for print, and for readers who see colours differently."""
 
+import logging
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
@@ -66,8 +67,24 @@ def save(figure: Figure, path: Path) -> None:
     if path.suffix.lower() not in FORMATS:
         raise InputError("figure", str(path), f"its name must end in one of {', '.join(FORMATS)}")
     dates = {".pdf": {"CreationDate": None}, ".svg": {"Date": None}}  # the same figure, the same file
-    with style():  # some settings are read only when a figure is drawn
+    # some settings are read only when a figure is drawn
+    with style(), _undated_fonts():
         figure.savefig(path, metadata=dates.get(path.suffix.lower()))
+
+
+@contextmanager
+def _undated_fonts() -> Iterator[None]:
+    """Embed fonts of no date without a warning: matplotlib takes the prime of a formula from such a one."""
+    logger = logging.getLogger("fontTools.ttLib.tables._h_e_a_d")
+    logger.addFilter(_is_not_about_dates)
+    try:
+        yield
+    finally:
+        logger.removeFilter(_is_not_about_dates)
+
+
+def _is_not_about_dates(record: logging.LogRecord) -> bool:
+    return "timestamp" not in record.getMessage()
 
 
 LineStyle = Literal["-"] | tuple[int, tuple[float, ...]]

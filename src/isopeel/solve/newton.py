@@ -7,6 +7,7 @@ import numpy as np
 from isopeel.arrays import FloatArray
 from isopeel.assembly.system import BandMatrix, Equilibrium, System
 from isopeel.solve.linear import (
+    BandLU,
     Border,
     Bordered,
     Factor,
@@ -97,15 +98,28 @@ def _correction(system: System, y: FloatArray, parameter: float) -> tuple[FloatA
     if not np.isfinite(residual).all():
         raise _StoppedError(_inversion(system, u) or "the forces are not finite")
     try:
-        factor = _factor(system, u, load, matrix)
         if system.load_is_unknown:
-            missed, column, row = system.control(u, parameter)
-            residual = np.append(residual, missed)
-            factor = Bordered.of(factor, Border(column, row))
+            correction, residual = _under_control(system, u, load, parameter, residual, matrix)
+        else:
+            correction = -_factor(system, u, load, matrix).solve(residual)
     except SingularError as error:
         raise _StoppedError(f"the tangent is singular: {error}") from error
-    correction = -factor.solve(residual)
     return correction, abs(float(residual @ correction)) / len(correction)
+
+
+def _under_control(
+    system: System, u: FloatArray, load: float, parameter: float, residual: FloatArray, matrix: BandMatrix
+) -> tuple[FloatArray, FloatArray]:
+    """The correction with that of an unknown load at its end, and the residual with that of its control."""
+    missed, column, row = system.control(u, parameter)
+    # where the load itself could pull the body away, K is indefinite, but seldom what its control adds to it
+    size = float(np.abs(matrix.entries[:, 0]).mean()) / float(column @ column)
+    held = matrix.add_outer(column, size)
+    factor = Bordered.of(_factor(system, u, load, matrix), Border(column, row))
+    if isinstance(factor.inner, BandLU):
+        held = False  # of the tangent as it is
+    right_side = np.append(residual + (size * missed * column if held else 0.0), missed)
+    return -factor.solve(right_side), np.append(residual, missed)
 
 
 def _factor(system: System, u: FloatArray, load: float, matrix: BandMatrix) -> Factor:

@@ -9,13 +9,13 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from isopeel.paper.document import Picture
 from isopeel.physics.adhesion import VanDerWaals
 from isopeel.physics.materials import NeoHooke
 from isopeel.post.closed_form import beam_peeling
 from isopeel.post.law import law_character
 from isopeel.post.style import BLUE, GREY, TWO_COLUMNS, style
 from isopeel.problem import Problem, strip
+from isopeel.report.document import Picture
 from isopeel.splines.rows import row_space
 from isopeel.validation.check import Check, Result, Row, traced
 

@@ -9,7 +9,6 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from isopeel.arrays import FloatArray
-from isopeel.paper.document import Picture
 from isopeel.physics.adhesion import Exponential
 from isopeel.physics.adhesion.mirrored import Mirrored
 from isopeel.physics.materials import NeoHooke
@@ -17,6 +16,7 @@ from isopeel.physics.substrates import Flat
 from isopeel.post.closed_form import double_cantilever_force, double_cantilever_moment
 from isopeel.post.style import BLUE, DASHES, TWO_COLUMNS, style
 from isopeel.problem import AdhesiveSide, Body, Drive, FixedSide, Problem, PulledSide, RotatedSide
+from isopeel.report.document import Picture
 from isopeel.splines.nurbs import rectangle
 from isopeel.splines.rows import row_space
 from isopeel.validation.check import Check, Result, Row, traced

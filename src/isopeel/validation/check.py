@@ -8,8 +8,8 @@ import numpy as np
 
 from isopeel.arrays import FloatArray, frozen
 from isopeel.errors import InputError
-from isopeel.paper.document import Picture
 from isopeel.problem import Problem
+from isopeel.report.document import Picture
 from isopeel.solve.newton import ConvergenceError, NewtonSettings
 from isopeel.solve.trace import Step, trace
 from isopeel.splines.rows import RowSpace

@@ -8,10 +8,10 @@ import numpy as np
 from matplotlib.figure import Figure
 from scipy.integrate import quad
 
-from isopeel.paper.document import Picture
 from isopeel.physics.adhesion import VanDerWaals
 from isopeel.physics.batch import evaluate_law
 from isopeel.post.style import BLUE, DASHES, GREY, TWO_COLUMNS, VERMILION, style
+from isopeel.report.document import Picture
 from isopeel.validation.check import Check, Result, Row
 
 ALLOWED, ALLOWED_HOLLOW = 1e-6, 0.002

@@ -9,7 +9,6 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from isopeel.arrays import FloatArray
-from isopeel.paper.document import Picture
 from isopeel.physics.adhesion import AdhesionLaw, Exponential
 from isopeel.physics.materials import NeoHooke
 from isopeel.physics.substrates import Flat
@@ -18,6 +17,7 @@ from isopeel.post.closed_form.rigid_cylinder import rigid_cylinder_pull_off
 from isopeel.post.style import BLUE, DASHES, DOT_DASHES, DOTS, GREY, TWO_COLUMNS, VERMILION, style
 from isopeel.problem import AdhesiveSide, Body, FixedSide, MovedSide, Problem
 from isopeel.problem.shapes.quarter_cylinder import QuarterCylinder
+from isopeel.report.document import Picture
 from isopeel.solve.newton import NewtonSettings
 from isopeel.solve.trace import Step
 from isopeel.splines.rows import row_space

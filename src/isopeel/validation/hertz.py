@@ -9,13 +9,13 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from isopeel.arrays import FloatArray
-from isopeel.paper.document import Picture
 from isopeel.physics.adhesion import Exponential
 from isopeel.physics.batch import evaluate_substrate
 from isopeel.post.closed_form import HertzLine, hertz_line
 from isopeel.post.fields import sample_side
 from isopeel.post.law import evaluate_flat
 from isopeel.post.style import BLUE, DASHES, GREY, TWO_COLUMNS, VERMILION, style
+from isopeel.report.document import Picture
 from isopeel.solve.newton import NewtonSettings
 from isopeel.splines.rows import row_space
 from isopeel.validation.check import Check, Result, Row, traced

@@ -10,11 +10,11 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
 from isopeel.errors import InputError
-from isopeel.paper.document import Block, Document, Section, Table, Text, print_table, write_document
+from isopeel.processes import Done, compute_all, cores
+from isopeel.report.document import Block, Document, Section, Table, Text, print_table, write_document
 from isopeel.results.provenance import Provenance
 from isopeel.validation import bending, cantilever, curvature, cylinder, hertz, tapes
 from isopeel.validation.check import Check, Result, Row
-from isopeel.validation.processes import Done, compute_all, cores
 
 #: By the name that the command line knows them by, in the order of the report.
 CHECKS: dict[str, Check[Any, Any]] = {

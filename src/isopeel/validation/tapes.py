@@ -12,7 +12,6 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from isopeel.arrays import FloatArray
-from isopeel.paper.document import Picture
 from isopeel.physics.batch import evaluate_material
 from isopeel.physics.materials import Material, NeoHooke
 from isopeel.physics.materials.prestretched import Prestretched
@@ -32,6 +31,7 @@ from isopeel.post.style import (
     style,
 )
 from isopeel.problem import Problem, PulledSide, strip
+from isopeel.report.document import Picture
 from isopeel.splines.rows import row_space
 from isopeel.validation.check import Check, Result, Row, traced
 

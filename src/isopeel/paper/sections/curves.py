@@ -2,14 +2,14 @@
 
 from collections.abc import Iterator, Sequence
 
-from isopeel.paper.document import Block, Picture, Table, Text
 from isopeel.paper.figures import Trace, linear_figure, meshes_figure, panels_figure
 from isopeel.paper.reading import WINDOW, period_deg, plateau_mean
 from isopeel.paper.results import Results
 from isopeel.paper.study import SPACES, Run, table_runs
-from isopeel.paper.wording import digits
 from isopeel.post.closed_form import beam_peeling
 from isopeel.problem import strip
+from isopeel.report.document import Block, Picture, Table, Text
+from isopeel.report.wording import digits
 
 TITLE = "Moment over rotation"
 _OVER_MESHES = ("L4", "N2.1")

@@ -5,15 +5,15 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 from matplotlib.figure import Figure
 
-from isopeel.paper.document import Block, Picture, Table, Text
 from isopeel.paper.figures import front_figure
 from isopeel.paper.figures.front import MEGAPASCAL
 from isopeel.paper.record import FRONT_DEG
 from isopeel.paper.results import Results
 from isopeel.paper.study import LENGTH, MESHES, SPACES, Run, table_runs
-from isopeel.paper.wording import digits, number
 from isopeel.post.front import beam_decay, front_profile, layer_decay
 from isopeel.problem import strip
+from isopeel.report.document import Block, Picture, Table, Text
+from isopeel.report.wording import digits, number
 
 TITLE = "Why the moment oscillates"
 _MESH = "m2"

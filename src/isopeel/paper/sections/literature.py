@@ -2,7 +2,6 @@
 
 from collections.abc import Iterator, Sequence
 
-from isopeel.paper.document import Block, Picture, Table, Text
 from isopeel.paper.figures import Cost, cost_figure
 from isopeel.paper.published import quoted
 from isopeel.paper.results import Results
@@ -15,7 +14,9 @@ from isopeel.paper.study import (
     table_runs,
     timed_runs,
 )
-from isopeel.paper.wording import ABSENT, deviation, digits, endings
+from isopeel.paper.wording import endings
+from isopeel.report.document import Block, Picture, Table, Text
+from isopeel.report.wording import ABSENT, deviation, digits
 
 TITLE = "Enriched contact elements, and what accuracy costs"
 #: What the literature calls them.

@@ -2,10 +2,10 @@
 
 from collections.abc import Iterator
 
-from isopeel.paper.document import Block, Text
 from isopeel.paper.reading import WINDOW, Reading
 from isopeel.paper.study import STEP, Run
 from isopeel.paper.wording import UNIT
+from isopeel.report.document import Block, Text
 from isopeel.solve.newton import NewtonSettings
 from isopeel.solve.trace import PREDICTOR_POINTS
 

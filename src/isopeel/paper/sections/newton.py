@@ -4,11 +4,11 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from isopeel.paper.document import Block, Picture, Table, Text
 from isopeel.paper.figures import NewtonHistory, newton_figure
 from isopeel.paper.results import Results
 from isopeel.paper.study import Run
-from isopeel.paper.wording import number
+from isopeel.report.document import Block, Picture, Table, Text
+from isopeel.report.wording import number
 
 TITLE = "Newton's method"
 _SPACES = ("L1", "N2", "N4", "N2.1")

@@ -2,8 +2,8 @@
 
 from collections.abc import Iterator
 
-from isopeel.paper.document import Block, Table, Text
 from isopeel.paper.results import Results
+from isopeel.report.document import Block, Table, Text
 
 TITLE = "Where the numbers come from"
 

@@ -7,7 +7,6 @@ from itertools import product
 import numpy as np
 from matplotlib.figure import Figure
 
-from isopeel.paper.document import Block, Picture, Table, Text
 from isopeel.paper.figures import quadrature_figure, windows_figure
 from isopeel.paper.published import published
 from isopeel.paper.reading import (
@@ -33,7 +32,9 @@ from isopeel.paper.study import (
     table_runs,
     traction_runs,
 )
-from isopeel.paper.wording import ABSENT, deviations, digits, endings, listed, triple
+from isopeel.paper.wording import deviations, endings, triple
+from isopeel.report.document import Block, Picture, Table, Text
+from isopeel.report.wording import ABSENT, digits, listed
 
 TITLE = "How the figures depend on the reading"
 _LENGTH = WINDOW[1] - WINDOW[0]

@@ -4,10 +4,10 @@ from collections.abc import Iterator, Sequence
 
 from matplotlib.figure import Figure
 
-from isopeel.paper.document import Block, Picture
 from isopeel.paper.results import Results
 from isopeel.paper.study import Run
 from isopeel.post.figures import shapes_figure
+from isopeel.report.document import Block, Picture
 
 TITLE = "Deformed shapes"
 _SPACE, _MESH = "L4", "m2"

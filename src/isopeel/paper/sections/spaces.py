@@ -2,10 +2,10 @@
 
 from collections.abc import Iterator, Sequence
 
-from isopeel.paper.document import Block, Picture, Text
 from isopeel.paper.figures import bases_figure, refinement_figure
 from isopeel.paper.results import Results
 from isopeel.paper.study import Run
+from isopeel.report.document import Block, Picture, Text
 
 TITLE = "The spaces"
 

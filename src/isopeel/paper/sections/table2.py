@@ -3,13 +3,14 @@
 from collections.abc import Iterator, Sequence
 from math import log
 
-from isopeel.paper.document import Block, Picture, Table, Text
 from isopeel.paper.figures import Amplitude, convergence_figure
 from isopeel.paper.published import MISPRINTS, meant, published
 from isopeel.paper.reading import Rows, plateau_mean
 from isopeel.paper.results import Results
 from isopeel.paper.study import MESHES, SPACES, Run, contact_row_runs, table_runs
-from isopeel.paper.wording import deviation, deviations, digits, endings, listed, number, triple
+from isopeel.paper.wording import deviations, endings, triple
+from isopeel.report.document import Block, Picture, Table, Text
+from isopeel.report.wording import deviation, digits, listed, number
 
 TITLE = "Oscillation and slopes: the published Table 2"
 #: Spaces whose figures should agree with the published ones, and by how much: those without elevation.

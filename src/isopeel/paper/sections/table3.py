@@ -2,12 +2,12 @@
 
 from collections.abc import Iterator, Sequence
 
-from isopeel.paper.document import Block, Table, Text
 from isopeel.paper.published import Figures, published_relative
 from isopeel.paper.reading import Rows
 from isopeel.paper.results import Results
 from isopeel.paper.study import SPACES, Run, contact_row_runs, table_runs
-from isopeel.paper.wording import ABSENT
+from isopeel.report.document import Block, Table, Text
+from isopeel.report.wording import ABSENT
 
 TITLE = "Relative to L1: the published Table 3"
 _MESH = "m2"

@@ -2,6 +2,7 @@
 
 import re
 from math import floor, log10
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -46,15 +47,17 @@ def _whole(axes: Axes, curve: Curve, closed_form: Expected | None) -> None:
         return
     reaction, onset = closed_form.reaction, closed_form.onset
     degree = "°" if curve.parameter_column.unit == "degree" else ""
-    # the curve rises from the lower left to the upper right, so that two corners are free for words
-    lines = [
-        ([curve.parameter[0], last], [reaction, reaction], f"{closed_form.source} {reaction:.5g}", (3, 3))
-    ]
-    if onset is not None:
-        lines.append(([onset, onset], [0.0, reaction], f"onset {onset:.1f}{degree}", (4, 3)))
-    for x, y, words, place in lines:
-        axes.plot(x, y, color=GREY, linestyle=DASHES, linewidth=0.8)
-        axes.annotate(words, (x[0], y[0]), place, textcoords="offset points", fontsize=8, color=GREY)
+    axes.plot([curve.parameter[0], last], [reaction, reaction], color=GREY, linestyle=DASHES, linewidth=0.8)
+    words = f"{closed_form.source} {reaction:.5g}"
+    look: dict[str, Any] = {"textcoords": "offset points", "fontsize": 8, "color": GREY}
+    if onset is None:
+        # the curve comes down to its steady value, or up past a peak: below that there is room
+        axes.annotate(words, (last, reaction), (-3, -4), ha="right", va="top", **look)
+    else:
+        # the curve rises from the lower left to the upper right, so that two corners are free for words
+        axes.annotate(words, (curve.parameter[0], reaction), (3, 3), **look)
+        axes.plot([onset, onset], [0.0, reaction], color=GREY, linestyle=DASHES, linewidth=0.8)
+        axes.annotate(f"onset {onset:.1f}{degree}", (onset, 0.0), (4, 3), **look)
     axes.set_ylim(min(0.0, curve.reaction.min()), 1.12 * max(reaction, curve.reaction.max()))
 
 

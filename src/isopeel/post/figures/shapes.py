@@ -24,6 +24,7 @@ MOST_SHAPES = 6
 
 _OPPOSITE: dict[Side, Side] = {"left": "right", "right": "left", "bottom": "top", "top": "bottom"}
 _NO_PULL = 1e-6  # of Young's modulus: less is round-off
+_ALIKE = 0.95  # of the strongest pull
 _CLOSEST_ENDS = 0.03  # of the largest extent: nearer shapes would hide each other, and their labels meet
 
 
@@ -101,7 +102,8 @@ def _state(problem: Problem, space: RowSpace, parameter: float, displacement: Fl
     )
     driven = side_positions(problem, space, displacement, problem.drive.side, np.array([0.0, 0.5, 1.0]))
     # so many cells that bends and fields look smooth on coarse meshes too
-    cells = ceil(300 / space.elements[0]), ceil(16 / space.elements[1])
+    along_xi, along_eta = (np.diff(axis.breakpoints).max() for axis in (space.rows[0], space.across))
+    cells = ceil(300 * along_xi), ceil(16 * along_eta)
     return _State(parameter, sample_fields(problem, space, displacement, cells), adhering, opposite, driven)
 
 
@@ -132,7 +134,9 @@ def _front_window(problem: Problem, state: _State) -> Window:
     # where nothing is pulled yet, a front will start from the end next to the drive
     from_drive = np.linalg.norm(state.adhering - state.driven[1], axis=1)
     pulls = attraction.max() > _NO_PULL * problem.body.material.youngs_modulus
-    at = int(np.argmax(attraction) if pulls else np.argmin(from_drive))
+    # of several places that are pulled alike, as the troughs of a wave, the one next to the drive
+    front = attraction > _ALIKE * attraction.max() if pulls else np.full(len(gap), True)
+    at = int(np.argmin(np.where(front, from_drive, np.inf)))
     through = state.opposite[at] - state.adhering[at]
     length = float(np.linalg.norm(np.diff(state.adhering, axis=0), axis=1).sum())
     thickness = float(np.linalg.norm(through))

@@ -17,8 +17,8 @@ from rich.table import Table as ConsoleTable
 from rich.text import Text as PlainText
 
 from isopeel.errors import InputError
-from isopeel.paper.html import anchor, to_html
 from isopeel.post.style import save
+from isopeel.report.html import anchor, to_html
 from isopeel.results.files import replacing
 
 _CONTENTS = "Contents"

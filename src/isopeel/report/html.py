@@ -70,7 +70,7 @@ def to_html(markdown: str, folder: Path) -> str:
     blocks = list(_blocks(tokens))
     kinds = tuple(map(_kind, blocks))
     rendered = [parser.renderer.render(block, parser.options, {}) for block in blocks]
-    style = resources.files("isopeel").joinpath("paper", "report.css").read_text("utf-8")
+    style = resources.files("isopeel").joinpath("report", "report.css").read_text("utf-8")
     return _PAGE.format(title=escape(_shown(tokens[1])), style=style, body="".join(_grouped(kinds, rendered)))
 
 

@@ -1,4 +1,4 @@
-"""Computing tasks that do not depend on each other in processes of their own."""
+"""Computing in processes of their own, which end where the first one does."""
 
 import os
 import signal
@@ -9,8 +9,9 @@ from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 from multiprocessing import active_children, get_context, parent_process
 from threading import Thread
-from typing import NamedTuple, TypeVar
+from typing import NamedTuple, ParamSpec, TypeVar
 
+P = ParamSpec("P")
 O = TypeVar("O")  # noqa: E741 (an outcome)
 
 
@@ -25,28 +26,17 @@ class Done(NamedTuple):
     seconds: float
 
 
-def compute_all(
-    tasks: Sequence[Callable[[], object]], workers: int, finished: Callable[[int, Done], None]
-) -> list[Done]:
-    """Compute tasks, which go from process to process, and tell when each is finished; in their order.
+@contextmanager
+def worker_pool(workers: int, begin: Callable[[], None] | None = None) -> Iterator[ProcessPoolExecutor]:
+    """Start processes as tasks come, each of which calls `begin` first.
 
-    The processes end at once where this one does, in whatever way. Raises WorkerLostError where one of
-    them is ended, and what a task raises.
+    They end at once where an error or an interrupt leaves the context, and where this process ends, in
+    whatever way. Raises WorkerLostError where one of them is ended.
     """
     others = active_children()
-    done: dict[int, Done] = {}
-    with ProcessPoolExecutor(workers, get_context("spawn"), _start_worker) as pool:
+    with _Pool(workers, get_context("spawn"), _start_worker, (begin,)) as pool:
         try:
-            with _interrupts_held():
-                futures: dict[Future[Done], int] = {
-                    pool.submit(_timed, task): number for number, task in enumerate(tasks)
-                }
-            left = set(futures)
-            while left:
-                ready, left = wait(left, return_when=FIRST_COMPLETED)
-                for future in ready:
-                    done[futures[future]] = future.result()
-                    finished(futures[future], done[futures[future]])
+            yield pool
         except BaseException as error:
             for process in active_children():
                 if process not in others:
@@ -55,6 +45,24 @@ def compute_all(
                 reason = "a process was ended from outside, perhaps for lack of memory"
                 raise WorkerLostError(reason) from error
             raise
+
+
+def compute_all(
+    tasks: Sequence[Callable[[], object]], workers: int, finished: Callable[[int, Done], None]
+) -> list[Done]:
+    """Compute tasks that do not depend on each other, and tell when each is finished; in their order.
+
+    Raises WorkerLostError where a process is ended, and what a task raises.
+    """
+    done: dict[int, Done] = {}
+    with worker_pool(workers) as pool:
+        futures = {pool.submit(_timed, task): number for number, task in enumerate(tasks)}
+        left = set(futures)
+        while left:
+            ready, left = wait(left, return_when=FIRST_COMPLETED)
+            for future in ready:
+                done[futures[future]] = future.result()
+                finished(futures[future], done[futures[future]])
     return [done[number] for number in range(len(tasks))]
 
 
@@ -64,10 +72,12 @@ def cores() -> int:
     return min(own, 61)
 
 
-def _timed(task: Callable[[], O]) -> Done:
-    began = time.perf_counter()
-    outcome = task()
-    return Done(outcome, time.perf_counter() - began)
+class _Pool(ProcessPoolExecutor):
+    """A pool whose processes, which are started as tasks come, do not heed Ctrl-C."""
+
+    def submit(self, task: Callable[P, O], /, *args: P.args, **kwargs: P.kwargs) -> Future[O]:
+        with _interrupts_held():
+            return super().submit(task, *args, **kwargs)
 
 
 @contextmanager
@@ -86,9 +96,11 @@ def _interrupts_held() -> Iterator[None]:
         signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
-def _start_worker() -> None:
+def _start_worker(begin: Callable[[], None] | None) -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # where it is not inherited
     Thread(target=_end_with_parent, daemon=True).start()
+    if begin is not None:
+        begin()
 
 
 def _end_with_parent() -> None:
@@ -97,3 +109,9 @@ def _end_with_parent() -> None:
     if parent is not None:
         parent.join()
         os._exit(1)
+
+
+def _timed(task: Callable[[], object]) -> Done:
+    began = time.perf_counter()
+    outcome = task()
+    return Done(outcome, time.perf_counter() - began)

@@ -18,7 +18,8 @@ from matplotlib.figure import Figure
 from rich.console import Console
 
 from isopeel import InputError
-from isopeel.paper.document import (
+from isopeel.post.style import style
+from isopeel.report.document import (
     Document,
     Picture,
     Section,
@@ -28,8 +29,7 @@ from isopeel.paper.document import (
     to_markdown,
     write_document,
 )
-from isopeel.paper.html import anchor, to_html
-from isopeel.post.style import style
+from isopeel.report.html import anchor, to_html
 
 # All that Markdown, HTML and rich take for marks, and what they might change
 SPECIAL = (

@@ -1,0 +1,1 @@
+"""Documents: Markdown and one HTML page from blocks; it knows neither study nor validation."""

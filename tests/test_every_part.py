@@ -1,0 +1,278 @@
+"""Every law, material, substrate and shape that is registered, by four checks that none of them was made for.
+
+The tangent against central differences, Newton's convergence, the energy balance and going on from a file.
+One part at a time is varied around a common problem: a short strip, lifted at its end until about a tenth to
+a half of the work has gone into tearing. Drives have the same checks in `solve/test_drives.py`.
+"""
+
+import json
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import partial
+from itertools import pairwise
+from pathlib import Path
+from runpy import run_path
+
+import numpy as np
+import pytest
+
+from isopeel.arrays import FloatArray
+from isopeel.assembly.system import System
+from isopeel.physics.adhesion import AdhesionLaw, Exponential, VanDerWaals
+from isopeel.physics.adhesion.mirrored import Mirrored
+from isopeel.physics.materials import Material, NeoHooke
+from isopeel.physics.materials.prestretched import Prestretched
+from isopeel.physics.substrates import Circle, Flat, Substrate, Wavy
+from isopeel.physics.substrates.formula import FormulaSubstrate
+from isopeel.problem import AdhesiveSide, Body, FixedSide, MovedSide, Problem
+from isopeel.problem.shapes import (
+    CurvedStrip,
+    HalfCylinder,
+    Patch,
+    QuarterCylinder,
+    Shape,
+    Strip,
+    TaperedStrip,
+)
+from isopeel.registry import discover
+from isopeel.results.provenance import Provenance
+from isopeel.results.run_file import RunWriter, read_run, run_attributes
+from isopeel.solve.linear import factorize
+from isopeel.solve.trace import Step, trace
+from isopeel.splines.rows import row_space
+
+PACKAGES = ("physics.adhesion", "physics.materials", "physics.substrates", "problem.shapes", "problem.drives")
+LAWS, MATERIALS, *_ = FOUND = [discover(f"isopeel.{package}") for package in PACKAGES]
+
+# Strength, work and gap: weak and soft, so that many elements lie in the front, and no law snaps.
+ALIKE = (0.002, 0.003, 0.6)
+LAW = Exponential(*ALIKE)
+STRIP = Strip(60.0, 4.0)
+MESH = (60, 2)
+
+
+@dataclass(frozen=True)
+class Peeling:
+    """A problem, how far its drive goes, whether it comes half of the way back, and its mesh."""
+
+    problem: Problem
+    to: float
+    back: bool
+    mesh: tuple[int, int]
+
+
+def peeling(
+    *,
+    shape: Shape = STRIP,
+    material: Material | None = None,
+    law: AdhesionLaw = LAW,
+    substrate: Substrate | None = None,
+    irreversible: bool = False,
+    sliding_length: float | None = None,
+    drive: MovedSide | None = None,
+    to: float = 8.0,
+    length: float = 40.0,
+    mesh: tuple[int, int] = MESH,
+    held: bool = True,
+) -> Peeling:
+    problem = Problem(
+        name="part",
+        body=Body(shape.surface(), material or NeoHooke(1.0, 0.2)),
+        adhesion=AdhesiveSide(
+            side="bottom",
+            law=law,
+            substrate=(substrate or Flat()).receded(law.equilibrium_gap),
+            end=shape.parameter_at(length),
+            irreversible=irreversible,
+            sliding_length=sliding_length,
+        ),
+        fixed=(FixedSide("left", (0,)),) if held else (),
+        drive=drive or MovedSide("right", np.pi / 2),
+    )
+    return Peeling(problem, to, irreversible, mesh)
+
+
+def with_law(law: Callable[[], AdhesionLaw], folder: Path, **more: object) -> Peeling:
+    return peeling(law=law(), **more)  # type: ignore[arg-type]
+
+
+# A substrate's name, and the shapes that lie on it.
+ON_A_CYLINDER, IN_A_HOLE = CurvedStrip(60.0, 4.0, 100.0, "down"), CurvedStrip(60.0, 4.0, 100.0, "up")
+SUBSTRATES: dict[str, dict[str, tuple[Shape, Callable[[], Substrate]]]] = {
+    "flat": {"": (STRIP, Flat)},
+    "circle": {
+        "inside": (ON_A_CYLINDER, lambda: Circle(100.0)),
+        "outside": (IN_A_HOLE, lambda: Circle(100.0, "outside")),
+    },
+    "wavy": {"": (STRIP, lambda: Wavy(0.2, 25.0))},
+    "formula": {"": (STRIP, lambda: FormulaSubstrate("-a*(1 - cos(x/6))**2", {"a": 0.1}))},
+}
+
+
+def on_substrate(name: str, which: str, law: type[AdhesionLaw], folder: Path) -> Peeling:
+    shape, substrate = SUBSTRATES[name][which]
+    # the pure circle tests the factors of curvature, in which van der Waals adhesion differs from all others
+    return peeling(shape=shape, substrate=substrate(), law=law.like(*ALIKE))  # type: ignore[attr-defined]
+
+
+def patch(folder: Path) -> Patch:
+    """A strip of one quadratic patch, thicker in the middle."""
+    spline = {
+        "SplineType": "Bezier",
+        "para_dim": 2,
+        "dim": 2,
+        "degrees": [2, 1],
+        "control_points": [[0, 0], [30, 0], [60, 0], [0, 4], [30, 5], [60, 3]],
+    }
+    (folder / "patch.json").write_text(json.dumps({"SplineList": [spline]}))
+    return Patch(folder / "patch.json")
+
+
+UP = MovedSide("top", np.pi / 2, "held")
+SHAPES: dict[str, Callable[[Path], Peeling]] = {
+    "strip": lambda folder: peeling(),
+    "tapered-strip": lambda folder: peeling(shape=TaperedStrip(60.0, 4.0, 3.0)),
+    "curved-strip": lambda folder: peeling(shape=ON_A_CYLINDER, substrate=Circle(100.0)),
+    "patch": lambda folder: peeling(shape=patch(folder)),
+    "half-cylinder": lambda folder: peeling(
+        shape=HalfCylinder(20.0), drive=UP, to=0.6, length=31.4, mesh=(40, 8), held=False
+    ),
+    "quarter-cylinder": lambda folder: peeling(
+        shape=QuarterCylinder(20.0), drive=UP, to=0.6, length=15.7, mesh=(24, 8)
+    ),
+}
+
+CASES: dict[str, Callable[[Path], Peeling]] = {
+    **{
+        f"law {name}, {way}": partial(with_law, partial(kind.like, *ALIKE), **more)
+        for name, kind in LAWS.items()
+        for way, more in {
+            "reversible": {},
+            "irreversible": {"irreversible": True},
+            "holding": {"sliding_length": 0.5},
+        }.items()
+    },
+    **{
+        f"law {name}, mirrored": lambda folder, kind=kind: peeling(law=Mirrored(kind.like(*ALIKE)), to=4.0)
+        for name, kind in LAWS.items()
+    },
+    **{
+        f"material {name}": lambda folder, kind=kind: peeling(material=kind.like(1.0, 0.2))
+        for name, kind in MATERIALS.items()
+    },
+    **{
+        f"material {name}, prestretched": lambda folder, kind=kind: peeling(
+            material=Prestretched(kind.like(1.0, 0.2), 1.01)
+        )
+        for name, kind in MATERIALS.items()
+    },
+    **{
+        f"substrate {name} {which}, {law.name}": partial(on_substrate, name, which, law)
+        for name, several in SUBSTRATES.items()
+        for which in several
+        for law in (Exponential, VanDerWaals)
+    },
+    **{f"shape {name}": make for name, make in SHAPES.items()},
+}
+
+# Panels of the path between which the work is integrated, with so many Gauss points in each.
+PANELS = 30
+NODES, WEIGHTS = np.polynomial.legendre.leggauss(4)
+
+
+@dataclass(frozen=True)
+class Peeled:
+    """The path of a peeling: at the ends of panels, and at the Gauss points between them."""
+
+    peeling: Peeling
+    ends: FloatArray
+    steps: list[Step]
+
+
+@pytest.fixture(scope="module", params=CASES)
+def peeled(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Peeled:
+    made = CASES[request.param](tmp_path_factory.mktemp("part"))
+    ends = np.linspace(0.0, made.to, PANELS + 1)
+    if made.back:
+        ends = np.concatenate([ends, ends[-2 : PANELS // 2 - 1 : -1]])
+    places = [0.0]
+    for start, end in pairwise(ends):
+        places += [*(start + (end - start) * (NODES + 1) / 2), end]
+    return Peeled(made, ends, list(trace(made.problem, row_space("N2", made.mesh), places)))
+
+
+def test_work_of_the_drive_is_what_the_energies_take(peeled: Peeled) -> None:
+    """External work = stored + adhesive + dissipated energy, from the first step to the end of each panel."""
+    count = len(NODES) + 1
+    energies = np.array([s.stored_energy + s.adhesive_energy + s.dissipated_energy for s in peeled.steps])
+    reactions = np.array([s.reaction for s in peeled.steps[1:]]).reshape(-1, count)[:, :-1]
+    work = np.cumsum(np.diff(peeled.ends) / 2 * (reactions @ WEIGHTS))
+    # Gauss points meet smooth paths to 1e-9; jumps of T' or T'' at some points in the front leave 1e-7
+    np.testing.assert_allclose(energies[count::count] - energies[0], work, rtol=0, atol=1e-6 * work.max())
+    dissipated = np.array([s.dissipated_energy for s in peeled.steps])
+    if peeled.peeling.back:
+        assert dissipated[-1] > 0.1 * work.max()
+        assert np.all(np.diff(dissipated) >= -1e-13 * work.max())  # round-off of sums over points
+    else:
+        assert not dissipated.any()
+
+
+def test_newton_converges_quadratically(peeled: Peeled) -> None:
+    """In steps of a sixteenth of the way, up to round-off."""
+    space = row_space("N2", peeled.peeling.mesh)
+    steps = trace(peeled.peeling.problem, space, np.linspace(0.0, peeled.peeling.to, 17))
+    scale = 60.0 * 4.0  # about E times the area
+    most = 0
+    for step in steps:
+        most = max(most, len(step.iterations))
+        *_, large, small = (np.inf, *step.iterations)
+        # the exponent of the energy doubles, times a constant; linear convergence gains some digits at most
+        assert small < max(1e-28 * scale, 1e3 * (large / scale) ** 1.5 * scale)
+    assert most > 3
+
+
+def test_a_path_goes_on_from_its_file_bit_for_bit(peeled: Peeled, tmp_path: Path) -> None:
+    problem, space = peeled.peeling.problem, row_space("N2", peeled.peeling.mesh)
+    cut = 4 * len(peeled.steps) // 5  # on the way back where there is one
+    attributes = run_attributes(problem, space, Provenance({}, "", "", "", ""))
+    with RunWriter(tmp_path / "run.h5", problem.drive, "", attributes) as file:
+        for step in peeled.steps[cut - 3 : cut]:
+            file.append(step)
+    states = read_run(tmp_path / "run.h5").last
+    later = peeled.steps[cut : cut + 6]
+    again = trace(problem, space, [s.parameter for s in later], start=states)
+    for one, other in zip(again, later, strict=True):
+        assert (one.reaction, one.dissipated_energy) == (other.reaction, other.dissipated_energy)
+        np.testing.assert_array_equal(one.displacement, other.displacement)
+
+
+def test_tangent_is_the_derivative_of_the_residual(peeled: Peeled) -> None:
+    """K^-1 of central differences of the residual gives back their direction, around a random state."""
+    problem = peeled.peeling.problem
+    system = System(problem, row_space("N2", (20, 2)))
+    rng = np.random.default_rng(3)
+    y, direction = 0.02 * rng.standard_normal((2, system.count))
+    if problem.adhesion.irreversible:
+        # about half of the points open further than ever
+        system.openings = 0.04 * rng.random(system.openings.shape)
+
+    def residual(values: FloatArray) -> FloatArray:
+        return system.equilibrium(system.state(values, 0.1)[0]).residual
+
+    change = (residual(y + 1e-5 * direction) - residual(y - 1e-5 * direction)) / 2e-5
+    factor = factorize(system.linearize(system.state(y, 0.1)[0], "general")[1])
+    # central differences of step 1e-5 leave 1e-10 of the third derivative, which the solution enlarges
+    np.testing.assert_allclose(factor.solve(change), direction, rtol=0, atol=1e-6 * np.abs(direction).max())
+
+
+def test_every_registered_part_is_tested() -> None:
+    """Laws and materials are by themselves; what else is registered needs an example that suits it."""
+    here = Path(__file__).parent
+    drives = {drive.name for drive, _ in run_path(str(here / "solve/test_drives.py"))["DRIVES"].values()}
+    for found, examples, place in (
+        (FOUND[2], SUBSTRATES, "SUBSTRATES in tests/test_every_part.py"),
+        (FOUND[3], SHAPES, "SHAPES in tests/test_every_part.py"),
+        (FOUND[4], drives, "DRIVES in tests/solve/test_drives.py"),
+    ):
+        missing = sorted(set(found) - set(examples))
+        assert not missing, f"{', '.join(missing)}: give an example in {place}"
