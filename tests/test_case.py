@@ -369,7 +369,7 @@ def test_a_file_is_read_like_a_shipped_case(tmp_path: Path) -> None:
     path = tmp_path / "mine.toml"
     path.write_text(STRIP)
     assert load_case(path) == load_case("strip")
-    assert shipped_cases() == ("strip",)
+    assert "strip" in shipped_cases()
 
 
 def test_meshes_are_two_numbers() -> None:

@@ -182,7 +182,7 @@ def test_ctrl_c_before_the_first_step_ends_with_130(
         (["strip", "--contact-points", "1000"], ["--contact-points", "1000", "1 to 100"]),
         (["strip", "--out", "file"], ["--out", "'file'", "written"]),
         (["strip", "--out", "file/x"], ["--out", "'file/x'", "written"]),
-        (["none.toml"], ["CASE", "'none.toml'", "shipped case: strip"]),
+        (["none.toml"], ["CASE", "'none.toml'", "shipped case: curved-substrate"]),
         (["."], ["CASE", "'.'", "TOML file"]),
         (["file"], ["CASE", "'file'", "line 1"]),
         (["bad.toml"], ["body.length", "'2 GPa'", "a length is needed, such as '200 nm'"]),

@@ -65,6 +65,17 @@ def law_table(name: str, character: LawCharacter) -> Table:
         ("at the gap", c.strongest_gap, f"{c.strongest_gap:.5g} nm"),
         ("work of adhesion", c.work_of_adhesion, f"{_GIGAPASCAL * c.work_of_adhesion:.5g} J/m^2"),
         ("stiffness at equilibrium", c.stiffness, f"{_GIGAPASCAL * c.stiffness:.5g} GPa/nm"),
+        ("half as strong at the gap", c.softened_gap, f"{c.softened_gap:.5g} nm"),
+        (
+            "  irreversible, dissipated by then",
+            c.dissipated_energy,
+            f"{_GIGAPASCAL * c.dissipated_energy:.5g} J/m^2, {c.dissipated_share:.1%} of the work",
+        ),
+        (
+            "  and by full separation",
+            c.work_of_adhesion,
+            f"{_GIGAPASCAL * c.work_of_adhesion:.5g} J/m^2, all of the work",
+        ),
     ):
         table.add_row(label, f"{value:.6g}", si)
     return table

@@ -19,7 +19,6 @@ from isopeel.paper.results import Results
 from isopeel.paper.study import MESHES, SPACES, Run
 from isopeel.paper.wording import deviations
 from isopeel.report.document import to_markdown
-from isopeel.report.wording import digits, listed
 
 STORED = Path(__file__).parents[2] / "docs" / "paper"
 WINDOW: Window = (98.0, 101.4)
@@ -161,10 +160,5 @@ def test_every_part_can_be_made_of_one_mesh_alone(mesh: str, stored: Results) ->
         assert f"isopeel paper --only {part} --mesh {mesh}" in text
 
 
-def test_numbers_are_worded() -> None:
-    assert digits(None) == "-"
-    assert digits(0.0046151, 4) == "0.004615"
+def test_figures_are_worded() -> None:
     assert deviations(Figures(1.1, 2.0, -3.0), Figures(1.0, 2.0, -4.0)) == "+10 / +0 / -25 %"
-    assert listed([]) == ""
-    assert listed(["a"]) == "a"
-    assert listed(["a", "b", "c"]) == "a, b and c"

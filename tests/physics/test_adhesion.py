@@ -136,6 +136,8 @@ def test_laws_from_formulas_travel_to_other_processes() -> None:
         ("0*r", "minimum over the gap"),
         ("exp(-r)", "minimum over the gap"),
         ("(r - 1)**2*exp(-r)", "work of adhesion must be positive"),
+        ("r**2", "attraction must vanish with the gap"),
+        ("log(1 + (r - 1)**2)", "attraction must vanish with the gap"),
         ("cosh(r - 1)", "work of adhesion must be positive and finite"),
         ("sqrt((r - 1)**2)", "without jumps"),
         ("(-1)**0.5*r", "a formula uses"),

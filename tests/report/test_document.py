@@ -273,6 +273,20 @@ def test_what_cannot_be_written_is_said(tmp_path: Path) -> None:
         to_html("# A\n\n![a](x.png)\n", tmp_path)
 
 
+def test_fonts_without_a_date_are_embedded_in_silence(
+    tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    def primed() -> Figure:
+        figure = draw()
+        figure.suptitle("$E'I$")
+        return figure
+
+    write_document(document(primed), tmp_path)
+    # whose date is 0, and of which matplotlib has the prime
+    assert b"Cmsy10" in (tmp_path / "figures" / "curve.pdf").read_bytes()
+    assert caplog.messages == []
+
+
 def test_nothing_is_drawn_for_text() -> None:
     def drawn() -> Figure:
         raise AssertionError

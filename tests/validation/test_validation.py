@@ -7,20 +7,18 @@ import subprocess
 import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
-from functools import partial
-from multiprocessing import active_children
 from pathlib import Path
 from time import sleep
 from typing import Any
 
 import numpy as np
 import pytest
-from isopeel.validation.processes import Done, WorkerLostError, compute_all
 from psutil import Process, wait_procs
 from scipy.integrate import dblquad
 
 from isopeel.cli import main
 from isopeel.errors import InputError
+from isopeel.processes import Done, WorkerLostError
 from isopeel.report.document import to_markdown
 from isopeel.results.provenance import Provenance
 from isopeel.solve.newton import ConvergenceError
@@ -31,10 +29,10 @@ from isopeel.validation.report import CHECKS, make_document
 
 #: One case of each check, and what computes it; coarser than in the table where that will do.
 CHEAPEST: dict[str, Any] = {
-    "tapes": lambda: tapes.peel(tapes.Tape(30.0, 6.0, stretch=1.03)),
-    "cantilever": lambda: cantilever.pull(cantilever.MOMENT, steps=40),
-    "cylinder": lambda: cylinder.pull_off(0.001),
-    "hertz": lambda: hertz.press(0.05),
+    "tapes": lambda: tapes.peel(tapes.Tape(30.0, 6.0, stretch=1.03), elements=(60, 2)),
+    "cantilever": lambda: cantilever.pull(cantilever.MOMENT, elements=(160, 1), steps=40),
+    "cylinder": lambda: cylinder.pull_off(0.001, elements=(50, 12)),
+    "hertz": lambda: hertz.press(0.05, elements=(120, 12)),
     "bending": lambda: bending.peel(bending.CHECK.cases[0]),
     "curvature": lambda: curvature.curvature_factors(20.0),
 }
@@ -181,23 +179,26 @@ def test_what_makes_no_sense_is_refused_with_one_line(
     assert error.count("\n") == 1
 
 
-def test_tasks_are_computed_in_processes_of_their_own() -> None:
-    told: list[tuple[int, object]] = []
-    tasks: list[Callable[[], object]] = [partial(pow, 2, 5), os.getpid, partial(pow, 3, 2)]
-    done = compute_all(tasks, 1, lambda number, finished: told.append((number, finished.outcome)))
-    assert [done[0].outcome, done[2].outcome] == [32, 9]
-    assert done[1].outcome != os.getpid()
-    assert dict(told) == {number: finished.outcome for number, finished in enumerate(done)}
-    assert active_children() == []
-
-
 @pytest.mark.parametrize(
-    ("task", "error"), [(partial(os._exit, 1), WorkerLostError), (partial(int, "x"), ValueError)]
+    ("error", "code", "told"),
+    [
+        (KeyboardInterrupt(), 130, "interrupted"),
+        (WorkerLostError("a process was ended"), 2, "a process was ended"),
+    ],
 )
-def test_what_ends_a_task_ends_them_all(task: Callable[[], object], error: type[Exception]) -> None:
-    with pytest.raises(error):
-        compute_all([task, partial(sleep, 60.0)], 1, lambda *_: None)
-    assert active_children() == []
+def test_what_ends_it_is_told_with_one_line(
+    error: BaseException,
+    code: int,
+    told: str,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def ended(*_: object) -> list[Done]:
+        raise error
+
+    monkeypatch.setattr(report, "compute_all", ended)
+    assert main(["validate", "--only", "curvature"]) == code
+    assert capsys.readouterr().err == f"isopeel: {told}\n"
 
 
 @pytest.fixture
@@ -222,6 +223,7 @@ def under_way() -> Iterator[subprocess.Popen[bytes]]:
         process.wait()
 
 
+@pytest.mark.long
 def test_ctrl_c_ends_it_at_once_and_leaves_nothing_behind(under_way: subprocess.Popen[bytes]) -> None:
     sleep(1.0)
     children = Process(under_way.pid).children()

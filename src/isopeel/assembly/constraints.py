@@ -81,7 +81,7 @@ def constrain(
         for component in fixed.components:
             if drive.freedoms[component] in ("common", "prescribed") and np.isin(held, driven).any():
                 raise InputError(
-                    "fixed", fixed.side, f"it meets the side {drive.side}, which the drive moves"
+                    "held", fixed.side, f"it meets the side {drive.side}, which the drive moves"
                 )
             groups[held, component] = HELD
             offset[held, component] = u0[held, component]

@@ -39,9 +39,8 @@ def check_start(
         raise InputError("substrate", type(substrate).__name__, "it must have a closest point to every point")
     deepest = np.unravel_index(np.argmin(gap), gap.shape)
     if base is None and gap[deepest] < -_ROUND_OFF * extent:
-        place = "({:.4g}, {:.4g})".format(*positions[deepest])
-        allowed = f"the body must not overlap it at the start; at X = {place} it does"
-        raise InputError("substrate", f"gap {gap[deepest]:.4g}", allowed)
+        place = "{:.4g} at X = ({:.4g}, {:.4g})".format(gap[deepest], *positions[deepest])
+        raise InputError("substrate.gap", place, "the body must not overlap the substrate at the start")
     if (1 + curvature * gap <= 0).any():
         allowed = (
             "the body must lie nearer to it than its centre of curvature, where the closest point is one"

@@ -1,13 +1,14 @@
-"""What a law of adhesion amounts to: its strength, its stiffness, and the gaps at which it acts."""
+"""What a law of adhesion amounts to: its strength, its stiffness, its losses, and the gaps at which it acts."""
 
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import minimize_scalar
+from scipy.optimize import brentq, minimize_scalar
 
 from isopeel.arrays import FloatArray
 from isopeel.errors import InputError
 from isopeel.physics.adhesion import AdhesionLaw
+from isopeel.physics.adhesion.irreversible import SecantUnloading, secant_unloading
 from isopeel.physics.batch import evaluate_law
 
 #: Openings that the strongest attraction is looked for at, in the problem's unit of length.
@@ -27,11 +28,19 @@ class LawCharacter:
     strongest_gap: float  # where it acts
     stiffness: float  # -T' at the equilibrium gap, a stress per length
     spent_gap: float  # where the attraction has become small
+    softened_gap: float  # where it has fallen to half of its strength
+    dissipated_energy: float  # by then, per area, of irreversible adhesion; when parted, the work of adhesion
+    dissipated_share: float  # of the work of opening it so far
 
 
 def evaluate_flat(law: AdhesionLaw, gap: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Potential, traction (repulsion positive) and its derivative at gaps (...) to a flat substrate."""
     return evaluate_law(law.kernel, law.parameters, gap, np.zeros_like(gap))
+
+
+def opened_flat(law: AdhesionLaw, gap: FloatArray) -> SecantUnloading:
+    """State of irreversible adhesion at gaps (...) to a flat substrate that are the largest so far."""
+    return secant_unloading(law, gap, np.maximum(gap - law.equilibrium_gap, 0.0))
 
 
 def law_character(law: AdhesionLaw) -> LawCharacter:
@@ -48,10 +57,18 @@ def law_character(law: AdhesionLaw) -> LawCharacter:
         gap = np.array([law.equilibrium_gap + np.exp(logarithm)])
         return float(evaluate_flat(law, gap)[1][0])
 
+    def last_above(share: float) -> int:
+        return at + int(np.flatnonzero(attraction[at:-1] >= share * attraction[at])[-1])
+
     # the grid's neighbours hold the peak between them
     bounds = np.log(opening[at - 1]), np.log(opening[at + 1])
     peak = minimize_scalar(repulsion, bounds=bounds, method="bounded", options={"xatol": 1e-9})
-    left = np.flatnonzero(attraction[at:] >= _SPENT * attraction[at])
+    half = last_above(0.5)
+    softened = law.equilibrium_gap + np.exp(
+        brentq(lambda z: repulsion(z) - 0.5 * peak.fun, *np.log(opening[half : half + 2]), xtol=1e-13)
+    )
+    opened = opened_flat(law, np.array([softened]))
+    dissipated, stored = float(opened.dissipated[0]), float(opened.stored[0])
     stiffness = -evaluate_flat(law, np.array([law.equilibrium_gap]))[2][0]
     return LawCharacter(
         law.equilibrium_gap,
@@ -59,5 +76,8 @@ def law_character(law: AdhesionLaw) -> LawCharacter:
         float(-peak.fun),
         law.equilibrium_gap + float(np.exp(peak.x)),
         float(stiffness),
-        law.equilibrium_gap + float(opening[min(at + left[-1] + 1, opening.size - 1)]),
+        law.equilibrium_gap + float(opening[last_above(_SPENT) + 1]),
+        float(softened),
+        dissipated,
+        dissipated / (dissipated + stored),
     )

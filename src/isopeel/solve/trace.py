@@ -99,9 +99,7 @@ def trace(
         start = [base._replace(parameter=0.0, unknown_values=None)]
     settings = settings or NewtonSettings()
     if settings.jumps and system.storage != "symmetric":
-        raise InputError(
-            "jumps", True, "forces without a potential, as projected or following ones, have none"
-        )
+        raise InputError("drive.jumps", True, "projected and following forces have no energy that could fall")
     history = [(state.parameter, _unknown_values(system, state)) for state in start]
     return _trace(system, parameters, settings, history)
 

@@ -75,7 +75,7 @@ def cylinder(law: AdhesionLaw, end: float) -> Problem:
     )
 
 
-def pull_off(strength: float) -> PulledOff:
+def pull_off(strength: float, elements: tuple[int, int] = _ELEMENTS) -> PulledOff:
     """Pull the cylinder off, from where it snaps on, until the load has fallen by a fifth of its largest."""
     law = Exponential(strength, _WORK)
     reach = 14 * law.characteristic_length  # where the attraction is 3e-5 of its peak
@@ -84,7 +84,7 @@ def pull_off(strength: float) -> PulledOff:
     path = np.linspace(0.0, farthest, round(_STEPS_PER_LENGTH * farthest) + 1)
     found = traced(
         cylinder(law, end),
-        row_space("N2", _ELEMENTS, 2, (_GRADING, _GRADING)),
+        row_space("N2", elements, 2, (_GRADING, _GRADING)),
         path,
         NewtonSettings(jumps=True),
         _fallen,
@@ -182,11 +182,13 @@ def _draw(outcomes: Sequence[PulledOff]) -> Figure:
         strengths = np.geomspace(0.7 * min(_STRENGTHS), 1.4 * max(_STRENGTHS), 30)
         tabor = np.array([tabor_parameter(s) for s in strengths])
         jkr = outcomes[0].jkr
-        rigid = [rigid_cylinder_pull_off(Exponential(s, _WORK), RADIUS) for s in strengths]
+        # laws of one shape and work: their strength over their length, and so the square of the pull
+        weakest = rigid_cylinder_pull_off(Exponential(strengths[0], _WORK), RADIUS)
+        rigid = weakest * np.sqrt(strengths / strengths[0])
         maugis = [maugis_cylinder_pull_off(s, _WORK, REDUCED_MODULUS, RADIUS) for s in strengths]
         forces.axhline(1.0, color=GREY, linestyle=DASHES, label="JKR")
         forces.plot(tabor, np.array(maugis) / jkr, color=VERMILION, linestyle=DOT_DASHES, label="Maugis")
-        forces.plot(tabor, np.array(rigid) / jkr, color="black", linestyle=DOTS, label="rigid, same law")
+        forces.plot(tabor, rigid / jkr, color="black", linestyle=DOTS, label="rigid, same law")
         at, values = (
             [found.tabor_parameter for found in outcomes],
             [found.pull_off / jkr for found in outcomes],

@@ -51,10 +51,10 @@ class Pressed:
     failure: str
 
 
-def press(displacement: float) -> Pressed:
+def press(displacement: float, elements: tuple[int, int] = _ELEMENTS) -> Pressed:
     """Press the cylinder on the substrate, and fit Hertz's p^2 = p_0^2 (1 - x^2/a^2) to what it bears."""
     law = Exponential(sqrt(_STIFFNESS * _WORK) / np.e, _WORK)
-    problem, space = cylinder(law, _END), row_space("N2", _ELEMENTS, 2, _GRADING)
+    problem, space = cylinder(law, _END), row_space("N2", elements, 2, _GRADING)
     path = -np.geomspace(displacement / 400, displacement, _STEPS)
     found = traced(problem, space, path, NewtonSettings(jumps=True))
     if found.failure or found.displacement is None:

@@ -126,15 +126,15 @@ class Pulled:
     failure: str
 
 
-def peel(tape: Tape) -> Pulled:
+def peel(tape: Tape, elements: tuple[int, int] = _ELEMENTS) -> Pulled:
     """Pull a tape, and read the mean force over the last periods of the mesh."""
     end = tape.arm * tape.elastica_length * tape.rate
-    start = end - _PERIODS * tape.rate * _LENGTH / _ELEMENTS[0]
+    start = end - _PERIODS * tape.rate * _LENGTH / elements[0]
     path = [
         *np.linspace(0.0, start, 150)[:-1],
         *np.linspace(start, end, _PERIODS * _STEPS_PER_PERIOD + 1),
     ]
-    found = traced(tape.problem, row_space("N2.1", _ELEMENTS), path)
+    found = traced(tape.problem, row_space("N2.1", elements), path)
     if found.failure:
         return Pulled(tape, found.parameter, found.reaction, np.nan, np.nan, found.failure)
     means = found.reaction[-_PERIODS * _STEPS_PER_PERIOD :].reshape(_PERIODS, -1).mean(axis=1)

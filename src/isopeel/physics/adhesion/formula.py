@@ -27,6 +27,9 @@ if TYPE_CHECKING:
 _GAPS = np.geomspace(1e-12, 1e9, 48_001)
 
 
+_UNFINISHED = 1e-3  # of the work of adhesion, for gap times traction at the last gap
+
+
 @dataclass(frozen=True)
 class FormulaAdhesion:
     """Reversible adhesion law whose potential per area is one expression of the gap `r`.
@@ -51,6 +54,10 @@ class FormulaAdhesion:
             raise InputError("adhesion.potential", self.potential, allowed)
         if not 0 < self.work_of_adhesion < np.inf:
             allowed = f"its work of adhesion must be positive and finite, it is {self.work_of_adhesion:g}"
+            raise InputError("adhesion.potential", self.potential, allowed)
+        # the work to the last gap is that to infinity only where little is left to do there
+        if abs(float(self._function(1)(_GAPS[-1:])[0])) * _GAPS[-1] > _UNFINISHED * self.work_of_adhesion:
+            allowed = "its attraction must vanish with the gap, so that the surfaces can be parted"
             raise InputError("adhesion.potential", self.potential, allowed)
 
     @classmethod

@@ -1,0 +1,92 @@
+"""What a case asks for and cannot be: one line, before any step is taken."""
+
+from pathlib import Path
+
+import pytest
+
+from isopeel.case import load_case
+from isopeel.cli import main
+
+STRIP, CURVED, TAPE, CYLINDER = (
+    load_case(name).text for name in ("strip", "curved-substrate", "tape-angle", "cylinder-pull-off")
+)
+LAW = 'law = "van-der-waals"\nhamaker_constant = "1e-19 J"\nequilibrium_distance = "0.4 nm"'
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        pytest.param(
+            STRIP.replace(LAW, 'law = "formula"\npotential = "exp(-r)"'),
+            "adhesion.potential: 'exp(-r)' cannot be used; it must have a minimum",
+            id="a law without an equilibrium",
+        ),
+        pytest.param(
+            STRIP.replace(LAW, 'law = "formula"\npotential = "r**2"'),
+            "adhesion.potential: 'r**2' cannot be used; its attraction must vanish",
+            id="a law that never lets go",
+        ),
+        pytest.param(
+            STRIP + '[substrate]\ngap = "-1 nm"\n',
+            "substrate.gap: '-1 at X = (",
+            id="a body inside the substrate",
+        ),
+        pytest.param(
+            CURVED.replace('kind = "circle"\nradius = "200 nm"', 'kind = "circle"\nradius = "250 nm"'),
+            "the body must not overlap the substrate at the start",
+            id="a cylinder that is too wide",
+        ),
+        pytest.param(
+            STRIP + '[substrate]\nkind = "formula"\nformula = "sqrt(100 - x**2)"\n',
+            "substrate: 'FormulaSubstrate' cannot be used; it must have a closest point to every point",
+            id="a substrate that ends",
+        ),
+        pytest.param(
+            STRIP.replace('name = "strip"', 'name = "strip"\nheld = {}'),
+            "held: 'a motion along x' cannot be used; nothing holds the body against it",
+            id="a free motion",
+        ),
+        pytest.param(
+            CYLINDER.replace("[body]", "[held]\n[body]"),
+            "held: 'a motion along x' cannot be used; nothing holds the body against it",
+            id="a cylinder that may roll or slide",
+        ),
+        pytest.param(
+            STRIP.replace('name = "strip"', 'name = "strip"\nheld = { right = "x" }'),
+            "held: 'right' cannot be used; it meets the side right, which the drive moves",
+            id="held and driven",
+        ),
+        pytest.param(
+            TAPE.replace('to = "40 nm"', 'to = "40 N/m"'),
+            "drive.to: '40 N/m' cannot be used; a length is needed",
+            id="a force for a displacement",
+        ),
+        pytest.param(
+            TAPE.replace('side = "right"', 'side = "right"\nfollows = true\njumps = true'),
+            "drive.jumps: True cannot be used; projected and following forces have no energy",
+            id="a jump without an energy",
+        ),
+        pytest.param(
+            TAPE.replace("\nsliding_length", "\nirreversible = true\nsliding_length"),
+            "adhesion.sliding_length: '0.3 nm' cannot be used; a joint that holds along the substrate",
+            id="damage of a joint that slides",
+        ),
+        pytest.param(
+            CURVED.replace("[substrate]", "symmetric = true\n[substrate]").replace(
+                'length = "150 nm"\n\nsymmetric', 'length = "150 nm"\nsymmetric'
+            ),
+            "adhesion.symmetric: True cannot be used; a body meets its mirror image at a plane",
+            id="a curved mirror",
+        ),
+    ],
+)
+def test_bad_cases_end_with_2_and_one_line(
+    text: str, told: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = tmp_path / "bad.toml"
+    file.write_text(text)
+    assert main(["run", str(file), "--out", str(tmp_path / "out")]) == 2
+    error = capsys.readouterr().err
+    assert told in error
+    assert error.count("\n") == 1
+    assert not (tmp_path / "out").exists()
