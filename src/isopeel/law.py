@@ -58,7 +58,8 @@ def _like_the_strip(name: str) -> AdhesionLaw:
 def law_table(name: str, character: LawCharacter) -> Table:
     """Tabulate a law's numbers in E0 = 2 GPa and L0 = 1 nm, and in SI units."""
     c = character
-    table = Table("", "in E0, L0", "", title=name, box=SIMPLE_HEAD)
+    caption = "dissipated: if the adhesion is irreversible"
+    table = Table("", "in E0, L0", "", title=name, caption=caption, box=SIMPLE_HEAD)
     for label, value, si in (
         ("equilibrium gap", c.equilibrium_gap, f"{c.equilibrium_gap:.5g} nm"),
         ("strength", c.strength, f"{1e3 * _GIGAPASCAL * c.strength:.5g} MPa"),
@@ -66,16 +67,9 @@ def law_table(name: str, character: LawCharacter) -> Table:
         ("work of adhesion", c.work_of_adhesion, f"{_GIGAPASCAL * c.work_of_adhesion:.5g} J/m^2"),
         ("stiffness at equilibrium", c.stiffness, f"{_GIGAPASCAL * c.stiffness:.5g} GPa/nm"),
         ("half as strong at the gap", c.softened_gap, f"{c.softened_gap:.5g} nm"),
-        (
-            "  irreversible, dissipated by then",
-            c.dissipated_energy,
-            f"{_GIGAPASCAL * c.dissipated_energy:.5g} J/m^2, {c.dissipated_share:.1%} of the work",
-        ),
-        (
-            "  and by full separation",
-            c.work_of_adhesion,
-            f"{_GIGAPASCAL * c.work_of_adhesion:.5g} J/m^2, all of the work",
-        ),
+        ("  dissipated by then", c.dissipated_energy, f"{_GIGAPASCAL * c.dissipated_energy:.5g} J/m^2"),
+        ("  of the work so far", c.dissipated_share, f"{100 * c.dissipated_share:.1f} %"),
+        ("  dissipated when parted", c.work_of_adhesion, f"{_GIGAPASCAL * c.work_of_adhesion:.5g} J/m^2"),
     ):
         table.add_row(label, f"{value:.6g}", si)
     return table

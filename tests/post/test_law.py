@@ -3,11 +3,12 @@
 import numpy as np
 import pytest
 from scipy.integrate import quad
+from scipy.special import lambertw
 
 from isopeel import Exponential, FormulaAdhesion, InputError, LennardJones, VanDerWaals
 from isopeel.physics.adhesion import AdhesionLaw
 from isopeel.post.figures import law_figure
-from isopeel.post.law import evaluate_flat, law_character
+from isopeel.post.law import evaluate_flat, law_character, opened_flat
 
 
 def test_van_der_waals_against_the_published_numbers() -> None:
@@ -30,6 +31,12 @@ def test_exponential_in_closed_form() -> None:
     assert character.strength == pytest.approx(0.06, rel=1e-13)
     assert character.strongest_gap == pytest.approx(0.1 + length, rel=1e-6)
     assert character.stiffness == pytest.approx(0.015 / length**2, rel=1e-13)
+    # z exp(1 - z) = 1/2 beyond z = 1; the secant gives back z^2/2 exp(-z) of 1 - (1 + z) exp(-z)
+    z = -float(lambertw(-0.5 / np.e, -1).real)
+    returned, work = z**2 / 2 * np.exp(-z), 1 - (1 + z) * np.exp(-z)
+    assert character.softened_gap == pytest.approx(0.1 + z * length, rel=1e-12)
+    assert character.dissipated_energy == pytest.approx(0.015 * (work - returned), rel=1e-12)
+    assert character.dissipated_share == pytest.approx(1 - returned / work, rel=1e-12)
 
 
 @pytest.mark.parametrize("law", [VanDerWaals(0.05, 0.4), LennardJones(0.015, 0.25, 12.0, 6.0)])
@@ -39,6 +46,8 @@ def test_work_is_the_integral_of_the_attraction(law: AdhesionLaw) -> None:
 
     work, _ = quad(attraction, law.equilibrium_gap, np.inf, epsabs=1e-12, epsrel=1e-10)
     assert law_character(law).work_of_adhesion == pytest.approx(work, rel=1e-8)  # the quadrature's
+    # parted, an irreversible joint gives nothing back; T and the area under the secant vanish with the gap
+    assert opened_flat(law, np.array([1e6])).dissipated[0] == pytest.approx(work, rel=1e-8)
 
 
 def test_a_law_that_is_out_of_sight_is_refused() -> None:
@@ -50,12 +59,24 @@ def test_a_law_that_is_out_of_sight_is_refused() -> None:
 def test_the_figure_holds_the_law() -> None:
     law = VanDerWaals(0.05, 0.4)
     panels = law_figure(law).axes
-    assert len(panels) == 3
-    gap = np.asarray(panels[0].lines[-1].get_xdata(), dtype=np.float64)
-    assert gap[0] < law.equilibrium_gap < law_character(law).strongest_gap < gap[-1]
+    character = law_character(law)
+    curves = [max(axes.lines, key=lambda line: len(np.asarray(line.get_xdata()))) for axes in panels]
+    gap = np.asarray(curves[0].get_xdata(), dtype=np.float64)
+    assert gap[0] < law.equilibrium_gap < character.strongest_gap < character.softened_gap < gap[-1]
     potential, traction, derivative = evaluate_flat(law, gap)
-    for axes, values in zip(panels, (traction, derivative, potential), strict=True):
-        np.testing.assert_array_equal(np.asarray(axes.lines[-1].get_ydata()), values)
+    # what was opened to a gap takes the area under the secant back, and leaves the rest of the work
+    opening = np.maximum(gap - law.equilibrium_gap, 0.0)
+    dissipated = np.where(opening > 0, potential + law.work_of_adhesion + 0.5 * traction * opening, 0.0)
+    for curve, values in zip(curves, (traction, derivative, potential, dissipated), strict=True):
+        # round-off
+        np.testing.assert_allclose(np.asarray(curve.get_ydata()), values, rtol=1e-13, atol=1e-16)
+    unloading = panels[0].lines[-1]
+    np.testing.assert_array_equal(
+        np.asarray(unloading.get_xdata()), [law.equilibrium_gap, character.softened_gap]
+    )
+    np.testing.assert_allclose(
+        np.asarray(unloading.get_ydata()), [0.0, -character.strength / 2], rtol=1e-12, atol=1e-16
+    )
 
 
 def test_a_law_from_a_formula_has_a_character_too() -> None:

@@ -80,9 +80,7 @@ def constrain(
         held = space.side_functions(fixed.side)
         for component in fixed.components:
             if drive.freedoms[component] in ("common", "prescribed") and np.isin(held, driven).any():
-                raise InputError(
-                    "held", fixed.side, f"it meets the side {drive.side}, which the drive moves"
-                )
+                raise InputError("held", fixed.side, f"it meets the side {drive.side}, which the drive moves")
             groups[held, component] = HELD
             offset[held, component] = u0[held, component]
     numberings = [_number(groups, space.greville, axis) for axis in (0, 1)]

@@ -150,6 +150,16 @@ class System:
             return self.constraints.reaction(equilibrium.forces, parameter)
         return load if self.load_is_unknown else self.load.displacement(displacement)
 
+    def potential(
+        self, equilibrium: Equilibrium, displacement: FloatArray, load: float, parameter: float
+    ) -> tuple[float, float]:
+        """Energy that is least in a stable state, and its derivative by the parameter along a path."""
+        reaction = self.reaction(equilibrium, displacement, load, parameter)
+        energy = equilibrium.stored_energy + equilibrium.adhesive_energy + equilibrium.dissipated_energy
+        if self.load is None or self.load_is_unknown:
+            return energy, reaction
+        return energy - load * reaction, -reaction
+
     def control(self, displacement: FloatArray, parameter: float) -> tuple[float, FloatArray, FloatArray]:
         """What the displacement of an unknown load misses, and the last column and row of the tangent."""
         assert self.load is not None

@@ -1,4 +1,4 @@
-"""What a law of adhesion amounts to: its strength, its stiffness, its losses, and the gaps at which it acts."""
+"""What a law of adhesion amounts to: strength, stiffness, losses, and the gaps at which it acts."""
 
 from dataclasses import dataclass
 
@@ -49,7 +49,7 @@ def law_character(law: AdhesionLaw) -> LawCharacter:
     opening = np.geomspace(SMALLEST, LARGEST, round(_PER_DECADE * decades) + 1)
     attraction = -evaluate_flat(law, law.equilibrium_gap + opening)[1]
     at = int(np.argmax(attraction))
-    if not attraction[at] > 0 or at in (0, opening.size - 1):
+    if not attraction[at] > 0 or at == 0 or attraction[-1] >= 0.5 * attraction[at]:
         allowed = f"it must attract most at an opening between {SMALLEST:g} and {LARGEST:g}"
         raise InputError("adhesion", type(law).__name__, allowed)
 

@@ -11,6 +11,7 @@ _SMALLEST_SHIFT = 1e-8  # of the mean entry on the diagonal
 _LARGEST_SHIFT = 1e6
 _SHORTEST = 2.0**-30  # of a step
 _SUFFICIENT = 1e-4  # of the decrease that the slope promises
+_ROUND_OFF = 1e-12  # of the parameter
 _FLAT = 1e-13  # of the energy: a decrease below it is round-off
 
 
@@ -31,16 +32,19 @@ def descend(system: System, start: FloatArray, parameter: float) -> FloatArray:
         factor, shift = _positive_definite(matrix, shift)
         direction = -_solve(system, factor, equilibrium, u, parameter)
         slope = float(equilibrium.residual @ direction[: system.constraints.count])
+        # the control of a load does work: before it is satisfied, energy need not fall, but be finite
+        astray = system.load_is_unknown and abs(system.control(u, parameter)[0]) > _ROUND_OFF * abs(parameter)
         step = 1.0
         trial = potential_energy(system, y + direction, parameter)
-        # the control's equation is linear: a first full step satisfies it, and later ones keep to it
-        while not trial <= energy + _SUFFICIENT * step * min(slope, 0.0) and step > _SHORTEST:
+        while not (np.isfinite(trial) if astray else trial <= energy + _SUFFICIENT * step * min(slope, 0.0)):
             step /= 2
+            if step < _SHORTEST:
+                return y
             trial = potential_energy(system, y + step * direction, parameter)
-        if not trial < energy:
+        if not (astray or trial < energy):
             break
         y = y + step * direction
-        if shift == 0.0 and energy - trial < _FLAT * abs(energy):
+        if shift == 0.0 and not astray and energy - trial < _FLAT * abs(energy):
             break
         energy = trial
         # try to do with less the next time
@@ -52,10 +56,8 @@ def potential_energy(system: System, y: FloatArray, parameter: float) -> float:
     """Energy of body, joint and a known load; infinite where an element is turned inside out."""
     u, load = system.state(y, parameter)
     at = system.equilibrium(u, load)
-    total = at.stored_energy + at.adhesive_energy + at.dissipated_energy
-    if system.load is not None and not system.load_is_unknown:
-        total -= load * system.load.displacement(u)
-    return total if at.lowest_determinant > 0 and np.isfinite(total) else np.inf
+    energy, _ = system.potential(at, u, load, parameter)
+    return energy if at.lowest_determinant > 0 and np.isfinite(energy) else np.inf
 
 
 def _positive_definite(matrix: BandMatrix, shift: float) -> tuple[Factor, float]:

@@ -55,7 +55,7 @@ class Step:
     seconds: float  # wall time of the step
     openings: FloatArray  # (E, Q) largest ones so far at the points of the adhesive force, read-only
     unknown_values: FloatArray  # (count,) of the solver, read-only
-    released_energy: float = 0.0  # in a jump, from where the last state would be carried to where this one is
+    released_energy: float = 0.0  # in a jump to this state, to second order in the step
 
     @property
     def state(self) -> State:
@@ -100,15 +100,29 @@ def trace(
     settings = settings or NewtonSettings()
     if settings.jumps and system.storage != "symmetric":
         raise InputError("drive.jumps", True, "projected and following forces have no energy that could fall")
-    history = [(state.parameter, _unknown_values(system, state)) for state in start]
+    history = []
+    for state in start:
+        y = _unknown_values(system, state)
+        u, load = system.state(y, state.parameter)
+        potential = system.potential(system.equilibrium(u, load), u, load, state.parameter)
+        history.append(_Past(state.parameter, y, *potential))
     return _trace(system, parameters, settings, history)
+
+
+class _Past(NamedTuple):
+    """What the next step is guessed from."""
+
+    parameter: float
+    unknown_values: FloatArray
+    energy: float
+    rate: float  # of the energy, by the parameter
 
 
 def _trace(
     system: System,
     parameters: Iterable[float],
     settings: NewtonSettings,
-    start: Iterable[tuple[float, FloatArray]],
+    start: Iterable[_Past],
 ) -> Iterator[Step]:
     libraries = ThreadpoolController()
     history = deque(start, maxlen=PREDICTOR_POINTS)
@@ -117,9 +131,15 @@ def _trace(
         # the factorization of a narrow band gains nothing from threads, and loses by their start
         with libraries.limit(limits=1, user_api="blas"):
             # a drive that turns back meets a parameter again: its last state counts
-            guess = extrapolate(dict(history), parameter, system.count)
-            result, released = _equilibrium(system, guess, history, parameter, settings)
-        history.append((parameter, result.unknown_values))
+            guess = extrapolate(
+                {past.parameter: past.unknown_values for past in history}, parameter, system.count
+            )
+            result, before = _equilibrium(system, guess, history, parameter, settings)
+        energy, rate = system.potential(result.equilibrium, result.displacement, result.load, parameter)
+        if before is not None:
+            # states of the branch that was left would mislead the next guess
+            history.clear()
+        history.append(_Past(parameter, result.unknown_values, energy, rate))
         system.accept(result.displacement)
         result.displacement.setflags(write=False)
         result.unknown_values.setflags(write=False)
@@ -135,31 +155,31 @@ def _trace(
             seconds=perf_counter() - began,
             openings=system.openings,
             unknown_values=result.unknown_values,
-            released_energy=released,
+            released_energy=0.0 if before is None else max(before - energy, 0.0),
         )
 
 
 def _equilibrium(
-    system: System,
-    guess: FloatArray,
-    history: Iterable[tuple[float, FloatArray]],
-    parameter: float,
-    settings: NewtonSettings,
-) -> tuple[NewtonResult, float]:
-    """Newton's method from a guess or, where it fails and the settings allow it, after a jump."""
+    system: System, guess: FloatArray, history: Sequence[_Past], parameter: float, settings: NewtonSettings
+) -> tuple[NewtonResult, float | None]:
+    """Newton's method from a guess or, where it fails and the settings allow it, after a jump.
+
+    With a jump comes the energy before it: that of the branch that ends, carried on in a straight line.
+    """
     try:
-        return newton(system, guess, parameter, settings), 0.0
+        return newton(system, guess, parameter, settings), None
     except ConvergenceError:
         if not settings.jumps:
             raise
-    last = [y for _, y in history][-1:]
-    # the state before, carried along by the drive, is the better start wherever the drive leaves it sound
-    for start in (*last, guess):
+    # the guess may turn elements inside out; a state before, carried along by the drive, seldom does
+    for start in (guess, *(past.unknown_values for past in reversed(history))):
         before = potential_energy(system, start, parameter)
         if np.isfinite(before):
             break
-    result = newton(system, descend(system, start, parameter), parameter, settings)
-    return result, before - potential_energy(system, result.unknown_values, parameter)
+    if history:
+        last = history[-1]
+        before = last.energy + last.rate * (parameter - last.parameter)
+    return newton(system, descend(system, start, parameter), parameter, settings), before
 
 
 def _unknown_values(system: System, state: State) -> FloatArray:

@@ -99,7 +99,7 @@ class FormulaAdhesion:
         near, far = self._function(0)(np.array([self.equilibrium_gap, _GAPS[-1]]))
         return float(far - near)
 
-    @property
+    @cached_property
     def _positive_gaps_only(self) -> bool:
         return not bool(np.isfinite(self._function(0)(np.array(0.0))))
 

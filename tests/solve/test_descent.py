@@ -1,0 +1,96 @@
+"""Jumps: past a limit point the path goes on from the next stable equilibrium, with the energy released."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from isopeel.assembly.system import System
+from isopeel.errors import InputError
+from isopeel.problem import MovedSide, PulledSide, strip
+from isopeel.solve.descent import descend, potential_energy
+from isopeel.solve.linear import factorize
+from isopeel.solve.newton import ConvergenceError, NewtonSettings, newton
+from isopeel.solve.trace import Step, trace
+from isopeel.splines.rows import row_space
+
+# of the published study: plain Newton ends at 69.0 degrees, in print and here
+SPACE = row_space("L1", (160, 8))
+ANGLES = np.radians(np.arange(0.0, 74.05, 0.1))
+
+
+@pytest.fixture(scope="module")
+def path() -> list[Step]:
+    return list(trace(strip(), SPACE, ANGLES, NewtonSettings(jumps=True)))
+
+
+def energy(step: Step) -> float:
+    return step.stored_energy + step.adhesive_energy
+
+
+def test_the_path_goes_on_where_plain_newton_ends(path: list[Step]) -> None:
+    plain: list[Step] = []
+    steps = trace(strip(), SPACE, ANGLES)
+    with pytest.raises(ConvergenceError, match=r"no equilibrium at 1\.20"):
+        plain.extend(iter(lambda: next(steps), None))
+    assert len(path) == len(ANGLES)
+    assert np.degrees(path[len(plain)].parameter) == pytest.approx(69.0, abs=0.05)
+    # up to there the two are one path
+    assert [step.reaction for step in path[: len(plain)]] == [step.reaction for step in plain]
+
+
+def test_energy_is_released_by_a_jump(path: list[Step]) -> None:
+    """Work of the drive = energy gained + energy released, in the step of the largest jump."""
+    largest = max(range(1, len(path)), key=lambda k: path[k].released_energy)
+    released = path[largest].released_energy
+    assert released > 1e-5
+    reaction = np.array([step.reaction for step in path[largest - 2 : largest]])
+    steps = path[largest - 1 : largest + 1]
+    size = steps[1].parameter - steps[0].parameter
+    # up to the limit point the moment goes on as before, to second order in the step
+    slope = (reaction[1] - reaction[0]) / size
+    work = size * (reaction[1] + slope * size / 2)
+    assert work - (energy(steps[1]) - energy(steps[0])) == pytest.approx(released, rel=0.05)
+    # all else is smooth enough for the trapezoidal rule; folds that Newton's method skips leave 1e-5 each
+    total = np.trapezoid([s.reaction for s in path], [s.parameter for s in path])
+    balance = total - (energy(path[-1]) - energy(path[0]))
+    assert balance == pytest.approx(sum(step.released_energy for step in path), abs=1e-4)
+
+
+def test_what_a_jump_lands_on_is_stable(path: list[Step]) -> None:
+    landed = next(step for step in path if step.released_energy)
+    system = System(strip(), SPACE)
+    _, matrix = system.linearize(landed.displacement)
+    factorize(matrix)  # Cholesky: the tangent is positive definite
+    assert matrix.storage == "symmetric"
+
+
+def test_the_energy_falls_on_the_way() -> None:
+    system = System(strip(), row_space("N2", (40, 2)))
+    start = np.zeros(system.count)
+    parameter = 0.4
+    found = descend(system, start, parameter)
+    assert potential_energy(system, found, parameter) < potential_energy(system, start, parameter)
+    result = newton(system, found, parameter, NewtonSettings())
+    # it ends next to the minimum: one or two corrections are left
+    assert len(result.iterations) <= 2
+
+
+def test_an_unknown_load_keeps_to_its_control() -> None:
+    problem = replace(
+        strip(length=60.0, height=4.0, adhering_length=40.0), drive=PulledSide("right", np.pi / 2)
+    )
+    system = System(problem, row_space("N2", (60, 2)))
+    found = descend(system, np.zeros(system.count), 2.0)
+    u, _ = system.state(found, 2.0)
+    assert system.load is not None
+    assert system.load.displacement(u) == pytest.approx(2.0, rel=1e-12)  # a linear equation, solved by steps
+
+
+def test_forces_without_an_energy_cannot_jump() -> None:
+    projected = strip(traction="projected")
+    following = replace(strip(), drive=PulledSide("right", 1.0, follows=True))
+    for problem in (projected, following):
+        with pytest.raises(InputError, match=r"drive\.jumps"):
+            trace(problem, row_space("L1", (20, 2)), [0.0], NewtonSettings(jumps=True))
+    trace(replace(strip(), drive=MovedSide("right", 0.0)), SPACE, [0.0], NewtonSettings(jumps=True))
