@@ -1,6 +1,8 @@
+from fractions import Fraction
+
 import pytest
 
-from isopeel.units import parse_quantity
+from isopeel.units import UnitSystem, measured_in, parse_quantity, shown
 
 
 @pytest.mark.parametrize(
@@ -66,3 +68,25 @@ def test_radians_agree_with_pi() -> None:
 def test_other_texts_are_refused(text: str, why: str) -> None:
     with pytest.raises(ValueError, match=why):
         parse_quantity(text)
+
+
+@pytest.mark.parametrize(
+    ("value", "stress", "length", "expected"),
+    [
+        (0.0153324, 1, 1, "0.030665 J/m^2"),
+        (0.0617849, 1, 0, "123.57 MPa"),
+        (0.30589, 0, 1, "305.89 pm"),
+        (3.7813, 1, -1, "7.5626 GPa/nm"),
+        (0.0, 0, 1, "0 m"),
+    ],
+)
+def test_values_are_shown_in_si_units(value: float, stress: int, length: int, expected: str) -> None:
+    """Of E0 = 2 GPa and L0 = 1 nm, worked by hand."""
+    assert shown(value, UnitSystem(), stress, length) == expected
+
+
+def test_quantities_are_read_in_the_units_of_a_case() -> None:
+    with measured_in(UnitSystem(Fraction(1, 1000), Fraction(10**6))):
+        assert parse_quantity("250 J/m^2").value == 0.25  # 1 MPa x 1 mm is 1000 J/m^2
+        assert parse_quantity("90 deg").value == 90.0
+    assert parse_quantity("1 nm").value == 1.0

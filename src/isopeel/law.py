@@ -12,9 +12,8 @@ from isopeel.physics.adhesion import AdhesionLaw
 from isopeel.post.figures import law_figure, save
 from isopeel.post.law import LawCharacter, law_character
 from isopeel.registry import discover
-from isopeel.units import E0
+from isopeel.units import UnitSystem, shown
 
-_GIGAPASCAL = float(E0) / 1e9
 LAWS = discover("isopeel.physics.adhesion")
 
 
@@ -25,7 +24,7 @@ def show_law(name: str, out: Path | None, console: Console) -> None:
     a case, whose law is shown. Raises InputError for what is neither, or a kind of file that cannot be
     drawn, OSError where the file cannot be written.
     """
-    law = _like_the_strip(name) if name in LAWS else _of_the_case(name)
+    law, units = _like_the_strip(name) if name in LAWS else _of_the_case(name)
     path = out or Path("out") / f"{Path(name).stem}.png"
     character = law_character(law)
     path.parent.mkdir(parents=True, exist_ok=True)
@@ -35,41 +34,44 @@ def show_law(name: str, out: Path | None, console: Console) -> None:
         raise InputError(
             "--out" if error.field == "figure" else error.field, error.value, error.allowed
         ) from error
-    console.print(law_table(name, character))
+    console.print(law_table(name, character, units))
     console.print(f"drawn in {path}", soft_wrap=True)
 
 
-def _of_the_case(name: str) -> AdhesionLaw:
+def _of_the_case(name: str) -> tuple[AdhesionLaw, UnitSystem]:
     try:
-        return load_case(name).problem().adhesion.law
+        case = load_case(name)
     except InputError as error:
         if error.field != "CASE":
             raise
         allowed = f"it is neither a law ({', '.join(LAWS)}) nor a case: {error.allowed}"
         raise InputError("NAME", name, allowed) from error
+    return case.problem().adhesion.law, case.units.system()
 
 
-def _like_the_strip(name: str) -> AdhesionLaw:
+def _like_the_strip(name: str) -> tuple[AdhesionLaw, UnitSystem]:
     known = law_character(load_case("strip").problem().adhesion.law)
     law: AdhesionLaw = LAWS[name].like(known.strength, known.work_of_adhesion, known.equilibrium_gap)
-    return law
+    return law, UnitSystem()
 
 
-def law_table(name: str, character: LawCharacter) -> Table:
-    """Tabulate a law's numbers in E0 = 2 GPa and L0 = 1 nm, and in SI units."""
+def law_table(name: str, character: LawCharacter, units: UnitSystem) -> Table:
+    """Tabulate a law's numbers in E0 and L0, the units, and in SI units."""
     c = character
     caption = "dissipated: if the adhesion is irreversible"
-    table = Table("", "in E0, L0", "", title=name, caption=caption, box=SIMPLE_HEAD)
-    for label, value, si in (
-        ("equilibrium gap", c.equilibrium_gap, f"{c.equilibrium_gap:.5g} nm"),
-        ("strength", c.strength, f"{1e3 * _GIGAPASCAL * c.strength:.5g} MPa"),
-        ("at the gap", c.strongest_gap, f"{c.strongest_gap:.5g} nm"),
-        ("work of adhesion", c.work_of_adhesion, f"{_GIGAPASCAL * c.work_of_adhesion:.5g} J/m^2"),
-        ("stiffness at equilibrium", c.stiffness, f"{_GIGAPASCAL * c.stiffness:.5g} GPa/nm"),
-        ("half as strong at the gap", c.softened_gap, f"{c.softened_gap:.5g} nm"),
-        ("  dissipated by then", c.dissipated_energy, f"{_GIGAPASCAL * c.dissipated_energy:.5g} J/m^2"),
-        ("  of the work so far", c.dissipated_share, f"{100 * c.dissipated_share:.1f} %"),
-        ("  dissipated when parted", c.work_of_adhesion, f"{_GIGAPASCAL * c.work_of_adhesion:.5g} J/m^2"),
+    scales = f"in E0 = {shown(1.0, units, stress=1)}, L0 = {shown(1.0, units, length=1)}"
+    table = Table("", scales, "", title=name, caption=caption, box=SIMPLE_HEAD)
+    for label, value, stress, length in (
+        ("equilibrium gap", c.equilibrium_gap, 0, 1),
+        ("strength", c.strength, 1, 0),
+        ("at the gap", c.strongest_gap, 0, 1),
+        ("work of adhesion", c.work_of_adhesion, 1, 1),
+        ("stiffness at equilibrium", c.stiffness, 1, -1),
+        ("half as strong at the gap", c.softened_gap, 0, 1),
+        ("  dissipated by then", c.dissipated_energy, 1, 1),
+        ("  of the work so far", c.dissipated_share, 0, 0),
+        ("  dissipated when parted", c.work_of_adhesion, 1, 1),
     ):
+        si = shown(value, units, stress, length) if stress or length else f"{100 * value:.1f} %"
         table.add_row(label, f"{value:.6g}", si)
     return table

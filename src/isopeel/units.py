@@ -103,6 +103,21 @@ def parse_quantity(text: str) -> Quantity:
     return Quantity(value, mass, length + mass, angle, exact)
 
 
+#: SI units of a power product of a stress and a length, and how many of it in pascals and metres.
+_SHOWN = {(1, 1): ("J/m^2", 1.0), (1, -1): ("GPa/nm", 1e18)}
+_SINGLE = {(1, 0): "Pa", (0, 1): "m"}
+
+
+def shown(value: float, units: UnitSystem, stress: int = 0, length: int = 0) -> str:
+    """Write a value in E0^stress L0^length, of these units, in SI units: a stress, a length or both."""
+    si = value * float(units.stress) ** stress * float(units.length) ** length
+    if (stress, length) in _SHOWN:
+        name, size = _SHOWN[stress, length]
+        return f"{si / size:.5g} {name}"
+    compact = _registry().Quantity(si, _SINGLE[stress, length]).to_compact()
+    return f"{compact.magnitude:.5g} {compact.units:~}"
+
+
 def _parts(units: Any) -> dict[str, Any]:
     """Names of units in a product, and their powers."""
     return dict(_registry().Quantity(1, units).unit_items())
