@@ -1,5 +1,6 @@
 """The shipped cases: each is whole, starts, and tells what its closed form or its paragraph says."""
 
+from collections.abc import Callable
 from importlib import resources
 from itertools import islice
 from pathlib import Path
@@ -8,9 +9,10 @@ import pytest
 from PIL import Image
 from rich.console import Console
 
-from isopeel.case import load_case, shipped_cases
-from isopeel.post.closed_form import jkr_line_pull_off
-from isopeel.run import run_case, stage_folders
+from isopeel.case import Case, load_case, shipped_cases
+from isopeel.physics.materials.base import plane_strain_modulus
+from isopeel.post.closed_form import expected, jkr_line_pull_off
+from isopeel.run import FILES, run_case, stage_folders
 from isopeel.solve.newton import NewtonSettings
 from isopeel.solve.trace import trace
 
@@ -54,6 +56,27 @@ def test_each_starts(name: str) -> None:
     assert energies[2] > energies[1] or stage.jumps
 
 
+def jkr(case: Case) -> float:
+    problem = case.problem()
+    body, adhesion = problem.body, problem.adhesion
+    radius = float(body.shape.control_points[..., 1].max())
+    return jkr_line_pull_off(adhesion.law.work_of_adhesion, plane_strain_modulus(body.material), radius) / 2
+
+
+def kendall(case: Case) -> float:
+    theory = expected(case.problem(), case.space())
+    assert theory is not None
+    return theory.reaction
+
+
+#: Largest force of the last stage, and what is allowed beside the closed form: of a cylinder (Tabor parameter
+#: 2.4, a crack to within a percent) and of a tape before it is steady, half of it bent.
+FORCES: dict[str, tuple[Callable[[Case], float], float]] = {
+    "cylinder-pull-off": (jkr, 0.01),
+    "tape-angle": (kendall, 0.1),
+}
+
+
 @pytest.mark.long
 @pytest.mark.parametrize("name", sorted(CASES - {"strip"}))
 def test_each_runs_to_its_end(name: str, tmp_path: Path) -> None:
@@ -61,19 +84,6 @@ def test_each_runs_to_its_end(name: str, tmp_path: Path) -> None:
     run = run_case(case, tmp_path, Console(quiet=True))
     assert run.ending == "completed"
     for folder in stage_folders(case, tmp_path):
-        assert {path.name for path in folder.iterdir()} == {
-            "run.h5",
-            "curve.csv",
-            "summary.json",
-            "curve.png",
-            "shapes.png",
-        }
-    if name == "tape-angle":
-        # what is left of the transient after 40 nm, and the mesh's oscillation
-        assert run.curve.reaction[-1] == pytest.approx(0.030442, rel=2e-3)
-    if name == "cylinder-pull-off":
-        problem = case.problem()
-        modulus = problem.body.material.youngs_modulus / (1 - problem.body.material.poissons_ratio**2)
-        # a Tabor parameter of 2.3 is a little below the limit of a crack
-        expected = jkr_line_pull_off(problem.adhesion.law.work_of_adhesion, modulus, 200.0)
-        assert 2 * run.curve.reaction.max() == pytest.approx(expected, rel=0.03)
+        assert {path.name for path in folder.iterdir()} == set(FILES)
+    force, allowed = FORCES.get(name, (lambda _: run.curve.reaction.max(), 0.0))
+    assert run.curve.reaction.max() == pytest.approx(force(case), rel=allowed)
