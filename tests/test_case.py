@@ -244,7 +244,7 @@ BAD_VALUES = [
     ('mesh = "200x10"', 'mesh = "200"', "discretization.mesh", "200x10"),
     ('mesh = "200x10"', 'mesh = "1e9x10"', "discretization.mesh", "200x10"),
     ('mesh = "200x10"', 'mesh = "999999999x10"', "discretization.mesh", "1 to"),
-    ('mesh = "200x10"', 'mesh = "1x1000"', "discretization.mesh", "200 nm x 0.01 nm"),
+    ('mesh = "200x10"', 'mesh = "1x1000"', "discretization.mesh", "200 nm x 10 pm"),
     ('height = "10 nm"', 'height = "1e-200 nm"', "body.height", "between 1e-12 and 1e+12 in units"),
     ('length = "200 nm"', 'length = "1e200 nm"', "body.length", "between 1e-12 and 1e+12 in units"),
     ('youngs_modulus = "2 GPa"', 'youngs_modulus = "1e-320 GPa"', "material.youngs_modulus", "between"),

@@ -241,6 +241,12 @@ BAD_TABLES = [
     ("material", PARTS["material"] + '\nprestretch = "2"', "material.prestretch", "without quotes"),
     ("material", PARTS["material"] + "\nprestretch = -1.0", "material.prestretch", "positive"),
     ("adhesion", PARTS["adhesion"] + '\nsliding_length = "0 nm"', "adhesion.sliding_length", "positive"),
+    (
+        "adhesion",
+        PARTS["adhesion"] + '\nsymmetric = true\nsliding_length = "1 nm"',
+        "adhesion.symmetric",
+        "do not slip past each other",
+    ),
     ("adhesion", PARTS["adhesion"] + '\nsymmetric = "yes"', "adhesion.symmetric", "true or false"),
     ("adhesion", PARTS["adhesion"] + '\nlength = "1 m/m"', "adhesion.length", "a length is needed"),
     ("discretization", "across_degree = 9", "discretization.across_degree", "from 1 to 8"),
@@ -258,7 +264,7 @@ BAD_TABLES = [
     ("drive", STAGES[2][0].replace("0.06 N/m", "3 nm"), "drive.to", "a force per width"),
     ("drive", STAGES[1][0].replace("0.25", "'0.25'"), "drive.start", "without quotes"),
     ("drive", STAGES[1][0].replace("3 nm", "0 nm"), "drive.to", "not be zero"),
-    ("drive", STAGES[1][0].replace("1 nm", "1 fm"), "drive.step", "3e-05 in units made of 1 nm"),
+    ("drive", STAGES[1][0].replace("1 nm", "1 fm"), "drive.step", "a step of at least 30 fm is needed"),
 ]  # fmt: skip
 
 
@@ -293,11 +299,44 @@ def test_stages_are_numbered_where_something_is_wrong(second: str, field: str) -
     assert caught.value.value == tomllib.loads(second)[field.split(".")[-1]]
 
 
-@pytest.mark.parametrize("head", ["drive = []", "drive = 3", "substrate = 3", "held = 3", "reading = 3"])
+@pytest.mark.parametrize("head", ["substrate = 3", "held = 3", "reading = 3", "units = 3"])
 def test_tables_that_are_none_are_refused(head: str) -> None:
-    with pytest.raises(InputError, match=r"a table \[\w+\] is needed") as caught:
+    field = head.split(" ")[0]
+    with pytest.raises(InputError, match=rf"a table \[{field}\] is needed") as caught:
         Case.parse(case_with(head=head))
-    assert caught.value.field == head.split(" ")[0]
+    assert caught.value.field == field
+
+
+@pytest.mark.parametrize(("head", "field"), [("[]", "drive"), ("3", "drive"), ("[1, 2]", "drive.1")])
+def test_drives_that_are_none_are_refused(head: str, field: str) -> None:
+    with pytest.raises(InputError, match=r"a table \[drive\], or several \[\[drive\]\], is needed") as caught:
+        Case.parse(case_with(head=f"drive = {head}"))
+    assert caught.value.field == field
+
+
+def test_the_half_cylinder_is_held_on_top_and_adheres_about_its_lowest_point() -> None:
+    body, length = 'shape = "half-cylinder"\nradius = "50 nm"', '\nlength = "20 nm"'
+    problem = Case.parse(case_with(body=body, adhesion=PARTS["adhesion"] + length)).problem()
+    assert problem.fixed == (FixedSide("top", (0,)),)
+    lower = problem.body.shape.boundary("bottom")
+    start, end = lower.evaluate([problem.adhesion.start, problem.adhesion.end])
+    # 10 nm of arc to either side, to the round-off of coordinates of size 50
+    assert [start[0], end[0]] == pytest.approx([-50 * np.sin(0.2), 50 * np.sin(0.2)], abs=1e-13)
+    written = Case.parse(case_with(body=body, head='held = { left = "y" }')).problem()
+    assert written.fixed == (FixedSide("left", (1,)),)
+
+
+def test_too_many_steps_are_blamed_on_the_option_that_was_given() -> None:
+    stages = Case.parse(two_stages(STAGES[1][0]))
+    single = Case.parse(case_with(drive=STAGES[1][0]))
+    for case in (stages, single):
+        with pytest.raises(InputError, match=r"^--to: '1 m' cannot be used; .* at least 10 µm is") as caught:
+            case.overridden(to="1 m")
+        assert (caught.value.field, caught.value.value) == ("--to", "1 m")
+        with pytest.raises(InputError, match=r"^--step: '1 fm' cannot be used; .* at least 30 fm is"):
+            case.overridden(step="1 fm")
+        with pytest.raises(InputError, match=r"^--step: '1 fm' cannot be used; .* at least 20 fm is"):
+            case.overridden(to="2 nm", step="1 fm")
 
 
 def test_a_mirror_is_flat() -> None:
@@ -327,12 +366,24 @@ def test_a_case_has_units_of_its_own() -> None:
     assert Case.parse(Case.parse(UNITS).text).stages()[0].problem.adhesion.law == b.adhesion.law
 
 
+def test_messages_have_units_whatever_the_case_measures_in() -> None:
+    with pytest.raises(InputError, match=r"it has elements of 200 nm x 10 pm; one side"):
+        Case.parse(UNITS.replace('mesh = "200x10"', 'mesh = "1x1000"'))
+    drive = STAGES[1][0].replace("1 nm", "1 fm")
+    for units in ("", 'units = { length = "1 mm", stress = "1 kPa" }'):
+        with pytest.raises(InputError, match="a step of at least 30 fm is needed"):
+            Case.parse(case_with(head=units, drive=drive))
+
+
 @pytest.mark.parametrize(
     ("units", "message"),
     [
         ("length = '1 Pa'", "units.length: '1 Pa' cannot be used; a length is needed"),
         ("stress = '0 Pa'", "units.stress: '0 Pa' cannot be used; it must be positive"),
-        ("length = 3", "units.length: 3 cannot be used"),
+        ("length = 3", "units.length: 3 cannot be used; a length is needed, such as '1 nm'"),
+        ("stress = []", "units.stress: [] cannot be used; a stress is needed, such as '2 GPa'"),
+        ("length = '1e9 m'", "units.length: '1e9 m' cannot be used; it must lie between 1e-21 m and 1000 m"),
+        ("stress = '1e-9 Pa'", "'1e-9 Pa' cannot be used; it must lie between 0.002 Pa and 2e+21 Pa"),
         (
             "mass = '1 kg'",
             "units.mass: '1 kg' cannot be used; there is no such key; here the keys are length, stress",

@@ -76,6 +76,7 @@ def peeling(
     mesh: tuple[int, int] = MESH,
     held: bool = True,
 ) -> Peeling:
+    start, end = shape.adhering_part(length)
     problem = Problem(
         name="part",
         body=Body(shape.surface(), material or NeoHooke(1.0, 0.2)),
@@ -83,7 +84,8 @@ def peeling(
             side="bottom",
             law=law,
             substrate=(substrate or Flat()).receded(law.equilibrium_gap),
-            end=shape.parameter_at(length),
+            start=start,
+            end=end,
             irreversible=irreversible,
             sliding_length=sliding_length,
         ),

@@ -12,7 +12,7 @@ from rich.console import Console
 from isopeel.case import Case, load_case, shipped_cases
 from isopeel.physics.materials.base import plane_strain_modulus
 from isopeel.post.closed_form import expected, jkr_line_pull_off
-from isopeel.run import FILES, run_case, stage_folders
+from isopeel.run import FILES, run_case
 from isopeel.solve.newton import NewtonSettings
 from isopeel.solve.trace import trace
 
@@ -81,9 +81,8 @@ FORCES: dict[str, tuple[Callable[[Case], float], float]] = {
 @pytest.mark.parametrize("name", sorted(CASES - {"strip"}))
 def test_each_runs_to_its_end(name: str, tmp_path: Path) -> None:
     case = load_case(name)
-    run = run_case(case, tmp_path, Console(quiet=True))
+    run, folder = run_case(case, tmp_path, Console(quiet=True))
     assert run.ending == "completed"
-    for folder in stage_folders(case, tmp_path):
-        assert {path.name for path in folder.iterdir()} == set(FILES)
+    assert {path.name for path in folder.iterdir()} == set(FILES)
     force, allowed = FORCES.get(name, (lambda _: run.curve.reaction.max(), 0.0))
     assert run.curve.reaction.max() == pytest.approx(force(case), rel=allowed)

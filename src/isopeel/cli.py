@@ -102,7 +102,7 @@ def run(
             space=space, mesh=mesh, to=to, step=step, traction=traction, contact_points=contact_points
         )
         folder = out or Path("out") / chosen.name
-        stored = run_case(chosen, folder, _console())
+        stored, stage_folder = run_case(chosen, folder, _console())
     except InputError as error:
         # what only the solver can tell of an option
         for option, value in (("mesh", mesh), ("contact_points", contact_points)):
@@ -112,9 +112,11 @@ def run(
     except KeyboardInterrupt:
         return _fail(INTERRUPTED, "interrupted")
     if stored.failure is not None:
-        return _fail(NOT_CONVERGED, failure_message(stored.failure, stored.curve.parameter_column, folder))
+        return _fail(
+            NOT_CONVERGED, failure_message(stored.failure, stored.curve.parameter_column, stage_folder)
+        )
     if stored.ending == "interrupted":
-        return _fail(INTERRUPTED, f"interrupted; what converged before is in {folder}")
+        return _fail(INTERRUPTED, f"interrupted; what converged before is in {stage_folder}")
     return COMPLETED
 
 

@@ -29,14 +29,14 @@ def progress(console: Console, drive: Drive, steps: int) -> Iterator[Callable[[S
         transient=True,
         disable=not console.is_terminal,
     )
-    angle, moment = drive.parameter_column, drive.reaction_column
+    parameter, reaction = drive.parameter_column, drive.reaction_column
 
     def show(step: Step) -> None:
         bar.update(
             task,
             completed=step.number + 1,
-            description=f"{angle.shown(step.parameter):7.2f} {angle.unit}  "
-            f"{moment.name} {moment.factor * step.reaction:.6f}  {len(step.iterations)} iterations",
+            description=f"{parameter.shown(step.parameter):7.2f} {parameter.unit}  "
+            f"{reaction.name} {reaction.factor * step.reaction:.6g}  {len(step.iterations)} iterations",
         )
 
     with bar:

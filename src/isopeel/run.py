@@ -1,11 +1,11 @@
 """A run: trace a case, and leave its curve, file, summary and figures in a folder."""
 
 import json
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from tempfile import TemporaryFile
 from time import perf_counter
-from typing import Any
+from typing import Any, NamedTuple
 
 from rich.box import SIMPLE_HEAD
 from rich.console import Console
@@ -13,7 +13,8 @@ from rich.table import Table
 
 from isopeel.case import Case, Stage, load_case, shipped_cases
 from isopeel.errors import InputError
-from isopeel.post.closed_form import expected
+from isopeel.post.closed_form import Expected, expected
+from isopeel.post.fields import depth_inside
 from isopeel.post.figures import reaction_figure, save, shapes_figure
 from isopeel.post.reading import read_plateau
 from isopeel.post.summary import summarize
@@ -30,41 +31,68 @@ from isopeel.splines.rows import RowSpace
 FILES = ("run.h5", "curve.csv", "summary.json", "curve.png", "shapes.png")
 
 
-def run_case(case: Case, out: Path, console: Console) -> StoredRun:
+class Result(NamedTuple):
+    """What was stored of a stage, and where."""
+
+    run: StoredRun
+    folder: Path
+
+
+class _Place(NamedTuple):
+    """Where the files of a stage go, what it is called, and which files it makes outdated."""
+
+    folder: Path
+    title: str
+    outdated: list[Path]
+
+
+def run_case(case: Case, out: Path, console: Console) -> Result:
     """Run a case and write its files to a folder, in place of those of an earlier run.
 
-    A case of several stages has a folder for each of them inside, numbered and named. Returns what was
-    stored of the last stage that was run; its `ending` says whether that came to its end, found no
-    equilibrium or was interrupted: all that converged before is in the files. Raises InputError where a
-    folder cannot be written or the memory does not suffice, OSError where a file cannot be written, and
-    KeyboardInterrupt where there is no step yet; an earlier run stays until there is one.
+    A case of several stages has a folder for each of them inside, numbered and named. Returns the last
+    stage that was run; the `ending` of its run says whether that came to its end, found no equilibrium or
+    was interrupted: all that converged before is in the files. Raises InputError where a folder cannot be
+    written or the memory does not suffice, OSError where a file cannot be written, and KeyboardInterrupt
+    where there is no step yet; an earlier run stays until there is one.
     """
-    space = case.space()
+    space, stages = case.space(), case.stages()
+    places = _places(case.name, [stage.name for stage in stages], out)
     base: State | None = None
-    for stage, folder in zip(case.stages(), stage_folders(case, out), strict=True):
-        run = _run_stage(case, stage, space, base, folder, console)
+    for stage, place in zip(stages, places, strict=True):
+        steps = _steps(case, stage, space, base)
+        for folder in (place.folder for place in places if base is None):
+            _check_folder(folder)
+        run = _run_stage(case, stage, space, base, steps, place, console)
         if run.ending != "completed":
             break
         base = run.last[-1]
-    return run
+    return Result(run, place.folder)
 
 
-def stage_folders(case: Case, out: Path) -> list[Path]:
-    """The folder of each stage: `out` itself for the only one."""
-    stages = case.stages()
-    if len(stages) == 1:
-        return [out]
-    return [out / f"{number}-{stage.name}" for number, stage in enumerate(stages, start=1)]
+def _places(name: str, stages: Sequence[str], out: Path) -> list[_Place]:
+    """The places of the stages of a case: `out` itself for the only one, folders inside for several."""
+    folders = [out]
+    titles = [name]
+    if len(stages) > 1:
+        folders = [out / f"{number}-{stage}" for number, stage in enumerate(stages, start=1)]
+        titles = [f"{name}, stage {number}: {stage}" for number, stage in enumerate(stages, start=1)]
+    earlier = {path.parent for path in out.glob("[0-9]*-*/run.h5")} | {out, *folders}
+    return [
+        _Place(
+            folder,
+            title,
+            # what later stages and runs with other stages have left
+            [path / file for path in earlier - set(folders[: number + 1]) for file in FILES]
+            + [folder / file for file in FILES[1:]],
+        )
+        for number, (folder, title) in enumerate(zip(folders, titles, strict=True))
+    ]
 
 
-def _run_stage(
-    case: Case, stage: Stage, space: RowSpace, base: State | None, out: Path, console: Console
-) -> StoredRun:
-    began = perf_counter()
-    problem = stage.problem
+def _steps(case: Case, stage: Stage, space: RowSpace, base: State | None) -> Iterable[Step]:
     try:
-        steps = trace(
-            problem,
+        return trace(
+            stage.problem,
             space,
             stage.parameters,
             NewtonSettings(jumps=stage.jumps),
@@ -75,12 +103,34 @@ def _run_stage(
         chosen = error.field in ("mesh", "contact_points")
         field = f"discretization.{error.field}" if chosen else error.field
         raise InputError(field, error.value, error.allowed) from error
-    _check_folder(out)
-    file, *others = (out / name for name in FILES)
-    units = {"L0": case.units.length, "E0": case.units.stress}
-    attributes = units | run_attributes(problem, space, Provenance.of_this_process())
-    every = stage.fields_every
-    writer = RunWriter(file, problem.drive, case.text, attributes, every, others)
+
+
+def _run_stage(
+    case: Case,
+    stage: Stage,
+    space: RowSpace,
+    base: State | None,
+    steps: Iterable[Step],
+    place: _Place,
+    console: Console,
+) -> StoredRun:
+    began = perf_counter()
+    problem, out = stage.problem, place.folder
+    attributes: dict[str, str | int] = {
+        "L0": case.units.length,
+        "E0": case.units.stress,
+        "stage": stage.name,
+        **run_attributes(problem, space, Provenance.of_this_process()),
+    }
+    writer = RunWriter(
+        out / FILES[0],
+        problem.drive,
+        case.text,
+        attributes,
+        stage.fields_every,
+        place.outdated,
+        None if base is None else base.displacement,
+    )
     try:
         with writer:
             _follow(steps, problem.drive, len(stage.parameters), writer, console)
@@ -88,10 +138,12 @@ def _run_stage(
         # whatever comes in between, the table holds what the file does
         if writer.saved:
             writer.curve.write_csv(out / "curve.csv")
-    run = read_run(file)
-    summary = _write_results(stage, space, run, out, perf_counter() - began)
+    run = read_run(out / FILES[0])
+    # what theory says is of a body that begins at rest
+    closed_form = expected(problem, space) if base is None else None
+    summary = _write_results(stage, space, run, closed_form, place, perf_counter() - began)
     if run.ending != "interrupted":
-        _print_table(summary, run.curve, out, console)
+        _print_table(summary, run.curve, place, console)
     return run
 
 
@@ -100,7 +152,7 @@ def failure_message(failure: Failure, column: Column, out: Path) -> str:
     unit = _short(column)
     lines = [
         f"no equilibrium at {failure.parameter:g} {unit}: {failure.reason}",
-        "iteration  energy residual per unknown",
+        *["iteration  energy residual per unknown"][: len(failure.iterations)],
         *(f"{number:9d}  {measure:.3e}" for number, measure in enumerate(failure.iterations, start=1)),
         f"everything that converged before is in {out}",
     ]
@@ -136,8 +188,8 @@ def _follow(steps: Iterable[Step], drive: Drive, count: int, writer: RunWriter, 
                 show(step)
         writer.end("completed")
     except ConvergenceError as error:
-        angle = drive.parameter_column.shown(error.parameter)
-        writer.end("not converged", Failure(angle, error.reason, error.iterations))
+        parameter = drive.parameter_column.shown(error.parameter)
+        writer.end("not converged", Failure(parameter, error.reason, error.iterations))
     except KeyboardInterrupt:
         if not writer.saved:
             raise
@@ -145,22 +197,33 @@ def _follow(steps: Iterable[Step], drive: Drive, count: int, writer: RunWriter, 
 
 
 def _write_results(
-    stage: Stage, space: RowSpace, run: StoredRun, out: Path, wall_time: float
+    stage: Stage,
+    space: RowSpace,
+    run: StoredRun,
+    closed_form: Expected | None,
+    place: _Place,
+    wall_time: float,
 ) -> dict[str, Any]:
     """Write the figures and the summary, and return the latter."""
-    closed_form = expected(stage.problem, space)
+    out, window = place.folder, stage.window
     period = closed_form.period if closed_form else None
-    plateau = read_plateau(run.curve, stage.window, period) if stage.window else None
-    summary = summarize(stage.problem.name, run, stage.window, plateau, closed_form, wall_time)
+    plateau = read_plateau(run.curve, window, period) if window else None
+    inside = depth_inside(stage.problem, space, run.fields)
+    summary = summarize(place.title, run, window, plateau, closed_form, inside, wall_time)
     text = json.dumps(summary, indent=2, allow_nan=False)
     (out / "summary.json").write_text(text + "\n", encoding="utf-8")
     if len(run.curve):
-        save(reaction_figure(run.curve, plateau, closed_form), out / "curve.png")
-        save(shapes_figure(stage.problem, space, run.fields), out / "shapes.png")
+        units = _units(summary)
+        save(reaction_figure(run.curve, plateau, closed_form, units), out / "curve.png")
+        save(shapes_figure(stage.problem, space, run.fields, units), out / "shapes.png")
     return summary
 
 
-def _print_table(summary: dict[str, Any], curve: Curve, out: Path, console: Console) -> None:
+def _units(summary: dict[str, Any]) -> str:
+    return "L0 = {L0}, E0 = {E0}".format(**summary["units"])
+
+
+def _print_table(summary: dict[str, Any], curve: Curve, place: _Place, console: Console) -> None:
     """Print the summary in a few lines, with the closed form beside what it tells."""
     parameter, reaction = curve.parameter_column, curve.reaction_column
     unit = _short(parameter)
@@ -174,7 +237,7 @@ def _print_table(summary: dict[str, Any], curve: Curve, out: Path, console: Cons
         table.add_row(f"largest {reaction.name}", _shown(peak[reaction.name], ".6g", reaction.unit) + at)
     value = theory.get("reaction")
     table.add_row(
-        "plateau", _shown(summary["plateau"], ".6f", reaction.unit), _shown(value, ".4f", reaction.unit)
+        "plateau", _shown(summary["plateau"], ".6f", reaction.unit), _shown(value, ".5g", reaction.unit)
     )
     if slopes is not None:
         table.add_row("amplitude", _shown(summary["amplitude"], ".3e", reaction.unit))
@@ -185,16 +248,17 @@ def _print_table(summary: dict[str, Any], curve: Curve, out: Path, console: Cons
         table.add_row(
             "onset", _shown(summary["onset"], ".1f", unit), _shown(theory.get("onset"), ".1f", unit)
         )
-    if summary["released_energy"]:
-        table.add_row("released in jumps", _shown(summary["released_energy"], ".4g", "E0 L0^3"))
+    if summary["jumps"]:
+        released = sum(jump["released_energy"] for jump in summary["jumps"])
+        table.add_row("jumps", f"{len(summary['jumps'])}, releasing {released:.4g} E0 L0^3")
     per_step = _shown(summary["newton_iterations_per_step"], ".2f", "per step")
     table.add_row("Newton iterations", f"{summary['newton_iterations']}, {per_step}")
     table.add_row("time", f"{summary['wall_time_s']:.1f} s")
     console.print(table)
     if summary["note"]:
-        console.print(f"not read: {summary['note']}", soft_wrap=True)
-    console.print("L0 = {L0}, E0 = {E0}; for a width of L0".format(**summary["units"]))
-    console.print(f"files in {out}", soft_wrap=True)
+        console.print(f"note: {summary['note']}", soft_wrap=True)
+    console.print(f"{_units(summary)}; for a width of L0")
+    console.print(f"files in {place.folder}", soft_wrap=True)
 
 
 def _short(column: Column) -> str:

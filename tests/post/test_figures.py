@@ -1,5 +1,6 @@
 """Figures: what they show is what was given, and their files are as large as they say."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import matplotlib as mpl
@@ -13,6 +14,8 @@ from PIL import Image
 import isopeel
 from isopeel import Curve, InputError, Problem, RowSpace, Step
 from isopeel.arrays import FloatArray, frozen
+from isopeel.physics.adhesion import Exponential
+from isopeel.physics.adhesion.mirrored import Mirrored
 from isopeel.post.closed_form import expected
 from isopeel.post.fields import sample_fields
 from isopeel.post.figures import reaction_figure, save, shapes_figure, space_figure
@@ -131,6 +134,38 @@ def test_shapes_share_one_scale_and_hold_the_body(
     save(figure, tmp_path / "shapes.png")
     height, width, _ = pixels(tmp_path / "shapes.png").shape
     assert (width, height) == (1440, int(200 * figure.get_figheight()))  # 7.2 inches at 200 dpi
+
+
+def test_the_last_shape_is_the_last_of_the_run_where_parameters_fall() -> None:
+    problem, space = isopeel.strip(), isopeel.row_space("L1", (40, 2))
+    # ramps of up to 40 high
+    ramp = np.zeros((space.size, 2))
+    ramp[:, 1] = np.maximum(200 * space.greville[:, 0] - 100, 0) / 100
+    figure = shapes_figure(problem, space, {float(at): -at * ramp for at in range(0, -41, -1)})
+    assert texts(figure) == ["0°", "-8°", "-16°", "-24°", "-32°", "-40°"]
+    assert figure.axes[1].get_title("left") == "front at -40°"
+
+
+def test_the_legend_tells_a_mirror_and_the_units(run: tuple[Problem, RowSpace, list[Step]]) -> None:
+    problem, space, steps = run
+    adhesion = replace(problem.adhesion, law=Mirrored(Exponential(0.06, 0.015, 0.25)))
+    mirrored = replace(problem, adhesion=adhesion)
+    for one, name in ((problem, "substrate"), (mirrored, "mirror plane")):
+        figure = shapes_figure(one, space, {0.0: steps[0].displacement}, units="L0 = 1 mm, E0 = 1 GPa")
+        (legend,) = figure.legends
+        assert [text.get_text() for text in legend.get_texts()] == [
+            "face that adheres",
+            name,
+            "enlarged below",
+        ]
+        assert figure.get_supxlabel() == "$L_0$ = 1 mm, $E_0$ = 1 GPa"
+        figure.draw_without_rendering()
+        # the note lies in the lower right corner, below all that is drawn
+        note, below = figure.texts[-1].get_window_extent(), figure.axes[1].get_tightbbox()
+        assert below is not None
+        assert note.y1 < below.y0
+        assert 0.9 * figure.bbox.width < note.x1 < figure.bbox.width
+    assert not shapes_figure(problem, space, {0.0: steps[0].displacement}).get_supxlabel()
 
 
 def test_the_front_is_enlarged_where_the_pull_is_strongest() -> None:

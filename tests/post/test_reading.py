@@ -5,7 +5,7 @@ import pytest
 
 from isopeel import Curve, InputError
 from isopeel.arrays import FloatArray
-from isopeel.post.reading import onset_angle, read_plateau, unreadable
+from isopeel.post.reading import onset_angle, plateau_mean, read_plateau, unreadable
 from isopeel.problem import RotatedSide
 
 PERIOD = 1.0768
@@ -67,6 +67,25 @@ def test_mean_is_that_of_the_window() -> None:
     assert reading.mean == pytest.approx(1.0, rel=1e-14)  # symmetric about 100
     assert reading.drift == pytest.approx(0.01, rel=1e-12)
     assert reading.amplitude == pytest.approx(0.0, abs=1e-13)
+
+
+def test_a_run_towards_smaller_parameters_is_read_like_its_mirror_image() -> None:
+    angles = np.round(np.arange(0, 110, 0.01), 10)
+    moments = 1.63 + 2e-5 * (angles - 98) + sawtooth(angles, 1e-4)
+    rising = read_plateau(curve_of(angles, moments), (98.0, 101.4), PERIOD)
+    fallen = curve_of(-angles, moments)
+    falling = read_plateau(fallen, (-101.4, -98.0), PERIOD)
+    assert rising is not None
+    assert falling is not None
+    # the same numbers, summed from the other end; slopes are of values rounded to 1e-16, 0.01 apart
+    assert falling.mean == pytest.approx(rising.mean, rel=1e-14)
+    assert falling.mean == plateau_mean(fallen, (-101.4, -98.0))
+    assert falling.amplitude == pytest.approx(rising.amplitude, rel=1e-9)
+    assert falling.drift == pytest.approx(-rising.drift, abs=1e-13)
+    assert falling.steepest_fall == pytest.approx(-rising.steepest_rise, rel=1e-9)
+    assert falling.steepest_rise == pytest.approx(-rising.steepest_fall, rel=1e-9)
+    assert "the run reached -109.99 degree" in str(unreadable(fallen, (-111.0, -108.0)))
+    assert plateau_mean(fallen, (-111.0, -108.0)) is None
 
 
 @pytest.mark.parametrize("last", [50.0, 101.3])

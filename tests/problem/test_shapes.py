@@ -105,8 +105,8 @@ def test_the_strip_is_the_rectangle_to_the_last_bit() -> None:
     strip, expected = Strip(200.0, 10.0).surface(), rectangle(200.0, 10.0)
     assert np.array_equal(strip.control_points, expected.control_points)
     assert np.array_equal(strip.weights, expected.weights)
-    assert Strip(200.0, 10.0).parameter_at(150.0) == 150.0 / 200.0
-    assert Strip(0.3, 10.0).parameter_at(0.1) == 0.1 / 0.3
+    assert Strip(200.0, 10.0).adhering_part(150.0) == (0.0, 150.0 / 200.0)
+    assert Strip(0.3, 10.0).adhering_part(0.1) == (0.0, 0.1 / 0.3)
 
 
 def test_faces_of_the_tapered_strip_are_straight() -> None:
@@ -203,23 +203,45 @@ def test_cylinders_need_quadratic_functions_across(name: str) -> None:
 
 
 @pytest.mark.parametrize(
-    ("shape", "angle", "radius"), [(SHAPES["down"], 2.5, 40), (SHAPES["half"], pi / 2, 25)]
+    ("shape", "angle", "radius"), [(SHAPES["down"], 2.5, 40), (SHAPES["quarter"], pi / 4, 25)]
 )
 def test_parameters_of_arc_lengths_have_their_closed_form(shape: Shape, angle: float, radius: float) -> None:
     for part in (1e-9, 1e-3, 0.2, 0.5, 0.77, 1 - 1e-9):
         # On an arc in standard form t/(1 - t) = sin(a/2) / sin((angle - a)/2) at the angle a from its start.
         ahead, behind = sin(part * angle / 2), sin((1 - part) * angle / 2)
         # the integral's aim is 1e-14 of the extent of the control points, three radii
-        assert shape.parameter_at(part * angle * radius) == pytest.approx(ahead / (ahead + behind), abs=3e-14)
+        start, end = shape.adhering_part(part * angle * radius)
+        assert start == 0
+        assert end == pytest.approx(ahead / (ahead + behind), abs=3e-14)
+
+
+@pytest.mark.parametrize("part", [1e-6, 1e-3, 0.2, 0.5, 0.77, 1 - 1e-9, 1.0])
+def test_the_half_cylinder_adheres_about_its_lowest_point(part: float) -> None:
+    shape = HalfCylinder(25.0)
+    start, end = shape.adhering_part(part * 25 * pi / 2)
+    assert start + end == pytest.approx(1.0, abs=1e-15)  # round-off
+    left, right = shape.surface().boundary("bottom").evaluate(np.array([start, end]))
+    angle = part * pi / 4  # to either side
+    # roundings of coordinates of size 25
+    assert left == pytest.approx([-25 * sin(angle), 25 * (1 - cos(angle))], abs=1e-14)
+    assert right == pytest.approx([25 * sin(angle), 25 * (1 - cos(angle))], abs=1e-14)
+
+
+@shapes
+def test_shapes_are_held_at_a_straight_side(name: str) -> None:
+    shape = SHAPES[name]
+    ends = shape.surface().boundary(shape.usual_hold).evaluate([0.0, 1.0])
+    length = shape.surface().boundary(shape.usual_hold).length()
+    assert np.linalg.norm(ends[1] - ends[0]) == pytest.approx(length, rel=1e-13)  # its chord
 
 
 @shapes
 def test_the_whole_lower_side_and_lengths_beyond_it(name: str) -> None:
     shape, total = SHAPES[name], LENGTHS[name][2]
-    assert shape.parameter_at(total) == pytest.approx(1.0, abs=1e-14)
+    assert shape.adhering_part(total) == pytest.approx((0.0, 1.0), abs=1e-14)
     for length in (0.0, -1.0, total * (1 + 1e-9), inf, nan):
         with pytest.raises(InputError, match=r"^adhesion.length: .* at most"):
-            shape.parameter_at(length)
+            shape.adhering_part(length)
 
 
 def test_arc_lengths_of_any_curve() -> None:

@@ -170,6 +170,18 @@ def test_stages_go_on_where_the_last_one_ended() -> None:
     np.testing.assert_allclose(edge, 4.0 * np.array([-np.sin(np.pi / 9), np.cos(np.pi / 9)]), rtol=1e-12)
 
 
+def test_a_force_that_is_found_goes_on_in_a_stage() -> None:
+    pull = problem(PulledSide("right", np.pi / 2))
+    whole = list(trace(pull, SPACE, np.linspace(0.0, 3.0, 31)))
+    base = list(trace(pull, SPACE, np.linspace(0.0, 2.0, 21)))[-1].state
+    second = list(trace(pull, SPACE, np.linspace(0.0, 1.0, 11), base=base))
+    # two paths to the same equilibria: to the tolerance of Newton's method
+    np.testing.assert_allclose([s.reaction for s in second], [s.reaction for s in whole[20:]], rtol=1e-8)
+    back = list(trace(pull, SPACE, np.linspace(0.0, -2.0, 21), base=base))[-1]
+    assert back.reaction == pytest.approx(0.0, abs=1e-12)
+    np.testing.assert_allclose(back.displacement, 0.0, rtol=0, atol=1e-7)
+
+
 @pytest.mark.parametrize("name", DRIVES)
 def test_going_on_from_three_states_is_bitwise_the_same(name: str) -> None:
     drive, to = DRIVES[name]

@@ -23,13 +23,21 @@ class AssembledLoad:
 
     load: Load
     pattern: FloatArray  # q0 (size, 2), which also weighs the coefficients of the mean displacement
+    offset: float  # mean displacement in the base state, from where it counts
     functions: IntArray  # (E, m)
     blocks: FloatArray  # B by elements, (E, m, 2, m, 2); no elements for a dead load
     places: tuple[IntArray, IntArray]  # unknowns of the rows and columns of B, (E, m, 2, m, 2)
 
     @classmethod
-    def of(cls, drive: Drive, shape: NurbsSurface, space: RowSpace, constraints: Constraints) -> Self | None:
-        """Integrate the load of a drive; None where it has none."""
+    def of(
+        cls,
+        drive: Drive,
+        shape: NurbsSurface,
+        space: RowSpace,
+        constraints: Constraints,
+        base: FloatArray | None = None,
+    ) -> Self | None:
+        """Integrate the load of a drive that begins with a base state (size, 2); None where it has none."""
         load = drive.load
         if load is None:
             return None
@@ -47,7 +55,8 @@ class AssembledLoad:
         blocks = np.einsum("eq,eqa,eqik,eqb->eaibk", weights, side.values, rotation, stretches)[:elements]
         numbers = constraints.unknowns[side.functions[:elements]]
         rows, columns = np.broadcast_arrays(numbers[:, :, :, None, None], numbers[:, None, None])
-        return cls(load, mean, side.functions[:elements], blocks, (rows, columns))
+        offset = 0.0 if base is None else float(np.sum(mean * base))
+        return cls(load, mean, offset, side.functions[:elements], blocks, (rows, columns))
 
     def forces(self, displacement: FloatArray) -> FloatArray:
         """q(u), (size, 2), for coefficients u (size, 2)."""
@@ -60,8 +69,8 @@ class AssembledLoad:
         return turned
 
     def displacement(self, displacement: FloatArray) -> float:
-        """Mean displacement of the loaded part along the force on the undeformed body."""
-        return float(np.sum(self.pattern * displacement))
+        """Mean displacement of the loaded part along the force, since the base state."""
+        return float(np.sum(self.pattern * displacement)) - self.offset
 
     def add_stiffness(self, band: FloatArray, diagonal: int, size: float) -> None:
         """Add -size B to a band in the general storage, entry (i, j) at band[j, diagonal + i - j]."""

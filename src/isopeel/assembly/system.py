@@ -110,7 +110,9 @@ class System:
         self.adhesive: SideTable = side_table(shape, self.space, adhesion.side, part, contact_points)
         #: Largest openings so far at the points of the adhesive force, (E, Q), for irreversible adhesion.
         self.openings: FloatArray = frozen(np.zeros(self.adhesive.weights.shape))
-        self.load: AssembledLoad | None = AssembledLoad.of(problem.drive, shape, self.space, self.constraints)
+        self.load: AssembledLoad | None = AssembledLoad.of(
+            problem.drive, shape, self.space, self.constraints, base
+        )
         #: Substrate's tangents at the points' first positions, (E, Q, 2), along which a joint may hold.
         self.tangents: FloatArray = check_start(
             problem, self.space, self.adhesive, self.constraints, self.load, base

@@ -38,10 +38,10 @@ from isopeel.case.stages import Stage
 from isopeel.case.values import Section
 from isopeel.errors import InputError
 from isopeel.physics.substrates import Flat
-from isopeel.problem import AdhesiveSide, Body, Problem
+from isopeel.problem import AdhesiveSide, Body, FixedSide, Problem
 from isopeel.splines.nurbs import Side
 from isopeel.splines.rows import RowSpace, row_space
-from isopeel.units import UnitSystem, measured_in
+from isopeel.units import UnitSystem, measured_in, shown
 
 #: More, and the stiffnesses along and across an element, its square apart, leave double precision.
 LARGEST_ASPECT = 1e4
@@ -63,12 +63,17 @@ class Case(Section):
     material: MaterialSection
     adhesion: AdhesionSection
     substrate: SubstrateSection = Field(default={}, validate_default=True)
-    held: HeldSection = HeldSection(left="x")
+    held: HeldSection | None = None
     discretization: DiscretizationSection = DiscretizationSection()
     drive: Annotated[
         tuple[DriveSection, ...],
         BeforeValidator(lambda written: [written] if isinstance(written, Mapping) else written),
-        Field(default={}, min_length=1, validate_default=True),
+        Field(
+            default={},
+            min_length=1,
+            validate_default=True,
+            description="a table [drive], or several [[drive]], is needed",
+        ),
     ]
     reading: ReadingSection | None = None
     output: OutputSection = Field(default={}, validate_default=True)
@@ -149,7 +154,10 @@ class Case(Section):
             for (section, key), value in changes.items():
                 several_stages = section == "drive" and isinstance(document[section], list)
                 place = f"{section}.{len(self.drive)}" if several_stages else section
-                if error.field == f"{place}.{key}":
+                blamed = [f"{place}.{key}"]
+                if key == "to" and step is None:
+                    blamed.append(f"{place}.step")  # which was good until the way became longer
+                if error.field in blamed:
                     raise InputError(f"--{key.replace('_', '-')}", value, error.allowed) from error
             raise
 
@@ -181,18 +189,24 @@ class Case(Section):
         if self.adhesion.symmetric and not isinstance(substrate, Flat):
             allowed = "a body meets its mirror image at a plane, so that the substrate must be flat"
             raise InputError("adhesion.symmetric", True, allowed)
+        if self.adhesion.symmetric and self.adhesion.sliding_length is not None:
+            allowed = "a body and its mirror image do not slip past each other; leave out sliding_length"
+            raise InputError("adhesion.symmetric", True, allowed)
         length = self.adhesion.length
+        start, end = (0.0, 1.0) if length is None else shape.adhering_part(length)
         adhesion = AdhesiveSide(
             side="bottom",
             law=law,
             substrate=substrate,
-            end=1.0 if length is None else shape.parameter_at(length),
+            start=start,
+            end=end,
             traction=self.adhesion.traction,
             irreversible=self.adhesion.irreversible,
             sliding_length=self.adhesion.sliding_length,
         )
         last = self.drive[-1]
-        body, fixed = Body(shape.surface(), self.material.material()), self.held.fixed()
+        body = Body(shape.surface(), self.material.material())
+        fixed = (FixedSide(shape.usual_hold, (0,)),) if self.held is None else self.held.fixed()
         return tuple(
             Stage(
                 name=stage.label,
@@ -222,7 +236,7 @@ class Case(Section):
         )
         for one, other in ((along.max(), across.min()), (along.min(), across.max())):
             if max(one, other) > LARGEST_ASPECT * min(one, other):
-                sizes = f"{one:g} nm x {other:g} nm"
+                sizes = " x ".join(shown(size, self.units.system(), length=1) for size in (one, other))
                 allowed = (
                     f"it has elements of {sizes}; one side may be {LARGEST_ASPECT:g} times the other at most"
                 )

@@ -8,7 +8,18 @@ from pydantic import BeforeValidator, Field, model_validator
 from isopeel.arrays import FloatArray
 from isopeel.case.kinds import KindSection
 from isopeel.case.stages import stage_parameters
-from isopeel.case.values import FlagKey, LengthKey, NumberKey, Section, list_of, read_quantity, several
+from isopeel.case.values import (
+    LARGEST,
+    SMALLEST,
+    FlagKey,
+    LengthKey,
+    NumberKey,
+    Section,
+    list_of,
+    quantity_of,
+    read_quantity,
+    several,
+)
 from isopeel.errors import InputError
 from isopeel.physics.adhesion import AdhesionLaw
 from isopeel.physics.adhesion.mirrored import Mirrored
@@ -19,7 +30,7 @@ from isopeel.problem import Drive, FixedSide, Traction
 from isopeel.problem.shapes import Shape
 from isopeel.quantities import LENGTH, NUMBER, STRESS, Dimension
 from isopeel.splines.nurbs import Side
-from isopeel.units import UnitSystem, parse_quantity
+from isopeel.units import E0, L0, UnitSystem
 
 
 class BodySection(KindSection):
@@ -79,21 +90,25 @@ class SubstrateSection(KindSection):
 class UnitsSection(Section):
     """What the run measures in, L0 and E0."""
 
-    length: str = "1 nm"
-    stress: str = "2 GPa"
+    length: Annotated[str, Field(description="a length is needed, such as '1 nm'")] = "1 nm"
+    stress: Annotated[str, Field(description="a stress is needed, such as '2 GPa'")] = "2 GPa"
 
     def system(self) -> UnitSystem:
         """Build the unit system. Raises InputError where one is not a positive length or stress."""
         sizes = []
-        for key, dimension in (("length", LENGTH), ("stress", STRESS)):
+        for key, dimension, usual, si in (("length", LENGTH, L0, "m"), ("stress", STRESS, E0, "Pa")):
             written = getattr(self, key)
             try:
-                read_quantity(dimension, written)
+                size = quantity_of(dimension, written).exact
             except ValueError as error:
                 raise InputError(f"units.{key}", written, str(error)) from error
-            sizes.append(parse_quantity(written).exact)
-            if sizes[-1] <= 0:
+            if size <= 0:
                 raise InputError(f"units.{key}", written, "it must be positive")
+            least, most = SMALLEST * float(usual), LARGEST * float(usual)
+            if not least <= size <= most:
+                allowed = f"it must lie between {least:g} {si} and {most:g} {si}"
+                raise InputError(f"units.{key}", written, allowed)
+            sizes.append(size)
         return UnitSystem(*sizes)
 
 

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from decimal import Decimal
+from fractions import Fraction
 
 import numpy as np
 
@@ -10,6 +11,7 @@ from isopeel.case.values import read_quantity
 from isopeel.errors import InputError
 from isopeel.problem import Problem
 from isopeel.quantities import Dimension
+from isopeel.units import UnitSystem, parse_quantity, shown
 
 #: More steps than this are a slip of the pen: a thousandth of a degree up to 100 degrees.
 MOST_STEPS = 100_000
@@ -44,17 +46,24 @@ def stage_parameters(dimension: Dimension, to: object, step: object) -> FloatArr
     if not size > 0:
         raise InputError("drive.step", step, "it must be positive")
     if abs(last) / size > MOST_STEPS:
-        unit = "deg" if dimension.angle else "in units made of 1 nm and 2 GPa"
-        least = f"{abs(last) / MOST_STEPS:g} {unit}"
-        raise InputError(
-            "drive.step", step, f"at most {MOST_STEPS} steps are made, so at least {least} is needed"
-        )
+        least = _least_step(dimension, to)
+        allowed = f"at most {MOST_STEPS} steps are made, so a step of at least {least} is needed"
+        raise InputError("drive.step", step, allowed)
     # a last step of round-off size would be none at all
     full_steps = int(np.ceil(abs(last) / size * (1 - 1e-12)))
     # multiples of what was written, 0.3 and not 0.30000000000000004
     written = Decimal(repr(size if last > 0 else -size))
     parameters = np.array([0.0, *(float(k * written) for k in range(1, full_steps)), last])
     return np.radians(parameters) if dimension.angle else parameters
+
+
+def _least_step(dimension: Dimension, to: object) -> str:
+    """The least step to somewhere, with its unit, whatever the case measures in."""
+    way = parse_quantity(str(to))
+    if dimension.angle:
+        return f"{abs(way.value) / MOST_STEPS:g} deg"
+    least = float(abs(way.exact) / MOST_STEPS)
+    return shown(least, UnitSystem(Fraction(1), Fraction(1)), dimension.stress, dimension.length)
 
 
 def _read(dimension: Dimension, key: str, written: object) -> float:

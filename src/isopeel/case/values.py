@@ -9,7 +9,7 @@ from typing import Annotated, Any, Literal, NamedTuple, Union, get_args, get_ori
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationInfo
 
 from isopeel.quantities import LENGTH, NUMBER, Dimension
-from isopeel.units import parse_quantity
+from isopeel.units import Quantity, parse_quantity
 
 #: Magnitudes, in L0 and E0 or degrees, between which products of a few powers of them stay finite.
 SMALLEST, LARGEST = 1e-12, 1e12
@@ -21,8 +21,8 @@ class Section(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid", protected_namespaces=())
 
 
-def read_quantity(dimension: Dimension, written: object) -> float:
-    """Read a quantity in E0^stress L0^length, or in degrees. Raises ValueError that says what is needed."""
+def quantity_of(dimension: Dimension, written: object) -> Quantity:
+    """Read a quantity of a dimension, however large. Raises ValueError that says what is needed."""
     try:
         quantity = parse_quantity(str(written))
     except ValueError as error:
@@ -30,6 +30,12 @@ def read_quantity(dimension: Dimension, written: object) -> float:
     powers_agree = quantity.stress == dimension.stress and quantity.length == dimension.length
     if not powers_agree or quantity.angle != dimension.angle:
         raise ValueError(dimension.needed)
+    return quantity
+
+
+def read_quantity(dimension: Dimension, written: object) -> float:
+    """Read a quantity in E0^stress L0^length, or in degrees. Raises ValueError that says what is needed."""
+    quantity = quantity_of(dimension, written)
     if quantity.value and not SMALLEST <= abs(quantity.value) <= LARGEST:
         unit = "degrees" if quantity.angle else "units of the case, or of 1 nm and 2 GPa"
         raise ValueError(f"it must lie between {SMALLEST:g} and {LARGEST:g} in {unit}")

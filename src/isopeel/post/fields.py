@@ -1,12 +1,13 @@
 """Fields of a deformed body: positions, deformation gradient and stress at points of every element."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
 from isopeel.arrays import FloatArray, IntArray
 from isopeel.errors import InputError
-from isopeel.physics.batch import evaluate_material
+from isopeel.physics.batch import evaluate_material, evaluate_substrate
 from isopeel.problem import Problem
 from isopeel.splines.nurbs import NurbsSurface, Side
 from isopeel.splines.rows import RowSpace
@@ -96,6 +97,22 @@ def side_positions(
     along = np.asarray(parameters, dtype=np.float64)[:, None]
     _, x, _, _ = _deformation(problem, space, displacement, *_side_grid(side, along))
     return x.reshape(-1, 2)
+
+
+def depth_inside(problem: Problem, space: RowSpace, fields: Mapping[float, FloatArray]) -> float:
+    """How deep what does not adhere of the adhesive side lies inside the substrate, in the deepest state.
+
+    Of states as `shapes_figure` takes them. The part that adheres is pushed out; the rest feels nothing.
+    """
+    substrate, extent = problem.adhesion.substrate, float(np.ptp(problem.body.shape.control_points))
+    along = np.linspace(0.0, 1.0, 10 * max(space.elements) + 1)
+    rest = along[(along < problem.adhesion.start) | (along > problem.adhesion.end)]
+    deepest = 0.0
+    for displacement in fields.values() if rest.size else ():
+        place = side_positions(problem, space, displacement, problem.adhesion.side, rest)
+        gap, _, _ = evaluate_substrate(substrate.kernel, substrate.parameters, place)
+        deepest = max(deepest, float(-gap.min(initial=0.0)))
+    return deepest if deepest > 1e-6 * extent else 0.0
 
 
 def _side_grid(side: Side, parameters: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -55,9 +55,10 @@ def unreadable(curve: Curve, window: tuple[float, float], period: float | None =
     """
     check_window(window)
     start, end = window
-    inside = curve.parameter[_inside(curve.parameter, window)]
+    parameter, _ = _rising(curve)
+    inside = parameter[_inside(parameter, window)]
     unit = curve.parameter_column.unit
-    if not _covers(curve, window):
+    if not _covers(parameter, window):
         reached = f"the run reached {curve.parameter[-1]:g} {unit}" if len(curve) else "no step converged"
         return f"their window is {start:g} to {end:g} {unit}, and {reached}"
     if len(inside) < 4:
@@ -76,14 +77,22 @@ def unreadable(curve: Curve, window: tuple[float, float], period: float | None =
 
 def plateau_mean(curve: Curve, window: tuple[float, float]) -> float | None:
     """Mean reaction in a window of the parameter; None where the curve does not cover it."""
-    if not _covers(curve, window):
+    parameter, reaction = _rising(curve)
+    if not _covers(parameter, window):
         return None
-    return float(curve.reaction[_inside(curve.parameter, window)].mean())
+    return float(reaction[_inside(parameter, window)].mean())
 
 
-def _covers(curve: Curve, window: tuple[float, float]) -> bool:
+def _rising(curve: Curve) -> tuple[FloatArray, FloatArray]:
+    """Parameter and reaction (steps,), from the other end where the run goes towards smaller parameters."""
+    falls = len(curve) > 0 and curve.parameter[-1] < curve.parameter[0]
+    order = slice(None, None, -1 if falls else 1)
+    return curve.parameter[order], curve.reaction[order]
+
+
+def _covers(parameter: FloatArray, window: tuple[float, float]) -> bool:
     start, end = window
-    return bool(len(curve) and curve.parameter[0] <= start + _SAME and curve.parameter[-1] >= end - _SAME)
+    return bool(len(parameter) and parameter[0] <= start + _SAME and parameter[-1] >= end - _SAME)
 
 
 def _inside(parameter: FloatArray, window: tuple[float, float]) -> NDArray[np.bool_]:
@@ -103,8 +112,9 @@ def read_plateau(
     """
     if unreadable(curve, window, period) is not None:
         return None
-    mean = None if period is None else running_mean(curve.parameter, curve.reaction, period)
-    return read_window(curve.parameter, curve.reaction, window, mean)
+    parameter, reaction = _rising(curve)
+    mean = None if period is None else running_mean(parameter, reaction, period)
+    return read_window(parameter, reaction, window, mean)
 
 
 def read_window(

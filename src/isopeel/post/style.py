@@ -1,6 +1,7 @@
 """One look for all figures: made for print, and for readers who see colours differently."""
 
 import logging
+import re
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
@@ -161,3 +162,10 @@ def space_style(name: str) -> SpaceStyle:
     which = 3 * bulk.degree + contact.degree + 2 * contact.continuity + rows
     marker = _LEFT_MARKERS[(rows + contact.continuity) % len(_LEFT_MARKERS)]
     return SpaceStyle(_LEFT_COLORS[which % len(_LEFT_COLORS)], marker, DOTS)
+
+
+def note_units(figure: Figure, units: str) -> None:
+    """Write what L0 and E0 are, such as "L0 = 1 nm, E0 = 2 GPa", small at the lower right of a figure."""
+    if units:
+        words = re.sub(r"\b([LE])0\b", r"$\1_0$", units)
+        figure.supxlabel(words, x=0.99, ha="right", fontsize=7, color=GREY)

@@ -6,24 +6,28 @@ from typing import Any
 
 import numpy as np
 
+from isopeel.arrays import IntArray
 from isopeel.post.closed_form import Expected
 from isopeel.post.reading import PlateauReading, onset_angle, plateau_mean, unreadable
+from isopeel.results.curve import Curve
 from isopeel.results.run_file import StoredRun
 
 
 def summarize(
-    name: str,
+    title: str,
     run: StoredRun,
     window: tuple[float, float] | None,
     plateau: PlateauReading | None,
     closed_form: Expected | None,
+    inside: float,
     wall_time: float,
 ) -> dict[str, Any]:
     """Collect what a run says, as plain numbers and texts; `note` says why a value is None.
 
     Parameter and reaction are in the units of their columns, which `units` names, slopes per unit of the
-    parameter. The plateau is read in the `window`, if there is one; `wall_time` (seconds) is that of the
-    whole run, with its compilation.
+    parameter. The plateau is read in the `window`, if there is one. A jump is a step that released more than
+    a thousandth of what the energies varied by. `inside` is how deep (in L0) the body has come to lie in the
+    substrate, `wall_time` (seconds) that of the whole run, with its compilation.
     """
     curve, attributes, failure = run.curve, run.attributes, run.failure
     iterations = int(curve.iterations.sum())
@@ -33,7 +37,7 @@ def summarize(
     strongest = int(np.argmax(np.abs(curve.reaction))) if len(curve) else None
     versions = {name: value for name, value in attributes.items() if name.startswith("version_")}
     return {
-        "case": name,
+        "case": title,
         **{name: attributes[name] for name in ("space", "mesh", "dofs", "traction")},
         "units": {
             **{column.name: column.unit for column in (parameter, reaction)},
@@ -53,11 +57,14 @@ def summarize(
         "window": plateau and list(plateau.window),
         "onset": onset,
         "closed_form": closed_form and asdict(closed_form),
-        "note": "; ".join(_notes(run, window, closed_form, onset)) or None,
+        "note": "; ".join(_notes(run, window, closed_form, onset, inside)) or None,
         "wall_time_s": wall_time,
         "newton_iterations": iterations,
         "newton_iterations_per_step": iterations / len(curve) if len(curve) else None,
-        "released_energy": float(curve.released_energy.sum()),
+        "jumps": [
+            {parameter.name: float(curve.parameter[k]), "released_energy": float(curve.released_energy[k])}
+            for k in _jumps(curve)
+        ],
         "completed": run.ending == "completed",
         "failure": failure
         and {
@@ -71,10 +78,26 @@ def summarize(
     }
 
 
+def _jumps(curve: Curve) -> IntArray:
+    """Numbers of the steps that jumped."""
+    if not len(curve):
+        return np.empty(0, dtype=np.int64)
+    varied = np.ptp(curve.stored_energy) + np.ptp(curve.adhesive_energy)
+    return np.flatnonzero(curve.released_energy > 1e-3 * varied)
+
+
 def _notes(
-    run: StoredRun, window: tuple[float, float] | None, closed_form: Expected | None, onset: float | None
+    run: StoredRun,
+    window: tuple[float, float] | None,
+    closed_form: Expected | None,
+    onset: float | None,
+    inside: float,
 ) -> list[str]:
     notes = []
+    if inside:
+        notes.append(
+            f"a part that does not adhere, and feels no substrate, lies up to {inside:.2g} L0 inside it"
+        )
     if window is None:
         notes.append("plateau, amplitude and slopes: the case names no window to read them in")
     elif reason := unreadable(run.curve, window, closed_form.period if closed_form else None):

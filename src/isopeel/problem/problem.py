@@ -61,7 +61,7 @@ class AdhesiveSide:
 
 @dataclass(frozen=True)
 class FixedSide:
-    """A side whose displacement components (0: x, 1: y) are held at zero."""
+    """A side of which displacement components (0: x, 1: y) are held, at zero or where a stage left them."""
 
     side: Side
     components: tuple[int, ...]

@@ -4,8 +4,8 @@ Layout: `case`, the TOML text; `curve/NAME` (n,) for each column, with its `unit
 `curve/energy_residuals` (m,), one for each Newton correction of all steps; `fields/parameter` (k,) in the
 unit of the parameter's column, and `fields/displacement` (k, functions, 2); `last`, the states of the last
 steps, from which the path goes on: `parameter` (l,) in the solver's unit, `displacement` (l, functions, 2),
-`unknown_values` (l, count), and `openings` (E, Q) after the last; `failure`, where there was one; attributes
-of the root for all else.
+`unknown_values` (l, count), and `openings` (E, Q) after the last; `base` (functions, 2), the displacement
+that a stage after another began with; `failure`, where there was one; attributes of the root for all else.
 """
 
 from collections import deque
@@ -60,6 +60,7 @@ class StoredRun:
     ending: Ending
     failure: Failure | None = None
     last: tuple[State, ...] = ()  # where `trace` goes on bit for bit, the newest at the end
+    base: FloatArray | None = None  # displacement that a later stage began with, (functions, 2)
 
 
 def run_attributes(problem: Problem, space: RowSpace, provenance: Provenance) -> dict[str, str | int]:
@@ -85,9 +86,9 @@ class RunWriter:
     was made.
 
     The displacement is kept at the first step at or beyond each multiple of `field_interval` (in the
-    unit of the parameter's column), and at the last step. Each save replaces the file as a whole, so that
-    it is sound whatever ends the process: an exception, a kill, a full disk. Raises OSError where the file
-    cannot be written.
+    unit of the parameter's column), and at the last step; `base` is that of the state that a stage begins
+    with. Each save replaces the file as a whole, so that it is sound whatever ends the process: an
+    exception, a kill, a full disk. Raises OSError where the file cannot be written.
     """
 
     def __init__(
@@ -98,6 +99,7 @@ class RunWriter:
         attributes: Mapping[str, str | int],
         field_interval: float = 10.0,
         outdated: Sequence[Path] = (),
+        base: FloatArray | None = None,
     ) -> None:
         self._path = path
         self._drive = drive
@@ -105,6 +107,7 @@ class RunWriter:
         self._attributes = attributes
         self._interval = field_interval
         self._outdated = outdated
+        self._base = base
         self._kept = -1.0
         self._rows: list[Step] = []
         self._fields: dict[float, FloatArray] = {}
@@ -158,7 +161,14 @@ class RunWriter:
         fields = self._fields | self._last
         states = tuple(self._states)
         run = StoredRun(
-            self._case_text, self.curve, fields, self._attributes, self._ending, self._failure, states
+            self._case_text,
+            self.curve,
+            fields,
+            self._attributes,
+            self._ending,
+            self._failure,
+            states,
+            self._base,
         )
         write_run(self._path, run)
         if not self.saved:
@@ -204,6 +214,8 @@ def _image(run: StoredRun) -> bytes:
             file["last/displacement"] = np.array(displacements)
             file["last/unknown_values"] = np.array(unknowns)
             file["last/openings"] = openings[-1]
+        if run.base is not None:
+            file["base"] = run.base
         if run.failure is not None:
             file.create_group("failure").attrs.update(run.failure._asdict())
         file.flush()
@@ -264,6 +276,7 @@ def _stored(file: h5py.File) -> StoredRun:
         ending,
         failure,
         last,
+        frozen(file["base"][()]) if "base" in file else None,
     )
 
 

@@ -7,7 +7,6 @@ import numpy as np
 from isopeel.arrays import FloatArray
 from isopeel.assembly.system import BandMatrix, Equilibrium, System
 from isopeel.solve.linear import (
-    BandLU,
     Border,
     Bordered,
     Factor,
@@ -101,7 +100,7 @@ def _correction(system: System, y: FloatArray, parameter: float) -> tuple[FloatA
         if system.load_is_unknown:
             correction, residual = _under_control(system, u, load, parameter, residual, matrix)
         else:
-            correction = -_factor(system, u, load, matrix).solve(residual)
+            correction = -_factorized(system, u, load, matrix)[0].solve(residual)
     except SingularError as error:
         raise _StoppedError(f"the tangent is singular: {error}") from error
     return correction, abs(float(residual @ correction)) / len(correction)
@@ -115,19 +114,20 @@ def _under_control(
     # where the load itself could pull the body away, K is indefinite, but seldom what its control adds to it
     size = float(np.abs(matrix.entries[:, 0]).mean()) / float(column @ column)
     held = matrix.add_outer(column, size)
-    factor = Bordered.of(_factor(system, u, load, matrix), Border(column, row))
-    if isinstance(factor.inner, BandLU):
-        held = False  # of the tangent as it is
+    inner, again = _factorized(system, u, load, matrix)
+    factor = Bordered.of(inner, Border(column, row))
+    held = held and not again  # the tangent that was made again is what it is
     right_side = np.append(residual + (size * missed * column if held else 0.0), missed)
     return -factor.solve(right_side), np.append(residual, missed)
 
 
-def _factor(system: System, u: FloatArray, load: float, matrix: BandMatrix) -> Factor:
+def _factorized(system: System, u: FloatArray, load: float, matrix: BandMatrix) -> tuple[Factor, bool]:
+    """The factor of a tangent, and whether the tangent was made again because it is indefinite."""
     try:
-        return factorize(matrix)
+        return factorize(matrix), False
     except NotPositiveDefiniteError:
         # past a limit point, or on the way to a solution: Newton's correction is still defined
-        return factorize(system.linearize(u, "general", load)[1])
+        return factorize(system.linearize(u, "general", load)[1]), True
 
 
 def _accepted(system: System, u: FloatArray, load: float) -> Equilibrium:

@@ -42,6 +42,11 @@ class Step:
     The adhesive energy is the potential of the adhesive forces where these act on the reference area;
     projected forces have none, and the work of the drive differs from the change of the energies. Of
     irreversible adhesion it is what closing would give back, and is zero where it was never opened.
+
+    The released energy is the work of the drive since the last step, by the trapezoidal rule, less what the
+    energies gained: zero to second order in the step, unless the path jumped (then it is known up to half
+    of the step times the fall of the reaction), or a stage before let go of what it held. Forces without a
+    potential have none.
     """
 
     number: int
@@ -55,7 +60,7 @@ class Step:
     seconds: float  # wall time of the step
     openings: FloatArray  # (E, Q) largest ones so far at the points of the adhesive force, read-only
     unknown_values: FloatArray  # (count,) of the solver, read-only
-    released_energy: float = 0.0  # in a jump to this state, to second order in the step
+    released_energy: float = 0.0  # since the last step, see below
 
     @property
     def state(self) -> State:
@@ -134,9 +139,14 @@ def _trace(
             guess = extrapolate(
                 {past.parameter: past.unknown_values for past in history}, parameter, system.count
             )
-            result, before = _equilibrium(system, guess, history, parameter, settings)
+            result, jumped = _equilibrium(system, guess, history, parameter, settings)
         energy, rate = system.potential(result.equilibrium, result.displacement, result.load, parameter)
-        if before is not None:
+        released = 0.0
+        if history and system.storage == "symmetric":
+            last = history[-1]
+            work = (last.rate + rate) / 2 * (parameter - last.parameter)
+            released = last.energy + work - energy
+        if jumped:
             # states of the branch that was left would mislead the next guess
             history.clear()
         history.append(_Past(parameter, result.unknown_values, energy, rate))
@@ -155,31 +165,24 @@ def _trace(
             seconds=perf_counter() - began,
             openings=system.openings,
             unknown_values=result.unknown_values,
-            released_energy=0.0 if before is None else max(before - energy, 0.0),
+            released_energy=released,
         )
 
 
 def _equilibrium(
     system: System, guess: FloatArray, history: Sequence[_Past], parameter: float, settings: NewtonSettings
-) -> tuple[NewtonResult, float | None]:
-    """Newton's method from a guess or, where it fails and the settings allow it, after a jump.
-
-    With a jump comes the energy before it: that of the branch that ends, carried on in a straight line.
-    """
+) -> tuple[NewtonResult, bool]:
+    """Newton's method from a guess or, where it fails and the settings allow it, after a jump."""
     try:
-        return newton(system, guess, parameter, settings), None
+        return newton(system, guess, parameter, settings), False
     except ConvergenceError:
         if not settings.jumps:
             raise
     # the guess may turn elements inside out; a state before, carried along by the drive, seldom does
     for start in (guess, *(past.unknown_values for past in reversed(history))):
-        before = potential_energy(system, start, parameter)
-        if np.isfinite(before):
+        if np.isfinite(potential_energy(system, start, parameter)):
             break
-    if history:
-        last = history[-1]
-        before = last.energy + last.rate * (parameter - last.parameter)
-    return newton(system, descend(system, start, parameter), parameter, settings), before
+    return newton(system, descend(system, start, parameter), parameter, settings), True
 
 
 def _unknown_values(system: System, state: State) -> FloatArray:

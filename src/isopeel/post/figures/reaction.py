@@ -10,23 +10,27 @@ from matplotlib.figure import Figure
 
 from isopeel.post.closed_form import Expected
 from isopeel.post.reading import PlateauReading
-from isopeel.post.style import BLUE, DASHES, GREY, ONE_COLUMN, SHADE, TWO_COLUMNS, style
+from isopeel.post.style import BLUE, DASHES, GREY, ONE_COLUMN, SHADE, TWO_COLUMNS, note_units, style
 from isopeel.problem import Column
 from isopeel.results.curve import Curve
 
 
 def reaction_figure(
-    curve: Curve, plateau: PlateauReading | None = None, closed_form: Expected | None = None
+    curve: Curve,
+    plateau: PlateauReading | None = None,
+    closed_form: Expected | None = None,
+    units: str = "",
 ) -> Figure:
     """Draw the reaction over the drive's parameter, and in a second panel the plateau, if one was read.
 
-    The closed form is drawn where the run reaches its onset of peeling.
+    The closed form is drawn where the run reaches its onset of peeling; `units` says what L0 and E0 are.
     """
     with style():
         width = TWO_COLUMNS if plateau else ONE_COLUMN
         figure = Figure(figsize=(width, 2.6), layout="constrained")
         columns = (1, 2) if plateau else (1, 1)
         first, *others = figure.subplots(*columns, squeeze=False)[0]
+        note_units(figure, units)
         _whole(first, curve, closed_form)
         if plateau:
             first.axvspan(*plateau.window, color=SHADE, linewidth=0)

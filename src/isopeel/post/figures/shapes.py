@@ -12,10 +12,11 @@ from matplotlib.patches import Patch, Rectangle
 
 from isopeel.arrays import FloatArray
 from isopeel.errors import InputError
+from isopeel.physics.adhesion.mirrored import Mirrored
 from isopeel.physics.batch import evaluate_law, evaluate_substrate
 from isopeel.post.fields import SampledFields, sample_fields, side_positions
 from isopeel.post.figures.body import Window, draw_elements, draw_field, draw_outline, draw_substrate
-from isopeel.post.style import DASHES, SHADE, TWO_COLUMNS, VERMILION, style
+from isopeel.post.style import DASHES, SHADE, TWO_COLUMNS, VERMILION, note_units, style
 from isopeel.problem import Problem
 from isopeel.splines.nurbs import Side
 from isopeel.splines.rows import RowSpace
@@ -39,12 +40,15 @@ class _State:
     driven: FloatArray  # (3, 2) start, middle and end of the driven side
 
 
-def shapes_figure(problem: Problem, space: RowSpace, fields: Mapping[float, FloatArray]) -> Figure:
+def shapes_figure(
+    problem: Problem, space: RowSpace, fields: Mapping[float, FloatArray], units: str = ""
+) -> Figure:
     """Draw deformed shapes coloured by I1 = tr(sigma)/E, and below the delamination front of the last one.
 
     `fields` maps values of the drive's parameter, in the unit of its column, to displacement coefficients
-    (size, 2). The last one is drawn, and up to MOST_SHAPES - 1 before it, evenly spread, whose driven ends
-    are far enough apart to be told from each other. Raises InputError where there are none.
+    (size, 2), in the order of the run. The last one is drawn, and up to MOST_SHAPES - 1 before it, evenly
+    spread, whose driven ends are far enough apart to be told from each other. `units` are written below, as
+    "L0 = 1 nm, E0 = 2 GPa". Raises InputError where there are no fields.
     """
     if not fields:
         raise InputError("fields", dict(fields), "give the displacement of at least one state")
@@ -76,18 +80,20 @@ def shapes_figure(problem: Problem, space: RowSpace, fields: Mapping[float, Floa
         figure.colorbar(
             mesh, ax=[upper, lower], label=r"$I_1 = \mathrm{tr}\,\sigma / E$", aspect=40, pad=0.02
         )
+        adheres_to = "mirror plane" if isinstance(problem.adhesion.law, Mirrored) else "substrate"
         handles = [
             Line2D([], [], color=VERMILION, linewidth=1.5, label="face that adheres"),
-            Patch(facecolor=SHADE, edgecolor="black", linewidth=0.5, hatch="/////", label="substrate"),
+            Patch(facecolor=SHADE, edgecolor="black", linewidth=0.5, hatch="/////", label=adheres_to),
             Line2D([], [], color="black", linewidth=0.8, linestyle=DASHES, label="enlarged below"),
         ]
         figure.legend(handles=handles, loc="outside upper left", ncols=3)
+        note_units(figure, units)
         return figure
 
 
 def _spread(parameters: list[float]) -> list[float]:
-    """At most MOST_SHAPES of the values, as evenly spread as they allow, in rising order."""
-    values = np.sort(parameters)
+    """At most MOST_SHAPES of the values, as evenly spread as they allow, in their order; the last is one."""
+    values = np.array(parameters)
     wanted = np.linspace(values[0], values[-1], MOST_SHAPES)
     nearest = np.unique(np.abs(values[:, None] - wanted).argmin(axis=0))
     return [float(value) for value in values[nearest]]

@@ -19,7 +19,8 @@ class PulledSide:
     It is a dead traction, or one that `follows` the surface; the side deforms freely. Under `displacement`
     control the parameter is the mean displacement of the part along the angle (length), and the force per
     unit width is the unknown that is the reaction: so a tape is pulled at a fixed angle past any instability
-    of the force. Under `force` control the parameter is the force, and the reaction the displacement.
+    of the force. Under `force` control the parameter is the force, from none on, and the reaction the
+    displacement. A load that follows keeps its angle to the surface at each of its points.
     """
 
     name: ClassVar[str] = "force"

@@ -6,7 +6,7 @@ from typing import ClassVar, Protocol
 from scipy.optimize import brentq
 
 from isopeel.errors import InputError
-from isopeel.splines.nurbs import NurbsCurve, NurbsSurface
+from isopeel.splines.nurbs import NurbsCurve, NurbsSurface, Side
 
 ROUND_OFF = 1e-12  # a length beyond the whole by no more, relative to it, is the whole
 
@@ -20,15 +20,17 @@ class Shape(Protocol):
 
     #: The name of the shape in a case file.
     name: ClassVar[str]
+    #: The side that a case holds in x where it does not say what is held.
+    usual_hold: ClassVar[Side]
 
     def surface(self) -> NurbsSurface:
         """The exact shape, in the unit of its lengths."""
         ...
 
-    def parameter_at(self, length: float) -> float:
-        """The parameter of the lower side at an arc length from its left end.
+    def adhering_part(self, length: float) -> tuple[float, float]:
+        """The parameters between which an arc length of the lower side adheres: from its left end, mostly.
 
-        Raises InputError ("adhesion.length") for lengths that are not positive, or beyond the right end.
+        Raises InputError ("adhesion.length") for lengths that are not positive, or more than the whole side.
         """
         ...
 

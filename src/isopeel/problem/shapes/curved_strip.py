@@ -9,7 +9,7 @@ import numpy as np
 from isopeel.errors import InputError
 from isopeel.problem.shapes.base import check_positive, parameter_at_length
 from isopeel.quantities import Length
-from isopeel.splines.nurbs import NurbsSurface
+from isopeel.splines.nurbs import NurbsSurface, Side
 from isopeel.splines.space import SplineSpace
 
 #: Where the ends of a strip point: down, as on a cylinder, or up, as in a hollow one.
@@ -26,6 +26,7 @@ class CurvedStrip:
     """
 
     name: ClassVar[str] = "curved-strip"
+    usual_hold: ClassVar[Side] = "left"
 
     length: Length
     height: Length
@@ -55,6 +56,6 @@ class CurvedStrip:
         weights = np.repeat([[1.0], [middle], [1.0]], 2, axis=1)
         return NurbsSurface((SplineSpace.uniform(2, 1, 1), SplineSpace.uniform(1, 0, 1)), points, weights)
 
-    def parameter_at(self, length: float) -> float:
-        """The parameter of the lower side at an arc length from its left end; InputError beyond its ends."""
-        return parameter_at_length(self.surface().boundary("bottom"), length)
+    def adhering_part(self, length: float) -> tuple[float, float]:
+        """The parameters of a length of the lower side from its left end; InputError beyond the right one."""
+        return 0.0, parameter_at_length(self.surface().boundary("bottom"), length)

@@ -1,13 +1,13 @@
 """The half cylinder: a half disc that touches the substrate with the lowest point of its arc."""
 
 from dataclasses import dataclass
-from math import pi
+from math import pi, sin
 from typing import ClassVar
 
-from isopeel.problem.shapes.base import check_positive, parameter_at_length
+from isopeel.problem.shapes.base import ROUND_OFF, check_length, check_positive
 from isopeel.problem.shapes.blending import arc, blended, line
 from isopeel.quantities import Length
-from isopeel.splines.nurbs import NurbsSurface
+from isopeel.splines.nurbs import NurbsSurface, Side
 
 
 @dataclass(frozen=True)
@@ -20,6 +20,7 @@ class HalfCylinder:
     """
 
     name: ClassVar[str] = "half-cylinder"
+    usual_hold: ClassVar[Side] = "top"
 
     radius: Length
 
@@ -36,6 +37,11 @@ class HalfCylinder:
             top=line((-self.radius, self.radius), (self.radius, self.radius)),
         )
 
-    def parameter_at(self, length: float) -> float:
-        """The parameter of the lower side at an arc length from its left end; InputError beyond its ends."""
-        return parameter_at_length(self.surface().boundary("bottom"), length)
+    def adhering_part(self, length: float) -> tuple[float, float]:
+        """The parameters of a length of the lower side about its lowest point; InputError beyond its ends."""
+        total = self.radius * pi / 2
+        check_length(length, total * (1 + ROUND_OFF))
+        # a parameter divides an arc in standard form as the sines of half the angles before and after it
+        half_angle = max(0.0, (total - length) / self.radius / 4)
+        before, after = sin(half_angle), sin(pi / 4 - half_angle)
+        return before / (before + after), after / (before + after)

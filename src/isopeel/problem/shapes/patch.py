@@ -12,7 +12,7 @@ from isopeel.errors import InputError
 from isopeel.problem.shapes.base import check_positive, parameter_at_length
 from isopeel.problem.shapes.spline_file import read_surface
 from isopeel.quantities import Length
-from isopeel.splines.nurbs import NurbsSurface
+from isopeel.splines.nurbs import NurbsSurface, Side
 from isopeel.splines.space import SplineSpace
 
 POINTS_PER_SPAN = 5
@@ -36,6 +36,7 @@ class Patch:
     """
 
     name: ClassVar[str] = "patch"
+    usual_hold: ClassVar[Side] = "left"
 
     file: Path
     unit_length: Length = 1.0
@@ -57,14 +58,16 @@ class Patch:
         """The patch of the file."""
         return self._surface
 
-    def parameter_at(self, length: float) -> float:
-        """The parameter of the lower side at an arc length from its left end; InputError beyond its ends."""
-        return parameter_at_length(self._surface.boundary("bottom"), length)
+    def adhering_part(self, length: float) -> tuple[float, float]:
+        """The parameters of a length of the lower side from its left end; InputError beyond the right one."""
+        return 0.0, parameter_at_length(self._surface.boundary("bottom"), length)
 
     @cached_property
     def _surface(self) -> NurbsSurface:
         drawn = read_surface(self.file)
-        return NurbsSurface(drawn.spaces, drawn.control_points * self.unit_length, drawn.weights)
+        # weights of one factor draw the same shape, and those of size 1 leave products finite
+        weights = drawn.weights / drawn.weights.max()
+        return NurbsSurface(drawn.spaces, drawn.control_points * self.unit_length, weights)
 
 
 def _check_orientation(surface: NurbsSurface) -> None:

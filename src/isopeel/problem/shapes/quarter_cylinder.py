@@ -7,7 +7,7 @@ from typing import ClassVar
 from isopeel.problem.shapes.base import check_positive, parameter_at_length
 from isopeel.problem.shapes.blending import arc, blended, line
 from isopeel.quantities import Length
-from isopeel.splines.nurbs import NurbsSurface
+from isopeel.splines.nurbs import NurbsSurface, Side
 
 
 @dataclass(frozen=True)
@@ -20,6 +20,7 @@ class QuarterCylinder:
     """
 
     name: ClassVar[str] = "quarter-cylinder"
+    usual_hold: ClassVar[Side] = "left"
 
     radius: Length
 
@@ -36,6 +37,6 @@ class QuarterCylinder:
             top=line((0.0, self.radius), (self.radius, self.radius)),
         )
 
-    def parameter_at(self, length: float) -> float:
-        """The parameter of the lower side at an arc length from its left end; InputError beyond its ends."""
-        return parameter_at_length(self.surface().boundary("bottom"), length)
+    def adhering_part(self, length: float) -> tuple[float, float]:
+        """The parameters of a length of the lower side from its left end; InputError beyond the right one."""
+        return 0.0, parameter_at_length(self.surface().boundary("bottom"), length)

@@ -12,6 +12,7 @@ from isopeel.splines.space import HIGHEST_DEGREE, SplineSpace
 
 LARGEST_FILE = 50_000_000  # bytes
 MOST_POINTS = 100_000
+LARGEST_COORDINATE = 1e12  # products of a few of them stay finite
 
 #: What each type of spline has besides degrees and control points.
 PARTS = {
@@ -46,7 +47,8 @@ def _decoded_weights(written: object) -> object:
 
 
 _Degree = Annotated[int, Field(ge=1, le=HIGHEST_DEGREE)]
-_Point = Annotated[list[float], Field(min_length=2, max_length=2)]
+_Coordinate = Annotated[float, Field(ge=-LARGEST_COORDINATE, le=LARGEST_COORDINATE)]
+_Point = Annotated[list[_Coordinate], Field(min_length=2, max_length=2)]
 
 
 class _Part(BaseModel):
@@ -68,7 +70,8 @@ class _Spline(_Part):
         default=None, description="two lists of finite numbers are needed"
     )
     control_points: Annotated[list[_Point], BeforeValidator(_decoded_points)] = Field(
-        description="pairs of finite numbers are needed, as lists or, of 8 bytes each, in base64"
+        description=f"pairs of finite numbers are needed, {LARGEST_COORDINATE:g} at most in magnitude, as "
+        "lists or, of 8 bytes each, in base64"
     )
     weights: Annotated[list[float], BeforeValidator(_decoded_weights)] | None = Field(
         default=None, description="finite numbers are needed, as a list or, of 8 bytes each, in base64"

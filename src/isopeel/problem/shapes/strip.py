@@ -5,7 +5,7 @@ from typing import ClassVar
 
 from isopeel.problem.shapes.base import check_length, check_positive
 from isopeel.quantities import Length
-from isopeel.splines.nurbs import NurbsSurface, rectangle
+from isopeel.splines.nurbs import NurbsSurface, Side, rectangle
 
 
 @dataclass(frozen=True)
@@ -13,6 +13,7 @@ class Strip:
     """Rectangle of a length and a height. Raises InputError unless both are positive."""
 
     name: ClassVar[str] = "strip"
+    usual_hold: ClassVar[Side] = "left"
 
     length: Length
     height: Length
@@ -25,7 +26,7 @@ class Strip:
         """One bilinear patch."""
         return rectangle(self.length, self.height)
 
-    def parameter_at(self, length: float) -> float:
-        """The parameter of the lower side at a length from its left end; InputError beyond its ends."""
+    def adhering_part(self, length: float) -> tuple[float, float]:
+        """The parameters of a length of the lower side from its left end; InputError beyond the right one."""
         check_length(length, self.length)
-        return length / self.length
+        return 0.0, length / self.length

@@ -7,7 +7,7 @@ import numpy as np
 
 from isopeel.problem.shapes.base import check_length, check_positive
 from isopeel.quantities import Length
-from isopeel.splines.nurbs import NurbsSurface
+from isopeel.splines.nurbs import NurbsSurface, Side
 from isopeel.splines.space import SplineSpace
 
 
@@ -19,6 +19,7 @@ class TaperedStrip:
     """
 
     name: ClassVar[str] = "tapered-strip"
+    usual_hold: ClassVar[Side] = "left"
 
     length: Length
     height: Length
@@ -34,7 +35,7 @@ class TaperedStrip:
         left, right = [[0.0, 0.0], [0.0, self.height]], [[self.length, 0.0], [self.length, self.end_height]]
         return NurbsSurface((linear, linear), np.array([left, right]), np.ones((2, 2)))
 
-    def parameter_at(self, length: float) -> float:
-        """The parameter of the lower side at a length from its left end; InputError beyond its ends."""
+    def adhering_part(self, length: float) -> tuple[float, float]:
+        """The parameters of a length of the lower side from its left end; InputError beyond the right one."""
         check_length(length, self.length)
-        return length / self.length
+        return 0.0, length / self.length
