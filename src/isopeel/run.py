@@ -236,9 +236,10 @@ def _print_table(summary: dict[str, Any], curve: Curve, place: _Place, console: 
         at = f" at {peak[parameter.name]:g} {unit}"
         table.add_row(f"largest {reaction.name}", _shown(peak[reaction.name], ".6g", reaction.unit) + at)
     value = theory.get("reaction")
-    table.add_row(
-        "plateau", _shown(summary["plateau"], ".6f", reaction.unit), _shown(value, ".5g", reaction.unit)
-    )
+    if summary["plateau"] is not None or value is not None:
+        table.add_row(
+            "plateau", _shown(summary["plateau"], ".6f", reaction.unit), _shown(value, ".5g", reaction.unit)
+        )
     if slopes is not None:
         table.add_row("amplitude", _shown(summary["amplitude"], ".3e", reaction.unit))
         steepest = f"{slopes['rise']:+.3e}, {slopes['fall']:+.3e} {reaction.unit}/{unit}"

@@ -99,7 +99,8 @@ def _notes(
             f"a part that does not adhere, and feels no substrate, lies up to {inside:.2g} L0 inside it"
         )
     if window is None:
-        notes.append("plateau, amplitude and slopes: the case names no window to read them in")
+        if closed_form is not None:
+            notes.append("plateau, amplitude and slopes: the case names no window to read them in")
     elif reason := unreadable(run.curve, window, closed_form.period if closed_form else None):
         covered = plateau_mean(run.curve, window) is not None
         notes.append(f"{'' if covered else 'plateau, '}amplitude and slopes: {reason}")
