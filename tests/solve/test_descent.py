@@ -99,6 +99,26 @@ def test_an_unknown_load_keeps_to_its_control() -> None:
     assert system.load.displacement(u) == pytest.approx(2.0, rel=1e-12)  # a linear equation, solved by steps
 
 
+def test_a_jump_that_cannot_begin_says_so() -> None:
+    """A side pushed through the body in one step: there is no start whose elements are all sound."""
+    pushed = replace(strip(), drive=MovedSide("right", np.pi, "held"))
+    with pytest.raises(ConvergenceError, match="an element is inverted"):
+        list(trace(pushed, row_space("N2", (40, 2)), [300.0], NewtonSettings(jumps=True)))
+
+
+def test_a_load_at_rest_converges_at_once() -> None:
+    """At the parameter zero the control is met to round-off, which must not count as astray."""
+    problem = replace(
+        strip(length=60.0, height=4.0, adhering_length=40.0), drive=PulledSide("right", np.pi / 2)
+    )
+    system = System(problem, row_space("N2", (60, 2)))
+    start = 1e-3 * np.random.default_rng(4).standard_normal(system.count)
+    found = descend(system, start, 0.0)
+    result = newton(system, found, 0.0, NewtonSettings())
+    # all that is left is the tolerance of Newton's method
+    np.testing.assert_allclose(result.displacement, 0.0, rtol=0, atol=1e-7)
+
+
 def test_forces_without_an_energy_cannot_jump() -> None:
     projected = strip(traction="projected")
     following = replace(strip(), drive=PulledSide("right", 1.0, follows=True))

@@ -4,14 +4,21 @@ import numpy as np
 
 from isopeel.arrays import FloatArray
 from isopeel.assembly.system import BandMatrix, Equilibrium, System
-from isopeel.solve.linear import BandCholesky, Border, Bordered, Factor, NotPositiveDefiniteError
+from isopeel.solve.linear import (
+    BandCholesky,
+    Border,
+    Bordered,
+    Factor,
+    NotPositiveDefiniteError,
+    SingularError,
+)
 
 _MOST_ITERATIONS = 500
 _SMALLEST_SHIFT = 1e-8  # of the mean entry on the diagonal
 _LARGEST_SHIFT = 1e6
 _SHORTEST = 2.0**-30  # of a step
 _SUFFICIENT = 1e-4  # of the decrease that the slope promises
-_ROUND_OFF = 1e-12  # of the parameter
+_ROUND_OFF = 1e-12  # of the displacement
 _FLAT = 1e-13  # of the energy: a decrease below it is round-off
 
 
@@ -29,11 +36,16 @@ def descend(system: System, start: FloatArray, parameter: float) -> FloatArray:
     for _ in range(_MOST_ITERATIONS):
         u, load = system.state(y, parameter)
         equilibrium, matrix = system.linearize(u, "symmetric", load)
-        factor, shift = _positive_definite(matrix, shift)
-        direction = -_solve(system, factor, equilibrium, u, parameter)
+        try:
+            factor, shift = _positive_definite(matrix, shift)
+            direction = -_solve(system, factor, equilibrium, u, parameter)
+        except (NotPositiveDefiniteError, SingularError):
+            # forces that are not finite, which Newton's method will tell of
+            return y
         slope = float(equilibrium.residual @ direction[: system.constraints.count])
         # the control of a load does work: before it is satisfied, energy need not fall, but be finite
-        astray = system.load_is_unknown and abs(system.control(u, parameter)[0]) > _ROUND_OFF * abs(parameter)
+        size = abs(parameter) + float(np.abs(u).max())
+        astray = system.load_is_unknown and abs(system.control(u, parameter)[0]) > _ROUND_OFF * size
         step = 1.0
         trial = potential_energy(system, y + direction, parameter)
         while not (np.isfinite(trial) if astray else trial <= energy + _SUFFICIENT * step * min(slope, 0.0)):
