@@ -64,8 +64,8 @@ def test_names_and_keys_are_unique() -> None:
     runs += timed_runs(table_runs(MESHES))
     runs += [replace(run, plain=True) for run in table_runs(MESHES)]
     assert len({run.name for run in runs}) == len(runs)
-    keys = [run.key for run in (*runs[::7], runs[-1])]
-    assert len(set(keys)) == len(keys)
+    chosen = {*runs[::7], runs[-1]}
+    assert len({run.key for run in chosen}) == len(chosen)
 
 
 def test_the_case_of_a_run_is_the_strip_with_its_choices() -> None:

@@ -76,7 +76,7 @@ def body(
     place = np.empty(block, np.int64)
     flat = band.ravel()
     energy = 0.0
-    lowest = np.inf
+    least = np.full(points, np.inf)
     for start in range(0, X, block):
         n = min(block, X - start)
         lanes = slice(start, start + n)
@@ -135,31 +135,39 @@ def body(
                             if channels == 3:
                                 _add_product(gradient, maps[y, r, p, 2, J, lanes], channel[2], n)
                 count = P * n
+                # one for each place in the arrays: a single one would not run in vector registers
                 for point in range(count):
                     determinant = F[0, 0, point] * F[1, 1, point] - F[0, 1, point] * F[1, 0, point]
-                    lowest = determinant if determinant < lowest else lowest
-                material(F, parameters, count, density, stress, A)
+                    least[point] = determinant if determinant < least[point] else least[point]
+                material(F, parameters, count, density, stress, A, with_tangent)
                 for p in range(P):
                     here = slice(p * n, (p + 1) * n)
                     area = weights[y, r, p, lanes]
                     energy += _sum_of_products(area, density[here], n)
                     for i in range(2):
-                        for J in range(2):
-                            stress[i, J, here] *= area
                         for h in range(channels):
                             flow = channel[h]
-                            _set_products(
+                            _set_weighted_products(
                                 flow,
-                                0.0,
+                                area,
                                 maps[y, r, p, h, 0, lanes],
                                 stress[i, 0, here],
                                 maps[y, r, p, h, 1, lanes],
                                 stress[i, 1, here],
                                 n,
                             )
-                            for c in range(C):
-                                factor = across[y, 1 if h == 1 else 0, r, c]
-                                _add_scaled(loads[row + c, 1 if h == 0 else 0, i, p], factor, flow, n)
+                            factors = across[y, 1 if h == 1 else 0, r]
+                            order = 1 if h == 0 else 0
+                            _add_scaled_to_both(
+                                loads[row, order, i, p],
+                                factors[0],
+                                loads[row + 1, order, i, p],
+                                factors[1],
+                                flow,
+                                n,
+                            )
+                            for c in range(2, C):
+                                _add_scaled(loads[row + c, order, i, p], factors[c], flow, n)
                 if with_tangent:
                     _pull_back(A, maps[y, r], weights[y, r], start, n, half, moduli)
                     _add_to_pairs(pairs, moduli, across[y], r, row, channels, n)
@@ -200,7 +208,7 @@ def body(
                         )
                     for lane in range(n):
                         forces[first[j, start + lane] + a, i] += value[lane]
-    return energy, lowest
+    return energy, np.min(least)
 
 
 @_inlined
@@ -213,6 +221,19 @@ def _set_scaled(total: Any, factor0: float, x0: Any, factor1: float, x1: Any, n:
 def _set_products(total: Any, start: float, x0: Any, y0: Any, x1: Any, y1: Any, n: int) -> None:
     for lane in range(n):
         total[lane] = start + x0[lane] * y0[lane] + x1[lane] * y1[lane]
+
+
+@_inlined
+def _set_weighted_products(total: Any, weight: Any, x0: Any, y0: Any, x1: Any, y1: Any, n: int) -> None:
+    for lane in range(n):
+        total[lane] = weight[lane] * (x0[lane] * y0[lane] + x1[lane] * y1[lane])
+
+
+@_inlined
+def _add_scaled_to_both(one: Any, factor0: float, other: Any, factor1: float, x: Any, n: int) -> None:
+    for lane in range(n):
+        one[lane] += factor0 * x[lane]
+        other[lane] += factor1 * x[lane]
 
 
 @_inlined

@@ -79,6 +79,7 @@ def _neo_hooke(
     energy: FloatArray,
     P: FloatArray,
     A: FloatArray,
+    tangent: bool,
 ) -> None:
     mu = parameters[0]
     lam = parameters[1]
@@ -102,6 +103,8 @@ def _neo_hooke(
                 G[K, i, n] = sign * F[1 - i, 1 - K, n] / J[n]
             for n in range(count):
                 P[i, K, n] = mu * F[i, K, n] + c[n] * G[K, i, n]
+    if not tangent:
+        return
     for one in range(4):
         for other in range(one + 1):
             i, K, k, L = one // 2, one % 2, other // 2, other % 2
