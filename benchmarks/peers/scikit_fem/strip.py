@@ -3,8 +3,8 @@
 import numpy as np
 from skfem import CellBasis, FacetBasis, MeshQuad
 
-from scikit_fem_strip.element import ElementQuadLagrangeByLinear, NumberedDofs
-from scikit_fem_strip.problem import ADHERING_LENGTH, HEIGHT, LENGTH, FloatArray, IntArray, invert, stress
+from peers.laws import ADHERING_LENGTH, HEIGHT, LENGTH, FloatArray, IntArray, invert, stress
+from peers.scikit_fem.element import ElementQuadLagrangeByLinear, NumberedDofs
 
 
 class Strip:

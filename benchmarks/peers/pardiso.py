@@ -5,7 +5,7 @@ from pypardiso import PyPardisoSolver
 from pypardiso.pardiso_wrapper import PyPardisoError
 from scipy.sparse import csr_matrix
 
-from scikit_fem_strip.problem import FloatArray
+from peers.laws import FloatArray
 
 POSITIVE_DEFINITE, INDEFINITE, NOT_POSITIVE_DEFINITE = 2, -2, -4
 ANALYSIS, FACTORIZATION_AND_SOLUTION = 11, 23
