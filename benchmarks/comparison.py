@@ -18,8 +18,11 @@ class Advancing(Protocol):
     label: str
     versions: dict[str, str]
 
-    def advance(self, angles: Sequence[float]) -> Block:
-        """Find the equilibria at these angles (radians). Raises GoneError where the program has ended."""
+    def begin(self, angles: Sequence[float]) -> None:
+        """Let the program find the equilibria at these angles (radians)."""
+
+    def finish(self) -> Block:
+        """Wait for what was begun. Raises GoneError where the program has ended."""
 
     def close(self) -> None:
         """Let the program end."""
@@ -54,13 +57,18 @@ class Comparison:
     ended: bool = False
 
     def advance(self, angles: Sequence[float], *, timed: bool) -> None:
-        """Advance each program in turn; leave out those that end or find other moments.
+        """Advance the programs, in turn if timed; leave out those that end or find other moments.
 
         Raises GoneError where isopeel is one that ends."""
         blocks = {}
+        if not timed:
+            for entry in self.entries:
+                entry.program.begin(angles)
         for entry in list(self.entries):
+            if timed:
+                entry.program.begin(angles)
             try:
-                blocks[id(entry)] = entry.program.advance(angles)
+                blocks[id(entry)] = entry.program.finish()
             except GoneError as error:
                 if entry is self.entries[0]:
                     raise

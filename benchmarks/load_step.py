@@ -64,7 +64,7 @@ def machine(comparison: Comparison) -> str:
 
 
 def run(comparison: Comparison, untimed: FloatArray, timed: FloatArray, block: int) -> None:
-    """Advance all programs in turn, a block of load steps each, until the last angle or where one stops."""
+    """Advance all programs by blocks of load steps, until the last angle or where one stops."""
     parts = [(part, False) for part in _blocks(untimed, block)] + [
         (part, True) for part in _blocks(timed, block)
     ]
@@ -105,10 +105,10 @@ def main(
     count = len(comparison.entries[0].steps)
     if not count:
         raise ArithmeticError("no step was timed")
-    reached = begin + step * count
+    reached, last = begin + step * count, comparison.entries[0].steps[-1].moment
     console.print(f"strip, {space}, {mesh}: {count} load steps of {step:g} degrees, {begin:g} to {reached:g}")
-    agreement = f"{comparison.largest_difference:.1e} E0 L0^3 at all {comparison.compared} steps"
-    console.print(f"moments agree to {agreement}, untimed ones too")
+    agreement = f"{comparison.largest_difference:.1e} at all {comparison.compared} steps, untimed ones too"
+    console.print(f"moments agree to {agreement}; the last is {last:.8f} E0 L0^3", soft_wrap=True)
     console.print(table(comparison.entries))
     console.print(machine(comparison), soft_wrap=True)
     for entry in comparison.entries:

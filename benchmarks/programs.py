@@ -59,12 +59,15 @@ class Program:
             raise GoneError(answer["absent"])
         self.versions: dict[str, str] = answer["ready"]
 
-    def advance(self, angles: Sequence[float]) -> Block:
-        """Find the equilibria at these angles (radians). Raises GoneError where the program has ended."""
+    def begin(self, angles: Sequence[float]) -> None:
+        """Let the program find the equilibria at these angles (radians)."""
         assert self._process.stdin is not None
         with suppress(BrokenPipeError):  # then no answer comes, and says the rest
             self._process.stdin.write(json.dumps(list(angles)) + "\n")
             self._process.stdin.flush()
+
+    def finish(self) -> Block:
+        """Wait for what was begun. Raises GoneError where the program has ended."""
         answer = self._answer()
         steps = [LoadStep(**step) for step in answer["steps"]]
         return Block(steps, answer["stopped"], answer["peak_megabytes"])

@@ -9,7 +9,7 @@ from rich.table import Table
 from comparison import Entry
 from peers.newton import LoadStep
 
-COLUMNS = ("assembly", "solution", "median", "mean", "Newton", "MB", "ratio", "range")
+COLUMNS = ("assembly", "solve", "median", "mean", "Newton", "MB", "ratio", "range")
 
 
 def table(entries: list[Entry]) -> Table:
@@ -18,8 +18,8 @@ def table(entries: list[Entry]) -> Table:
         "",
         *COLUMNS,
         title="milliseconds; Newton iterations per load step",
-        caption="assembly and solution: of one iteration; median of blocks and mean: of a load step\n"
-        "MB: peak memory; ratio: of means to isopeel's, and its range over blocks",
+        caption="assembly and solve: of one iteration; median of blocks, and mean: of a step\n"
+        "MB: peak memory; ratio: of means to isopeel's; range: of blocks",
         box=SIMPLE_HEAD,
         pad_edge=False,
         padding=(0, 1, 0, 0),
@@ -40,10 +40,14 @@ def table(entries: list[Entry]) -> Table:
             f"{1e3 * mean:.2f}",
             f"{sum(step.iterations for step in steps) / len(steps):.2f}",
             f"{entry.peak_megabytes:.0f}",
-            f"{mean / _mean(entries[0].steps):.2f}",
-            f"{min(ratios):.3g}-{max(ratios):.3g}",
+            _ratio(mean / _mean(entries[0].steps)),
+            f"{_ratio(min(ratios))}-{_ratio(max(ratios))}",
         )
     return result
+
+
+def _ratio(ratio: float) -> str:
+    return f"{ratio:.2f}" if ratio < 10 else f"{ratio:.1f}"
 
 
 def _mean(steps: list[LoadStep]) -> float:
