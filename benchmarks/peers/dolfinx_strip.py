@@ -15,14 +15,14 @@ from peers.condensation import Condensation, Freedoms
 from peers.laws import (
     ADHERING_LENGTH,
     EQUILIBRIUM_GAP,
-    HAMAKER,
+    EQUILIBRIUM_STIFFNESS,
     HEIGHT,
-    INTERACTION_DISTANCE,
     LAME_LAMBDA,
     LENGTH,
     SHEAR_MODULUS,
     FloatArray,
     IntArray,
+    attraction,
 )
 from peers.newton import LoadStep, trace
 from peers.protocol import AbsentError
@@ -146,13 +146,8 @@ def _stress(gradient: ufl.core.expr.Expr) -> ufl.core.expr.Expr:
 
 
 def _traction(gap: ufl.core.expr.Expr) -> ufl.core.expr.Expr:
-    ratio = INTERACTION_DISTANCE / EQUILIBRIUM_GAP
-    scale = HAMAKER / (2 * np.pi * INTERACTION_DISTANCE**3)
-    at_rest = scale * (ratio**9 / 45 - ratio**3 / 3)
-    stiffness = scale / INTERACTION_DISTANCE * (ratio**4 - ratio**10 / 5)
-    cube = (INTERACTION_DISTANCE / gap) ** 3
-    linear = at_rest + stiffness * (gap - EQUILIBRIUM_GAP)
-    return ufl.conditional(ufl.gt(gap, EQUILIBRIUM_GAP), scale * cube * (cube**2 / 45 - 1 / 3), linear)
+    beyond = gap - EQUILIBRIUM_GAP
+    return ufl.conditional(ufl.gt(beyond, 0), attraction(gap), EQUILIBRIUM_STIFFNESS * beyond)
 
 
 def start(degree: int, elements: tuple[int, int], angles: Iterator[float]) -> Iterator[LoadStep]:

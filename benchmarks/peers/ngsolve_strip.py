@@ -14,11 +14,11 @@ from peers.condensation import Condensation, Freedoms
 from peers.grid import Grid, gauss
 from peers.laws import (
     EQUILIBRIUM_GAP,
-    HAMAKER,
-    INTERACTION_DISTANCE,
+    EQUILIBRIUM_STIFFNESS,
     LAME_LAMBDA,
     SHEAR_MODULUS,
     FloatArray,
+    attraction,
 )
 from peers.newton import LoadStep, trace
 
@@ -132,16 +132,8 @@ def _stress(gradient: ng.CoefficientFunction) -> ng.CoefficientFunction:
 
 
 def _traction(gap: ng.CoefficientFunction) -> ng.CoefficientFunction:
-    cube = (INTERACTION_DISTANCE / gap) ** 3
-    scale = HAMAKER / (2 * np.pi * INTERACTION_DISTANCE**3)
-    ratio = INTERACTION_DISTANCE / EQUILIBRIUM_GAP
-    at_rest = scale * (ratio**9 / 45 - ratio**3 / 3)
-    stiffness = scale / INTERACTION_DISTANCE * (ratio**4 - ratio**10 / 5)
-    return ng.IfPos(
-        gap - EQUILIBRIUM_GAP,
-        scale * cube * (cube**2 / 45 - 1 / 3),
-        at_rest + stiffness * (gap - EQUILIBRIUM_GAP),
-    )
+    beyond = gap - EQUILIBRIUM_GAP
+    return ng.IfPos(beyond, attraction(gap), EQUILIBRIUM_STIFFNESS * beyond)
 
 
 def start(degree: int, elements: tuple[int, int], angles: Iterator[float]) -> Iterator[LoadStep]:

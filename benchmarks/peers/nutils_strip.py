@@ -17,13 +17,13 @@ from peers.condensation import Condensation
 from peers.grid import Grid
 from peers.laws import (
     EQUILIBRIUM_GAP,
-    HAMAKER,
+    EQUILIBRIUM_STIFFNESS,
     HEIGHT,
-    INTERACTION_DISTANCE,
     LAME_LAMBDA,
     LENGTH,
     SHEAR_MODULUS,
     FloatArray,
+    attraction,
 )
 from peers.newton import LoadStep, trace
 from peers.pardiso import SymmetricSolver
@@ -73,11 +73,8 @@ def _stress(gradient: Array) -> Array:
 
 
 def _traction(gap: Array) -> Array:
-    ratio = INTERACTION_DISTANCE / EQUILIBRIUM_GAP
-    scale = HAMAKER / (2 * np.pi * INTERACTION_DISTANCE**3)
-    stiffness = scale / INTERACTION_DISTANCE * (ratio**4 - ratio**10 / 5)
-    cube = (INTERACTION_DISTANCE / np.maximum(gap, EQUILIBRIUM_GAP)) ** 3
-    return scale * cube * (cube**2 / 45 - 1 / 3) + stiffness * np.minimum(gap - EQUILIBRIUM_GAP, 0)
+    pressed = np.minimum(gap - EQUILIBRIUM_GAP, 0)
+    return attraction(np.maximum(gap, EQUILIBRIUM_GAP)) + EQUILIBRIUM_STIFFNESS * pressed
 
 
 def start(degree: int, elements: tuple[int, int], angles: Iterator[float]) -> Iterator[LoadStep]:
