@@ -76,14 +76,21 @@ class Comparison:
         self._compare(blocks, angles)
         count = min(len(blocks[id(entry)].steps) for entry in self.entries)
         self.compared += count
+        stopped = {
+            entry.program.label: blocks[id(entry)].stopped
+            for entry in self.entries
+            if len(blocks[id(entry)].steps) == count < len(angles)
+        }
+        if stopped:
+            self.ended = True
+            who = ", ".join(f"{label} ({reason})" for label, reason in stopped.items())
+            place = f"{np.rad2deg(angles[count]):g} degrees"
+            self.notes.append(f"no equilibrium at {place}, where the comparison ends: {who}")
         for entry in self.entries:
             block = blocks[id(entry)]
             entry.peak_megabytes = block.peak_megabytes
             if timed and count:
                 entry.blocks.append(block.steps[:count])
-            if len(block.steps) == count and block.stopped:
-                self.notes.append(f"{entry.program.label}: {block.stopped}; the comparison ends there")
-                self.ended = True
 
     def _compare(self, blocks: dict[int, Block], angles: Sequence[float]) -> None:
         ours = blocks[id(self.entries[0])].steps

@@ -11,5 +11,8 @@ def start(degree: int, elements: tuple[int, int], angles: Iterator[float]) -> It
     """Start isopeel on its path."""
     settings = isopeel.NewtonSettings(tolerance=ENERGY_TOLERANCE / (LENGTH * HEIGHT))
     space = isopeel.row_space(f"L{degree}", elements)
-    for step in isopeel.trace(isopeel.strip(), space, angles, settings):
-        yield LoadStep(step.reaction, len(step.iterations), step.seconds)
+    try:
+        for step in isopeel.trace(isopeel.strip(), space, angles, settings):
+            yield LoadStep(step.reaction, len(step.iterations), step.seconds)
+    except isopeel.ConvergenceError as error:
+        raise ArithmeticError(error.reason) from error

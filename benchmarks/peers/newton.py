@@ -51,7 +51,7 @@ class LoadStep:
 def trace(strip: Strip, angles: Iterable[float]) -> Iterator[LoadStep]:
     """Yield the equilibrium at each angle (radians), from the unstressed strip on.
 
-    Raises ArithmeticError where Newton finds none."""
+    Raises ArithmeticError where Newton finds none, with the reason."""
     history: deque[tuple[float, FloatArray]] = deque(maxlen=3)
     for theta in angles:
         began = perf_counter()
@@ -69,16 +69,15 @@ def _solve(strip: Strip, state: FloatArray, theta: float) -> tuple[int, float, f
         began = perf_counter()
         residual, tangent = strip.assemble(strip.displacement(state, theta))
         assembled = perf_counter()
+        if not np.isfinite(residual).all():
+            raise ArithmeticError("the forces are not finite")
         update = strip.solve(tangent, -residual)
         solution += perf_counter() - assembled
         assembly += assembled - began
         state[:-1] += update
-        work = abs(residual @ update)
-        if work < ENERGY_TOLERANCE * strip.unknowns:
+        if abs(residual @ update) < ENERGY_TOLERANCE * strip.unknowns:
             return iteration, assembly, solution
-        if not np.isfinite(work):
-            break
-    raise ArithmeticError(f"no equilibrium at {np.rad2deg(theta):g} degrees after {iteration} iterations")
+    raise ArithmeticError(f"none after {MOST_ITERATIONS} iterations")
 
 
 def _extrapolate(history: Iterable[tuple[float, FloatArray]], theta: float, size: int) -> FloatArray:
