@@ -21,7 +21,8 @@ from programs import GoneError, Program
 from table import table
 
 DEGREES = {"L1": 1, "L2": 2, "L4": 4}
-UNTIMED_STEP = 0.5  # degrees
+UNTIMED_STEP = 0.5  # degrees, and twice that before the strip begins to peel, at about
+ONSET = 50.0
 
 
 def start(space: str, mesh: str, peers: str) -> Comparison:
@@ -46,7 +47,8 @@ def start(space: str, mesh: str, peers: str) -> Comparison:
 def untimed_angles(start: float, step: float) -> FloatArray:
     """Degrees that lead to `start` by large steps; the last two as timed, for the predictor."""
     last = start - step * np.array([2, 1, 0])
-    return np.concatenate([np.arange(0, last[0], UNTIMED_STEP), last[last >= 0]])
+    before = np.arange(0, min(ONSET, last[0]), 2 * UNTIMED_STEP)
+    return np.concatenate([before, np.arange(ONSET, last[0], UNTIMED_STEP), last[last >= 0]])
 
 
 def machine(comparison: Comparison) -> str:
@@ -86,7 +88,7 @@ def main(
     to: Annotated[float, typer.Option(help="Last angle in degrees.")] = 120.0,
     step: Annotated[float, typer.Option(help="Degrees per load step.")] = 0.1,
     peers: Annotated[str, typer.Option(help="What to compare with.")] = ",".join(PEERS),
-    block: Annotated[int, typer.Option(min=1, help="Load steps of one program before the next's turn.")] = 10,
+    block: Annotated[int, typer.Option(min=1, help="Load steps of one program before the next's turn.")] = 5,
 ) -> None:
     """Time isopeel and its peers in turn on one thread; of programs that disagree no time is shown."""
     if not (begin >= 0 and 0 < step < 2 * (to - begin)):
