@@ -211,28 +211,35 @@ class _Path:
             found = self._quasi_newton.equilibrium(guess, parameter)
             if found is not None:
                 return found, False
-            self._polish()
         last = self._history[-PARABOLA_POINTS:]
-        guess = extrapolate({past.parameter: past.exact for past in last}, parameter, system.count)
-        try:
-            return newton(system, guess, parameter, settings), False
-        except ConvergenceError:
-            if not settings.jumps:
-                raise
+        for polished in (False, True) if self._can_polish() else (False,):
+            if polished:
+                self._polish()
+            guess = extrapolate({past.parameter: past.exact for past in last}, parameter, system.count)
+            try:
+                return newton(system, guess, parameter, settings), False
+            except ConvergenceError as error:
+                failure = error
+        if not settings.jumps:
+            raise failure
         # the guess may turn elements inside out; a state before, carried along by the drive, seldom does
         for start in (guess, *(past.unknown_values for past in reversed(last))):
             if np.isfinite(potential_energy(system, start, parameter)):
                 break
         return newton(system, descend(system, start, parameter), parameter, settings), True
 
+    def _can_polish(self) -> bool:
+        """Whether the last states are less exact than Newton's method would have left them.
+
+        Past states are none any more once an irreversible joint has opened further.
+        """
+        return self._quasi_newton is not None and not self._system.problem.adhesion.irreversible
+
     def _polish(self) -> None:
-        """Let plain Newton start from what it would have started from without any kept tangent.
+        """Bring the last states to where plain Newton's method would have left them.
 
         Whether it converges hangs on the last digits of its start where a step passes a limit point.
         """
-        if self._system.problem.adhesion.irreversible:
-            # past states are none any more once the adhesion has opened further
-            return
         for past in self._history[-PARABOLA_POINTS:]:
             if past.polished is None:
                 try:
