@@ -15,7 +15,7 @@ _MOST_PAIRS = 10
 #: Steps that one tangent serves.
 _MOST_STEPS = 40
 #: A step that takes more corrections is the last one of its tangent.
-_SLOW = 7
+_SLOW = 6
 _MOST_CORRECTIONS = 12
 #: Of the tolerance: the last correction leaves a tenth of the error, where Newton's method squares it.
 _SHARE = 1e-2
@@ -92,10 +92,16 @@ class QuasiNewton:
         measures: list[float] = []
         poor = 0
         for _ in range(_MOST_CORRECTIONS):
-            correction = _product(factor, pairs, at.residual)
-            measure = abs(float(at.residual @ correction)) / len(correction)
+            correction, measure = _correction(factor, pairs, at)
             # a residual that is not finite fails this test too
             poor += bool(measures) and not measure < max(_POOR * measures[-1], threshold)
+            if poor > 1 and memory.steps > 0 and np.isfinite(measure):
+                # the tangent is of another step: one of this step may do
+                try:
+                    factor, memory, pairs, poor = *self._new_tangent(y, parameter), [], 0
+                except NotPositiveDefiniteError:
+                    return None
+                correction, measure = _correction(factor, pairs, at)
             if not np.isfinite(measure) or poor > 1:
                 return None
             measures.append(measure)
@@ -120,14 +126,27 @@ class QuasiNewton:
 
     def _kept_tangent(self, guess: FloatArray, parameter: float) -> tuple[BandCholesky, Memory]:
         """The factor of the tangent that is kept, or of a new one at a guess where that has served enough."""
-        system, memory = self._system, self.memory
+        memory = self.memory
         if memory is None or memory.slow or memory.steps >= _MOST_STEPS:
-            memory = Memory(guess, parameter, system.openings)
-            self._factor = None
+            return self._new_tangent(guess, parameter)
         if self._factor is None:
-            u, load = system.state(memory.unknown_values, memory.parameter)
-            self._factor = BandCholesky.of(system.linearize(u, "symmetric", load, memory.openings)[1])
+            self._factor = self._made(memory)
         return self._factor, memory
+
+    def _new_tangent(self, y: FloatArray, parameter: float) -> tuple[BandCholesky, Memory]:
+        memory = Memory(y, parameter, self._system.openings)
+        self._factor = self._made(memory)
+        return self._factor, memory
+
+    def _made(self, memory: Memory) -> BandCholesky:
+        u, load = self._system.state(memory.unknown_values, memory.parameter)
+        return BandCholesky.of(self._system.linearize(u, "symmetric", load, memory.openings)[1])
+
+
+def _correction(factor: BandCholesky, pairs: list[Pair], at: Equilibrium) -> tuple[FloatArray, float]:
+    """The correction of a state, and its energy residual per unknown."""
+    correction = _product(factor, pairs, at.residual)
+    return correction, abs(float(at.residual @ correction)) / len(correction)
 
 
 def _product(factor: BandCholesky, pairs: list[Pair], residual: FloatArray) -> FloatArray:
