@@ -40,7 +40,7 @@ from isopeel.results.provenance import Provenance
 from isopeel.results.run_file import RunWriter, read_run, run_attributes
 from isopeel.solve.linear import factorize
 from isopeel.solve.newton import NewtonSettings
-from isopeel.solve.trace import STATES_TO_GO_ON, Step, trace
+from isopeel.solve.trace import Step, trace
 from isopeel.splines.rows import row_space
 
 PACKAGES = ("physics.adhesion", "physics.materials", "physics.substrates", "problem.shapes", "problem.drives")
@@ -245,7 +245,7 @@ def test_a_path_goes_on_from_its_file_bit_for_bit(peeled: Peeled, tmp_path: Path
     cut = 4 * len(peeled.steps) // 5  # on the way back where there is one
     attributes = run_attributes(problem, space, Provenance({}, "", "", "", ""))
     with RunWriter(tmp_path / "run.h5", problem.drive, "", attributes) as file:
-        for step in peeled.steps[cut - STATES_TO_GO_ON : cut]:
+        for step in trace(problem, space, [s.parameter for s in peeled.steps[:cut]]):
             file.append(step)
     states = read_run(tmp_path / "run.h5").last
     later = peeled.steps[cut : cut + 6]

@@ -58,13 +58,12 @@ def test_a_stored_stage_goes_on_bit_for_bit(tmp_path: Path) -> None:
     assert run.base is not None
     second, space = CASE.stages()[1], CASE.space()
     base = isopeel.State(0.0, run.base)
-    steps = list(isopeel.trace(second.problem, space, second.parameters, base=base))
+    steps, states = [], []
+    for step in isopeel.trace(second.problem, space, second.parameters, base=base):
+        steps.append(step)
+        states.append(step.state)
     assert [step.reaction for step in steps] == run.curve.reaction.tolist()
-    again = list(
-        isopeel.trace(
-            second.problem, space, second.parameters[4:], base=base, start=[s.state for s in steps[:4]]
-        )
-    )
+    again = list(isopeel.trace(second.problem, space, second.parameters[4:], base=base, start=states[:4]))
     assert [step.reaction for step in again] == run.curve.reaction[4:].tolist()
 
 

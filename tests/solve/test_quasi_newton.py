@@ -115,3 +115,14 @@ def test_slope_is_that_of_the_polynomial() -> None:
     history = {x: np.array([x**2, 1 - x]) for x in (0.0, 0.3, 0.4)}
     assert slope(history, np.array([1.0, 0.5])) == pytest.approx(2 * 0.4 - 0.5, rel=1e-14)
     assert slope({0.4: np.ones(2)}, np.ones(2)) == 0.0
+
+
+def test_the_last_step_alone_keeps_the_memory() -> None:
+    steps = trace(strip(), row_space("N2", (20, 2)), np.radians([0.0, 0.1, 0.2]))
+    first, second = next(steps), next(steps)
+    assert first.state.memory is None
+    kept = second.state
+    assert kept.memory is not None
+    next(steps)
+    assert second.state.memory is None
+    assert kept.memory.steps == 2

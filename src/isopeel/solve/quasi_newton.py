@@ -1,5 +1,6 @@
 """Newton's method with a tangent that is kept from step to step, and learns from the steps it has taken."""
 
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -30,7 +31,8 @@ class Pair(NamedTuple):
     change: FloatArray
 
 
-class Memory(NamedTuple):
+@dataclass(frozen=True, eq=False)
+class Memory:
     """What is kept from step to step: where the tangent was made, and what was learned since.
 
     The tangent itself is not kept here: it follows from where it was made.
@@ -114,9 +116,8 @@ class QuasiNewton:
             if measure <= threshold:
                 if not (np.isfinite(at.residual).all() and at.lowest_determinant > 0):
                     return None
-                self.memory = memory._replace(
-                    pairs=tuple(pairs), steps=memory.steps + 1, slow=len(measures) > _SLOW
-                )
+                slow = len(measures) > _SLOW
+                self.memory = replace(memory, pairs=tuple(pairs), steps=memory.steps + 1, slow=slow)
                 return NewtonResult(y, u, load, at, tuple(measures), exact=False)
         return None
 

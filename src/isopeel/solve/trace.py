@@ -4,6 +4,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from time import perf_counter
 from typing import NamedTuple
+from weakref import ReferenceType, ref
 
 import numpy as np
 from threadpoolctl import ThreadpoolController
@@ -29,8 +30,8 @@ class State(NamedTuple):
     """Where a path can go on from, as a step has it: displacement coefficients (functions, 2) at a parameter.
 
     Only irreversible adhesion asks for the largest openings (E, Q) so far. Without the solver's unknowns
-    (count,) and its memory, what goes on is the same to the tolerance of the solver; with those of the last
-    STATES_TO_GO_ON states it is the same bit for bit.
+    (count,), what goes on is the same to the tolerance of the solver; with those of the last STATES_TO_GO_ON
+    states, and the solver's memory after the last of them, it is the same bit for bit.
     """
 
     parameter: float
@@ -66,12 +67,16 @@ class Step:
     openings: FloatArray  # (E, Q) largest ones so far at the points of the adhesive force, read-only
     unknown_values: FloatArray  # (count,) of the solver, read-only
     released_energy: float = 0.0  # since the last step, see below
-    memory: Memory | None = None  # of the solver
+    memory: "ReferenceType[Memory] | None" = None  # of the solver, which keeps it until the next step
 
     @property
     def state(self) -> State:
-        """Where another path can go on."""
-        return State(self.parameter, self.displacement, self.openings, self.unknown_values, self.memory)
+        """Where another path can go on; with the solver's memory as long as no later step has been made.
+
+        To keep the memory of every step would take more room than all else of it.
+        """
+        memory = None if self.memory is None else self.memory()
+        return State(self.parameter, self.displacement, self.openings, self.unknown_values, memory)
 
 
 def trace(
@@ -180,6 +185,7 @@ class _Path:
         system.accept(u)
         u.setflags(write=False)
         y.setflags(write=False)
+        memory = None if self._quasi_newton is None else self._quasi_newton.memory
         return Step(
             number=number,
             parameter=parameter,
@@ -193,7 +199,7 @@ class _Path:
             openings=system.openings,
             unknown_values=y,
             released_energy=released,
-            memory=None if self._quasi_newton is None else self._quasi_newton.memory,
+            memory=None if memory is None else ref(memory),
         )
 
     def _remember(self, past: _Past) -> None:
