@@ -124,5 +124,4 @@ def test_the_last_step_alone_keeps_the_memory() -> None:
     kept = second.state
     assert kept.memory is not None
     next(steps)
-    assert second.state.memory is None
-    assert kept.memory.steps == 2
+    assert kept.memory.steps == 2  # a state that was asked for in time keeps its own
