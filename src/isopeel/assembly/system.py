@@ -65,13 +65,12 @@ class BandMatrix:
 
 def bytes_needed(space: RowSpace) -> int:
     """Estimate of a system's memory from above: its tables, and its tangent stored for a pivoted LU."""
-    points = (space.degree + 1) * (space.across.degree + 1)
-    elements = space.elements[0] * space.elements[1]
-    # as many functions as points in an element; tables by element and by batch; positions, weights
-    tables = elements * points * (2 * 2 * points + 8)
+    along, across, rows = space.degree + 1, space.across.degree + 1, len(space.rows)
+    elements = space.elements[0], space.elements[0] * space.elements[1]
+    # maps and weight of each point; functions and unknowns of each row, if every row is of its own kind
+    tables = elements[1] * along * across * 7 + elements[0] * rows * along * (2 * along + 2)
     # unknowns are numbered along the shorter side first, and degree + 1 functions of a row overlap
-    along, across = (space.degree + 1) * len(space.rows), (space.across.degree + 1) * space.rows[0].size
-    half_bandwidth = 2 * min(along, across)
+    half_bandwidth = 2 * min(along * rows, across * space.rows[0].size)
     return 8 * (tables + 2 * space.size * (3 * half_bandwidth + 1))
 
 

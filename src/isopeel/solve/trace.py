@@ -151,7 +151,11 @@ class _Path:
             self._remember(_Past(state.parameter, y, *potential))
         self._quasi_newton: QuasiNewton | None = None
         if QuasiNewton.applies(system) and not settings.plain:
-            self._quasi_newton = QuasiNewton(system, settings, start[-1].memory if start else None)
+            memory = start[-1].memory if start else None
+            if memory is not None and memory.unknown_values.shape != (system.count,):
+                allowed = f"the system has {system.count} unknowns"
+                raise InputError("start", memory.unknown_values.shape, allowed)
+            self._quasi_newton = QuasiNewton(system, settings, memory)
 
     def through(self, parameters: Iterable[float]) -> Iterator[Step]:
         """Yield one step for each parameter."""
