@@ -1,9 +1,5 @@
 """Where the time of a load step goes, and what bounds it: operations, bytes, and the machine."""
 
-import os
-
-os.environ.update(dict.fromkeys([f"{name}_NUM_THREADS" for name in ("OMP", "MKL", "OPENBLAS", "NUMBA")], "1"))
-
 import sys
 from collections.abc import Iterable
 from dataclasses import dataclass

@@ -1,9 +1,5 @@
 """How time and memory of a load step grow with the strip and with the mesh, and what more processes gain."""
 
-import os
-
-os.environ.update(dict.fromkeys([f"{name}_NUM_THREADS" for name in ("OMP", "MKL", "OPENBLAS", "NUMBA")], "1"))
-
 import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -18,7 +14,7 @@ from rich.progress import Progress
 from rich.table import Table
 
 import machine
-from isopeel import ConvergenceError
+from isopeel import ConvergenceError, InputError
 from isopeel.case import parse_mesh
 from isopeel.paper.study import table_runs
 from isopeel.processes import compute_all, cores
@@ -26,7 +22,7 @@ from peeling import LENGTH, STEP, TIMED, Strip, left_out, peel
 from published import follow_all
 from tables import plain_table, wide_console
 
-FAMILIES = ("longer strip", "finer along", "finer across")
+FAMILIES = ("longer", "along", "across")
 #: How often as long as the shipped one a strip is.
 LENGTHS = (1, 2, 5, 10)
 #: How often as many elements a mesh has.
@@ -48,10 +44,12 @@ class Measured:
 def family(name: str, space: str, mesh: tuple[int, int]) -> list[Strip]:
     """Strips that grow from one to the next."""
     x, y = mesh
+    if name not in FAMILIES:
+        raise InputError("--growth", name, f"a strip can grow {', '.join(FAMILIES)}")
     match name:
-        case "longer strip":
+        case "longer":
             return [Strip(space, (x * times, y), LENGTH * times) for times in LENGTHS]
-        case "finer along":
+        case "along":
             return [Strip(space, (round(x * times), y)) for times in REFINEMENTS]
         case _:
             return [Strip(space, (x, round(y * times))) for times in REFINEMENTS]
@@ -84,7 +82,7 @@ def measure_alone(strip: Strip, reach: float, coarse: float, steps: int) -> Meas
 
 
 def exponent(sizes: Sequence[float], times: Sequence[float]) -> float:
-    """Exponent k of the law time ~ size^k that meets the logarithms best, by least squares; nan of one size."""
+    """Exponent k of the law time ~ size^k that meets the logarithms best; nan of one size."""
     if len(sizes) < 2:
         return float("nan")
     return float(np.polyfit(np.log(sizes), np.log(times), 1)[0])
@@ -94,9 +92,10 @@ def scaling_table(families: Sequence[tuple[str, list[Measured]]]) -> Table:
     """Times, memory, and the exponents of the times below each family."""
     table = plain_table(
         "a load step, by the size of the strip and its mesh",
-        *("space", "", "length nm", "mesh", "unknowns", "corrections", "median ms", "mean ms"),
+        *("space", "growth", "nm", "mesh", "unknowns", "corrections", "median ms", "mean ms"),
         *("peak MB", "added MB"),
-        caption="added: to what a process takes for a strip of 10 elements; exponent: of the unknowns",
+        caption="growth: of the strip with its mesh, of the mesh along it, of the mesh across it;\n"
+        "added: to what a process takes for a strip of 10 elements; exponent: of the unknowns",
     )
     for name, members in families:
         for one in members:
@@ -136,6 +135,9 @@ def print_speed_up(console: Console, to: float) -> None:
 
 def main(
     space: Annotated[list[str] | None, typer.Option(help="N2.1 and L4 when left out; repeatable.")] = None,
+    growth: Annotated[
+        list[str] | None, typer.Option(help=f"{', '.join(FAMILIES)}; all when left out; repeatable.")
+    ] = None,
     mesh: Annotated[str, typer.Option(help="Elements of the strip that all others vary.")] = "200x10",
     reach: Annotated[float, typer.Option(help="Degrees that untimed steps lead to.")] = 90.0,
     coarse: Annotated[float, typer.Option(help="Degrees of an untimed step.")] = 1.0,
@@ -152,7 +154,9 @@ def main(
     else:
         elements = parse_mesh("--mesh", mesh)
         families = [
-            (name, family(name, chosen, elements)) for chosen in space or ("N2.1", "L4") for name in FAMILIES
+            (name, family(name, chosen, elements))
+            for chosen in space or ("N2.1", "L4")
+            for name in growth or FAMILIES
         ]
         # refreshed between strips only: a thread that draws would take time from them
         bar = Progress(console=Console(stderr=True), auto_refresh=False, transient=True)
