@@ -22,7 +22,7 @@ from isopeel.paper.study import MESHES, SPACES
 from isopeel.solve.linear import BandCholesky
 from isopeel.solve.quasi_newton import Pair, _product
 from peeling import STEP, TIMED, Strip, left_out, peel
-from tables import plain_table, wide_console
+from printing import plain_table, wide_console
 from work import Work
 
 

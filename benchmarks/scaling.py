@@ -19,8 +19,8 @@ from isopeel.case import parse_mesh
 from isopeel.paper.study import table_runs
 from isopeel.processes import compute_all, cores
 from peeling import LENGTH, STEP, TIMED, Strip, left_out, peel
+from printing import plain_table, wide_console
 from published import follow_all
-from tables import plain_table, wide_console
 
 FAMILIES = ("longer", "along", "across")
 #: How often as long as the shipped one a strip is.

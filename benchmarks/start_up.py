@@ -15,7 +15,7 @@ import typer
 from rich.table import Table
 
 import machine
-from tables import plain_table, wide_console
+from printing import plain_table, wide_console
 
 
 class Command(NamedTuple):

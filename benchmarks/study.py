@@ -12,8 +12,8 @@ import machine
 from isopeel import InputError
 from isopeel.paper.study import MESHES, SPACES, Run, table_runs
 from isopeel.processes import cores
+from printing import plain_table, wide_console
 from published import Study, follow_all
-from tables import plain_table, wide_console
 
 
 def chosen_runs(spaces: list[str] | None, meshes: list[str] | None) -> list[Run]:
