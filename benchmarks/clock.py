@@ -12,7 +12,7 @@ from isopeel.solve import quasi_newton, trace
 from isopeel.solve.linear import BandCholesky
 
 #: The parts of a load step, by what is called for each.
-PARTS = ("forces", "tangent", "factor", "solve", "update", "guess")
+PARTS = ("forces", "tangent", "factor", "solve", "update", "state", "guess")
 
 
 class Clock:
@@ -32,6 +32,7 @@ class Clock:
                 (System, "linearize", "tangent"),
                 (BandCholesky, "solve", "solve"),
                 (quasi_newton, "_product", "update"),
+                (System, "state", "state"),
                 (trace, "best_count", "guess"),
                 (trace, "extrapolate", "guess"),
                 (trace, "slope", "guess"),
