@@ -12,6 +12,7 @@ import typer
 from rich.console import Console
 from rich.progress import Progress
 from rich.table import Table
+from threadpoolctl import threadpool_limits
 
 import machine
 from isopeel import ConvergenceError, InputError
@@ -61,8 +62,9 @@ def measure(strip: Strip, reach: float, coarse: float, steps: int) -> Measured:
     _, path = peel(Strip(strip.space, (10, 1)), 2.0, 1.0, 1)
     list(path)
     before = machine.peak_megabytes()
-    _, path = peel(strip, reach, coarse, steps)
-    timed = list(path)
+    with threadpool_limits(1):
+        _, path = peel(strip, reach, coarse, steps)
+        timed = list(path)
     peak = machine.peak_megabytes()
     return Measured(
         strip,
