@@ -43,7 +43,7 @@ def copy_rate(moved: float) -> float:
     one = np.ones(max(1, round(moved / 16)))
     other = np.ones_like(one)
     # a short one many times, so that the clock's own time is none of it
-    rounds = max(1, int(1e6 / moved))
+    rounds = max(1, int(1e6 / (2 * one.nbytes)))
 
     def copy() -> None:
         for _ in range(rounds):

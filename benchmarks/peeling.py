@@ -38,13 +38,16 @@ class Strip(NamedTuple):
         return isopeel.row_space(self.space, self.mesh)
 
 
-def peel(
-    strip: Strip, reach: float, coarse: float, steps: int
-) -> tuple[list[isopeel.Step], Iterator[isopeel.Step]]:
-    """Trace up to `reach` degrees by coarse steps and some small ones; return these, and `steps` to come."""
+def peel(strip: Strip, reach: float, coarse: float, steps: int) -> Iterator[isopeel.Step]:
+    """Trace up to `reach` degrees by coarse steps and some small ones; return the `steps` to come.
+
+    What came before is not kept: a step holds what the solver learned in it.
+    """
     angles = angles_deg(reach, coarse, steps)
     path = isopeel.trace(strip.problem, strip.row_space, np.radians(angles))
-    return list(islice(path, len(angles) - steps)), path
+    for _ in islice(path, len(angles) - steps):
+        pass
+    return path
 
 
 def angles_deg(reach: float, coarse: float, steps: int) -> FloatArray:

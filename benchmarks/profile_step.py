@@ -62,14 +62,14 @@ class Profile:
 
 def profile(strip: Strip, reach: float, coarse: float, steps: int) -> Profile:
     """Time and count the parts of some steps from an angle on; then each part alone, where they ended."""
-    untimed, path = peel(strip, reach, coarse, steps)
+    path = peel(strip, reach, coarse, steps)
     clock = Clock()
     with clock.running():
         timed = list(path)
     system = System(strip.problem, strip.row_space)
     u, load = system.state(timed[-1].unknown_values, timed[-1].parameter)
     residual = system.equilibrium(u, load).residual
-    kept = [step.memory.pairs for step in (*untimed, *timed) if step.memory is not None]
+    kept = [step.memory.pairs for step in timed if step.memory is not None]
     n, b, pairs = system.constraints.count, system.half_bandwidth, max(kept, key=len, default=())
     alone = parts_alone(system, u, load, residual, list(pairs))
     needed = {

@@ -59,21 +59,17 @@ def family(name: str, space: str, mesh: tuple[int, int]) -> list[Strip]:
 def measure(strip: Strip, reach: float, coarse: float, steps: int) -> Measured:
     """Time a strip's steps in a process that has computed nothing else."""
     # whatever is loaded once is there from now on
-    _, path = peel(Strip(strip.space, (10, 1)), 2.0, 1.0, 1)
-    list(path)
+    for _ in peel(Strip(strip.space, (10, 1)), 2.0, 1.0, 1):
+        pass
     before = machine.peak_megabytes()
+    unknowns, seconds, corrections = 0, [], []
     with threadpool_limits(1):
-        _, path = peel(strip, reach, coarse, steps)
-        timed = list(path)
+        for step in peel(strip, reach, coarse, steps):
+            unknowns = step.unknown_values.size
+            seconds.append(step.seconds)
+            corrections.append(len(step.iterations))
     peak = machine.peak_megabytes()
-    return Measured(
-        strip,
-        timed[-1].unknown_values.size,
-        [step.seconds for step in timed],
-        mean(len(step.iterations) for step in timed),
-        peak,
-        peak - before,
-    )
+    return Measured(strip, unknowns, seconds, mean(corrections), peak, peak - before)
 
 
 def measure_alone(strip: Strip, reach: float, coarse: float, steps: int) -> Measured:
