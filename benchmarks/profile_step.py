@@ -64,13 +64,17 @@ def profile(strip: Strip, reach: float, coarse: float, steps: int) -> Profile:
     """Time and count the parts of some steps from an angle on; then each part alone, where they ended."""
     path = peel(strip, reach, coarse, steps)
     clock = Clock()
+    timed: list[isopeel.Step] = []
+    pairs: tuple[Pair, ...] = ()
     with clock.running():
-        timed = list(path)
+        for step in path:
+            timed.append(step)
+            # only the last step has its memory
+            pairs = max(pairs, _learned(step), key=len)
     system = System(strip.problem, strip.row_space)
     u, load = system.state(timed[-1].unknown_values, timed[-1].parameter)
     residual = system.equilibrium(u, load).residual
-    kept = [step.memory.pairs for step in timed if step.memory is not None]
-    n, b, pairs = system.constraints.count, system.half_bandwidth, max(kept, key=len, default=())
+    n, b = system.constraints.count, system.half_bandwidth
     alone = parts_alone(system, u, load, residual, list(pairs))
     needed = {
         "forces": work.forces(system),
@@ -80,6 +84,11 @@ def profile(strip: Strip, reach: float, coarse: float, steps: int) -> Profile:
         "update": work.update(n, len(pairs)),
     }
     return Profile(strip, n, b, alone, needed, clock, timed)
+
+
+def _learned(step: isopeel.Step) -> tuple[Pair, ...]:
+    memory = step.state.memory
+    return () if memory is None else memory.pairs
 
 
 def parts_alone(
