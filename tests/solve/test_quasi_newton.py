@@ -70,8 +70,8 @@ def test_product_is_that_of_the_updates_one_by_one() -> None:
     pairs = []
     for _ in range(4):
         s = rng.standard_normal((n,))
-        pairs.append(Pair(s, K @ s + 0.1 * s))
-        rho = 1 / (s @ pairs[-1].change)
+        pairs.append(Pair.of(s, K @ s + 0.1 * s))
+        rho = 1 / pairs[-1].curvature
         V = np.eye(n) - rho * np.outer(pairs[-1].change, s)
         H = V.T @ H @ V + rho * np.outer(s, s)
     residual = rng.standard_normal((n,))

@@ -240,7 +240,7 @@ def _write_memory(group: h5py.Group, memory: Memory) -> None:
 
 
 def _memory(group: h5py.Group) -> Memory:
-    pairs = map(Pair, group["corrections"][()], group["changes"][()])
+    pairs = map(Pair.of, group["corrections"][()], group["changes"][()])
     return Memory(
         group["unknown_values"][()],
         float(group.attrs["parameter"]),

@@ -1,7 +1,7 @@
 """Newton's method with a tangent that is kept from step to step, and learns from the steps it has taken."""
 
 from dataclasses import dataclass, replace
-from typing import NamedTuple
+from typing import NamedTuple, Self
 
 import numpy as np
 from scipy.linalg.blas import daxpy, ddot
@@ -29,6 +29,12 @@ class Pair(NamedTuple):
 
     correction: FloatArray
     change: FloatArray
+    curvature: float  # correction . change, positive
+
+    @classmethod
+    def of(cls, correction: FloatArray, change: FloatArray) -> Self:
+        """Take their product."""
+        return cls(correction, change, float(ddot(correction, change)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -110,9 +116,9 @@ class QuasiNewton:
             y = y + correction
             last = at
             u, load, at = self._at(y, parameter)
-            change = at.residual - last.residual
-            if ddot(correction, change) > 0:
-                pairs = [*pairs[1 - _MOST_PAIRS :], Pair(correction, change)]
+            pair = Pair.of(correction, at.residual - last.residual)
+            if pair.curvature > 0:
+                pairs = [*pairs[1 - _MOST_PAIRS :], pair]
             if measure <= threshold:
                 if not (np.isfinite(at.residual).all() and at.lowest_determinant > 0):
                     return None
@@ -154,12 +160,11 @@ def _product(factor: BandCholesky, pairs: list[Pair], residual: FloatArray) -> F
     """-H r with the inverse H of the kept tangent, updated by the pairs: the two-loop recursion."""
     rest = -residual
     shares = []
-    for correction, change in reversed(pairs):
-        share = ddot(correction, rest) / ddot(correction, change)
+    for correction, change, curvature in reversed(pairs):
+        share = ddot(correction, rest) / curvature
         shares.append(share)
         daxpy(change, rest, a=-share)
     product = factor.solve(rest)
-    for (correction, change), share in zip(pairs, reversed(shares), strict=True):
-        share -= ddot(change, product) / ddot(correction, change)
-        daxpy(correction, product, a=share)
+    for (correction, change, curvature), share in zip(pairs, reversed(shares), strict=True):
+        daxpy(correction, product, a=share - ddot(change, product) / curvature)
     return product

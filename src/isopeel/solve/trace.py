@@ -162,10 +162,11 @@ class _Path:
         libraries = ThreadpoolController()
         for number, parameter in enumerate(parameters):
             began = perf_counter()
-            # the factorization of a narrow band gains nothing from threads, and loses by their start
+            # narrow bands and vectors of this length gain nothing from threads, and lose by their start
             with libraries.limit(limits=1, user_api="blas"):
                 result, jumped = self._equilibrium(parameter)
-            yield self._step(number, parameter, result, jumped, began)
+                step = self._step(number, parameter, result, jumped, began)
+            yield step
 
     def _step(self, number: int, parameter: float, result: NewtonResult, jumped: bool, began: float) -> Step:
         system, at, u, y = self._system, result.equilibrium, result.displacement, result.unknown_values
