@@ -8,7 +8,7 @@ from scipy.linalg.blas import daxpy, ddot
 
 from isopeel.arrays import FloatArray
 from isopeel.assembly.system import Equilibrium, System
-from isopeel.solve.linear import BandCholesky, NotPositiveDefiniteError
+from isopeel.solve.linear import Factor, NotPositiveDefiniteError, approximate
 from isopeel.solve.newton import NewtonResult, NewtonSettings
 
 #: Pairs of a correction and the change of the residual that it made; more of them learn little more.
@@ -69,7 +69,7 @@ class QuasiNewton:
     def __init__(self, system: System, settings: NewtonSettings, memory: Memory | None = None) -> None:
         self._system = system
         self._settings = settings
-        self._factor: BandCholesky | None = None
+        self._factor: Factor | None = None
         #: What goes on from here needs to do so bit for bit.
         self.memory: Memory | None = memory
 
@@ -131,7 +131,7 @@ class QuasiNewton:
         u, load = self._system.state(y, parameter)
         return u, load, self._system.equilibrium(u, load)
 
-    def _kept_tangent(self, guess: FloatArray, parameter: float) -> tuple[BandCholesky, Memory]:
+    def _kept_tangent(self, guess: FloatArray, parameter: float) -> tuple[Factor, Memory]:
         """The factor of the tangent that is kept, or of a new one at a guess where that has served enough."""
         memory = self.memory
         if memory is None or memory.slow or memory.steps >= _MOST_STEPS:
@@ -140,23 +140,23 @@ class QuasiNewton:
             self._factor = self._made(memory)
         return self._factor, memory
 
-    def _new_tangent(self, y: FloatArray, parameter: float) -> tuple[BandCholesky, Memory]:
+    def _new_tangent(self, y: FloatArray, parameter: float) -> tuple[Factor, Memory]:
         memory = Memory(y, parameter, self._system.openings)
         self._factor = self._made(memory)
         return self._factor, memory
 
-    def _made(self, memory: Memory) -> BandCholesky:
+    def _made(self, memory: Memory) -> Factor:
         u, load = self._system.state(memory.unknown_values, memory.parameter)
-        return BandCholesky.of(self._system.linearize(u, "symmetric", load, memory.openings)[1])
+        return approximate(self._system.linearize(u, "symmetric", load, memory.openings)[1])
 
 
-def _correction(factor: BandCholesky, pairs: list[Pair], at: Equilibrium) -> tuple[FloatArray, float]:
+def _correction(factor: Factor, pairs: list[Pair], at: Equilibrium) -> tuple[FloatArray, float]:
     """The correction of a state, and its energy residual per unknown."""
     correction = _product(factor, pairs, at.residual)
     return correction, abs(float(at.residual @ correction)) / len(correction)
 
 
-def _product(factor: BandCholesky, pairs: list[Pair], residual: FloatArray) -> FloatArray:
+def _product(factor: Factor, pairs: list[Pair], residual: FloatArray) -> FloatArray:
     """-H r with the inverse H of the kept tangent, updated by the pairs: the two-loop recursion."""
     rest = -residual
     shares = []
