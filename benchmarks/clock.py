@@ -9,7 +9,7 @@ from unittest.mock import patch
 
 from isopeel.assembly.system import System
 from isopeel.solve import quasi_newton, trace
-from isopeel.solve.linear import BandCholesky
+from isopeel.solve.linear import BandCholesky, SingleBandCholesky
 
 #: The parts of a load step, by what is called for each.
 PARTS = ("forces", "tangent", "factor", "solve", "update", "state", "guess")
@@ -31,6 +31,7 @@ class Clock:
                 (System, "equilibrium", "forces"),
                 (System, "linearize", "tangent"),
                 (BandCholesky, "solve", "solve"),
+                (SingleBandCholesky, "solve", "solve"),
                 (quasi_newton, "_product", "update"),
                 (System, "state", "state"),
                 (trace, "best_count", "guess"),
@@ -38,8 +39,9 @@ class Clock:
                 (trace, "slope", "guess"),
             ):
                 watched.enter_context(patch.object(owner, name, self._watched(part, getattr(owner, name))))
-            of = staticmethod(self._watched("factor", BandCholesky.of))
-            watched.enter_context(patch.object(BandCholesky, "of", of))
+            for kind in (BandCholesky, SingleBandCholesky):
+                of = staticmethod(self._watched("factor", kind.of))
+                watched.enter_context(patch.object(kind, "of", of))
             yield
 
     def _watched(self, part: str, function: Callable[..., Any]) -> Callable[..., Any]:

@@ -9,6 +9,7 @@ from isopeel.paper.results import Results
 from isopeel.paper.study import Run
 from isopeel.report.document import Block, Picture, Table, Text
 from isopeel.report.wording import number
+from isopeel.solve.trace import PARABOLA_POINTS
 
 TITLE = "Newton's method"
 #: The spaces whose runs end early on one of the meshes, and one whose runs do not.
@@ -75,8 +76,8 @@ def _histories(results: Results, run: Run) -> Iterator[NewtonHistory]:
     stored = results.stored(run)
     step = len(stored.curve) - 1
     if stored.failure is None:
-        # where nothing failed, the hardest step tells the most; the first starts without a prediction
-        step = 1 + int(np.argmax(stored.curve.iterations[1:]))
+        # where nothing failed, the hardest step tells the most, once there are three states for a parabola
+        step = PARABOLA_POINTS + int(np.argmax(stored.curve.iterations[PARABOLA_POINTS:]))
     angle, residuals = stored.curve.parameter[step], stored.curve.residuals_of(step)
     yield NewtonHistory(run.space, float(angle), tuple(residuals.tolist()), converged=True)
     if stored.failure is not None:
