@@ -23,7 +23,7 @@ long: .venv/develop  ## run the tests that take minutes
 paper: .venv/run  ## run the published study and write its report, in out/paper
 	$(BIN)/isopeel paper
 
-benchmark: .venv/develop  ## time isopeel and scikit-fem in turn
+benchmark: .venv/develop  ## time isopeel and other libraries in turn
 	$(BIN)/python benchmarks/load_step.py
 
 clean:

@@ -1,13 +1,8 @@
-"""Time of a load step of the peeled strip: isopeel against the same problem in scikit-fem with PARDISO."""
+"""Time of a load step of the peeled strip: isopeel against the same problem in other libraries."""
 
 import os
-
-os.environ.update(dict.fromkeys([f"{name}_NUM_THREADS" for name in ("OMP", "MKL", "OPENBLAS", "NUMBA")], "1"))
-
 import platform
 import sys
-from collections.abc import Iterator
-from importlib.metadata import version
 from pathlib import Path
 from typing import Annotated
 
@@ -15,94 +10,115 @@ import numpy as np
 import typer
 from rich.console import Console
 from rich.progress import Progress
-from threadpoolctl import threadpool_limits
 
 import isopeel
-from in_turn import Program, advance_in_turn, table
+from comparison import Comparison, Entry
 from isopeel.arrays import FloatArray
 from isopeel.case import parse_mesh
-from scikit_fem_strip import ENERGY_TOLERANCE, PEERS, LoadStep, Strip, trace
-from scikit_fem_strip.problem import HEIGHT, LENGTH
+from peers.laws import ADHERING_LENGTH, LENGTH
+from peers.names import ISOPEEL, PEERS, PROGRAMS
+from programs import GoneError, Program
+from table import table
 
-LABELS = {"plain": "plain", "forms": "forms", "blas": "hand-tuned"}
-PEER_DEGREES = {"L1": 1, "L2": 2, "L4": 4}
-UNTIMED_STEP = 0.5  # degrees
-PACKAGES = ("isopeel", "numpy", "scipy", "numba", "scikit-fem", "pypardiso", "mkl")
+DEGREES = {"L1": 1, "L2": 2, "L4": 4}
+UNTIMED_STEP = 0.5  # degrees, and twice that before the strip begins to peel, at about
+ONSET = 50.0
 
 
-def build(space: str, mesh: tuple[int, int], peers: list[str], angles: FloatArray) -> list[Program]:
-    """Build isopeel and the peers, each at the start of its path."""
-    if space not in PEER_DEGREES:
-        raise isopeel.InputError("--space", space, f"the peers know {', '.join(PEER_DEGREES)}")
-    if unknown := set(peers) - set(PEERS):
+def start(space: str, mesh: str, peers: str) -> Comparison:
+    """Start isopeel and the peers, each at the start of its path; note which cannot take part."""
+    elements = parse_mesh("--mesh", mesh)
+    if space not in DEGREES:
+        raise isopeel.InputError("--space", space, f"the peers know {', '.join(DEGREES)}")
+    if elements[0] * ADHERING_LENGTH % LENGTH:
+        raise isopeel.InputError("--mesh", mesh, "3/4 of the elements along x must adhere")
+    names = list(dict.fromkeys(peers.split(",")))
+    if unknown := set(names) - set(PEERS):
         raise isopeel.InputError("--peers", unknown.pop(), f"the peers are {', '.join(PEERS)}")
-    strip = Strip(PEER_DEGREES[space], mesh)
-    programs = [Program(LABELS[name], trace(strip, *PEERS[name](strip), angles)) for name in peers]
-    return [Program("isopeel", isopeel_path(space, mesh, angles)), *programs]
-
-
-def isopeel_path(space: str, mesh: tuple[int, int], angles: FloatArray) -> Iterator[LoadStep]:
-    """Trace the strip in isopeel, to the tolerance of the peers."""
-    settings = isopeel.NewtonSettings(tolerance=ENERGY_TOLERANCE / (LENGTH * HEIGHT))
-    for step in isopeel.trace(isopeel.strip(), isopeel.row_space(space, mesh), angles, settings):
-        yield LoadStep(step.parameter, step.reaction, len(step.iterations))
+    comparison = Comparison([Entry(Program(ISOPEEL, DEGREES[space], elements))])
+    for name in names:
+        try:
+            comparison.entries.append(Entry(Program(name, DEGREES[space], elements)))
+        except GoneError as error:
+            comparison.notes.append(f"{PROGRAMS[name].label} is left out: {error}")
+    return comparison
 
 
 def untimed_angles(start: float, step: float) -> FloatArray:
     """Degrees that lead to `start` by large steps; the last two as timed, for the predictor."""
     last = start - step * np.array([2, 1, 0])
-    return np.concatenate([np.arange(0, last[0], UNTIMED_STEP), last[last >= 0]])
+    before = np.arange(0, min(ONSET, last[0]), 2 * UNTIMED_STEP)
+    return np.concatenate([before, np.arange(ONSET, last[0], UNTIMED_STEP), last[last >= 0]])
 
 
-def machine() -> str:
+def machine(comparison: Comparison) -> str:
     """Return the processor, its cores and load, and the versions in use."""
     information = Path("/proc/cpuinfo")
     lines = information.read_text().splitlines() if information.exists() else []
     models = [line.partition(":")[2].strip() for line in lines if line.startswith("model name")]
     model = models[0] if models else platform.processor()
-    versions = ", ".join(f"{name} {version(name)}" for name in PACKAGES)
+    libraries: dict[str, str] = {}
+    for entry in comparison.entries:
+        libraries |= entry.program.versions
+    versions = ", ".join(f"{name} {version}" for name, version in libraries.items())
     load = ", ".join(f"{number:.2f}" for number in os.getloadavg())
     return f"{model}, {os.cpu_count()} cores, load {load}; Python {platform.python_version()}, {versions}"
+
+
+def run(comparison: Comparison, untimed: FloatArray, timed: FloatArray, block: int) -> None:
+    """Advance all programs by blocks of load steps, until the last angle or where one stops."""
+    parts = [(part, False) for part in _blocks(untimed, block)] + [
+        (part, True) for part in _blocks(timed, block)
+    ]
+    # refreshed between blocks only: a thread that draws would take time from the programs
+    with Progress(console=Console(stderr=True), auto_refresh=False, transient=True) as bar:
+        for part, is_timed in bar.track(parts):
+            if not comparison.ended:
+                comparison.advance(np.deg2rad(part).tolist(), timed=is_timed)
+
+
+def _blocks(angles: FloatArray, size: int) -> list[FloatArray]:
+    return [angles[first : first + size] for first in range(0, angles.size, size)]
 
 
 def main(
     space: Annotated[str, typer.Option(help="L1, L2 or L4.")] = "L2",
     mesh: Annotated[str, typer.Option(help="Elements along length x height.")] = "200x10",
-    start: Annotated[float, typer.Option("--from", help="Degrees that untimed steps lead to.")] = 0.0,
+    begin: Annotated[float, typer.Option("--from", help="Degrees that untimed steps lead to.")] = 0.0,
     to: Annotated[float, typer.Option(help="Last angle in degrees.")] = 120.0,
     step: Annotated[float, typer.Option(help="Degrees per load step.")] = 0.1,
-    peers: Annotated[str, typer.Option(help="What to compare with.")] = "plain,forms,blas",
-    block: Annotated[int, typer.Option(min=1, help="Load steps of one program before the next's turn.")] = 50,
+    peers: Annotated[str, typer.Option(help="What to compare with.")] = ",".join(PEERS),
+    block: Annotated[int, typer.Option(min=1, help="Load steps of one program before the next's turn.")] = 5,
 ) -> None:
-    """Time isopeel and its peers in turn on one thread; no time is shown unless all moments agree."""
-    if not (start >= 0 and 0 < step < 2 * (to - start)):
+    """Time isopeel and its peers in turn on one thread; of programs that disagree no time is shown."""
+    if not (begin >= 0 and 0 < step < 2 * (to - begin)):
         value, allowed = (
-            f"{start:g}, {to:g}, {step:g}",
+            f"{begin:g}, {to:g}, {step:g}",
             "0 <= from, and to at least a step beyond, are needed",
         )
         raise isopeel.InputError("--from, --to, --step", value, allowed)
-    untimed = untimed_angles(start, step)
-    count = round((to - start) / step)
-    angles = np.deg2rad(np.concatenate([untimed, start + step * np.arange(1, count + 1)]))
-    programs = build(space, parse_mesh("--mesh", mesh), peers.split(","), angles)
-    # refreshed between blocks only: a thread that draws would take time from the programs
-    bar = Progress(console=Console(stderr=True), auto_refresh=False, transient=True)
-    with threadpool_limits(1), bar:
-        _, largest = advance_in_turn(programs, untimed.size)
-        for done in bar.track(range(0, count, block)):
-            blocks, difference = advance_in_turn(programs, min(block, count - done))
-            largest = max(largest, difference)
-            for program, timed in zip(programs, blocks, strict=True):
-                program.blocks.append(timed)
+    comparison = start(space, mesh, peers)
+    count = round((to - begin) / step)
+    timed = np.linspace(begin, begin + step * count, count + 1)[1:]
+    run(comparison, untimed_angles(begin, step), timed, block)
     console = Console(highlight=False)
-    console.print(f"strip, {space}, {mesh}: {count} load steps of {step:g} degrees, {start:g} to {to:g}")
-    console.print(f"moments agree to {largest:.1e} E0 L0^3 at all steps")
-    console.print(table(programs))
-    console.print(machine(), soft_wrap=True)
+    for note in comparison.notes:
+        console.print(note, soft_wrap=True)
+    count = len(comparison.entries[0].steps)
+    if not count:
+        raise ArithmeticError("no step was timed")
+    reached, last = begin + step * count, comparison.entries[0].steps[-1].moment
+    console.print(f"strip, {space}, {mesh}: {count} load steps of {step:g} degrees, {begin:g} to {reached:g}")
+    agreement = f"{comparison.largest_difference:.1e} at all {comparison.compared} steps, untimed ones too"
+    console.print(f"moments agree to {agreement}; the last is {last:.8f} E0 L0^3", soft_wrap=True)
+    console.print(table(comparison.entries))
+    console.print(machine(comparison), soft_wrap=True)
+    for entry in comparison.entries:
+        entry.program.close()
 
 
 if __name__ == "__main__":
     try:
         typer.run(main)
-    except (ValueError, ArithmeticError) as error:
+    except (ValueError, ArithmeticError, GoneError) as error:
         sys.exit(f"load_step: {error}")

@@ -53,18 +53,17 @@ def test_each_stage_has_its_folder_and_goes_on(tmp_path: Path) -> None:
 
 
 def test_a_stored_stage_goes_on_bit_for_bit(tmp_path: Path) -> None:
-    """From its file alone: the base, and the last three states of half of it."""
+    """From its file alone: the base, and the states of half of it."""
     run, _ = run_case(CASE, tmp_path, QUIET)
     assert run.base is not None
     second, space = CASE.stages()[1], CASE.space()
     base = isopeel.State(0.0, run.base)
-    steps = list(isopeel.trace(second.problem, space, second.parameters, base=base))
+    steps, states = [], []
+    for step in isopeel.trace(second.problem, space, second.parameters, base=base):
+        steps.append(step)
+        states.append(step.state)
     assert [step.reaction for step in steps] == run.curve.reaction.tolist()
-    again = list(
-        isopeel.trace(
-            second.problem, space, second.parameters[4:], base=base, start=[s.state for s in steps[1:4]]
-        )
-    )
+    again = list(isopeel.trace(second.problem, space, second.parameters[4:], base=base, start=states[:4]))
     assert [step.reaction for step in again] == run.curve.reaction[4:].tolist()
 
 

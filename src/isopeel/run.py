@@ -252,8 +252,8 @@ def _print_table(summary: dict[str, Any], curve: Curve, place: _Place, console: 
     if summary["jumps"]:
         released = sum(jump["released_energy"] for jump in summary["jumps"])
         table.add_row("jumps", f"{len(summary['jumps'])}, releasing {released:.4g} E0 L0^3")
-    per_step = _shown(summary["newton_iterations_per_step"], ".2f", "per step")
-    table.add_row("Newton iterations", f"{summary['newton_iterations']}, {per_step}")
+    per_step = _shown(summary["corrections_per_step"], ".2f", "per step")
+    table.add_row("corrections", f"{summary['corrections']}, {per_step}")
     table.add_row("time", f"{summary['wall_time_s']:.1f} s")
     console.print(table)
     if summary["note"]:

@@ -21,7 +21,7 @@ from isopeel import (
     strip,
 )
 from isopeel.arrays import FloatArray
-from isopeel.assembly.system import BandMatrix, Storage, System
+from isopeel.assembly.system import BandMatrix, Storage, System, bytes_needed
 from isopeel.physics.batch import evaluate_law
 from isopeel.problem import Traction
 from isopeel.splines.nurbs import NurbsSurface, Side, annulus_sector, rectangle
@@ -308,3 +308,16 @@ def test_a_patch_that_folds_is_refused() -> None:
     folded = NurbsSurface((line, line), points, np.ones((2, 2)))
     with pytest.raises(InputError, match="must not fold"):
         System(problem_of(folded), row_space("L1", (4, 4)))
+
+
+@pytest.mark.parametrize("name", ["L1", "N4", "L1+N2.1"])
+def test_memory_is_estimated_from_above(name: str) -> None:
+    system = System(strip(), row_space(name, (40, 6)))
+    u = np.zeros((system.space.size, 2))
+    system.linearize(u)
+    general = system.linearize(u, "general")[1].workspace
+    tables = [value for value in vars(system.body).values() if isinstance(value, np.ndarray)]
+    held = general.nbytes + sum(table.nbytes for table in tables) + system._body_unknowns.nbytes
+    estimate = bytes_needed(system.space)
+    # a driven side has one unknown, and the first and last elements few functions of their own
+    assert held < estimate < 2 * held

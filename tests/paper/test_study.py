@@ -1,5 +1,7 @@
 """The runs of the study."""
 
+from dataclasses import replace
+
 import pytest
 
 from isopeel import row_space
@@ -43,6 +45,7 @@ def test_every_space_can_be_built_and_has_a_canonical_name() -> None:
         (Run("N8", "m2", "projected"), "N8-m2-projected"),
         (Run("N2+N4@2", "m2", contact_points=3), "N2+N4@2-m2-3points"),
         (Run("L4", "m3", timed=True), "L4-m3-timed"),
+        (Run("L1", "m1", plain=True), "L1-m1-plain"),
     ],
 )
 def test_names_tell_runs_apart(run: Run, name: str) -> None:
@@ -59,9 +62,10 @@ def test_names_and_keys_are_unique() -> None:
     ]
     assert len({run.name for run in runs}) == len(runs)
     runs += timed_runs(table_runs(MESHES))
+    runs += [replace(run, plain=True) for run in table_runs(MESHES)]
     assert len({run.name for run in runs}) == len(runs)
-    keys = [run.key for run in (*runs[::7], runs[-1])]
-    assert len(set(keys)) == len(keys)
+    chosen = {*runs[::7], runs[-1]}
+    assert len({run.key for run in chosen}) == len(chosen)
 
 
 def test_the_case_of_a_run_is_the_strip_with_its_choices() -> None:

@@ -21,7 +21,7 @@ ANGLES = np.radians(np.arange(0.0, 74.05, 0.1))
 
 @pytest.fixture(scope="module")
 def path() -> list[Step]:
-    return list(trace(strip(), SPACE, ANGLES, NewtonSettings(jumps=True)))
+    return list(trace(strip(), SPACE, ANGLES, NewtonSettings(jumps=True, plain=True)))
 
 
 def energy(step: Step) -> float:
@@ -30,7 +30,7 @@ def energy(step: Step) -> float:
 
 def test_the_path_goes_on_where_plain_newton_ends(path: list[Step]) -> None:
     plain: list[Step] = []
-    steps = trace(strip(), SPACE, ANGLES)
+    steps = trace(strip(), SPACE, ANGLES, NewtonSettings(plain=True))
     with pytest.raises(ConvergenceError, match=r"no equilibrium at 1\.20"):
         plain.extend(iter(lambda: next(steps), None))
     assert len(path) == len(ANGLES)

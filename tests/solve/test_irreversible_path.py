@@ -9,6 +9,7 @@ from isopeel import Bilinear, Exponential, InputError, Problem, Step, row_space,
 from isopeel.arrays import FloatArray
 from isopeel.assembly.system import System
 from isopeel.physics.adhesion import AdhesionLaw
+from isopeel.solve.newton import NewtonSettings
 from isopeel.solve.trace import State
 
 # about half the strip's strength and its work, so that the front is wide enough for a coarse mesh
@@ -20,8 +21,8 @@ def problem(law: AdhesionLaw = LAW) -> Problem:
     return strip(law=law, irreversible=True)
 
 
-def path(degrees: FloatArray, law: AdhesionLaw = LAW) -> list[Step]:
-    return list(trace(problem(law), SPACE, np.radians(degrees)))
+def path(degrees: FloatArray, law: AdhesionLaw = LAW, settings: NewtonSettings | None = None) -> list[Step]:
+    return list(trace(problem(law), SPACE, np.radians(degrees), settings))
 
 
 def total_energy(step: Step) -> float:
@@ -113,7 +114,7 @@ def test_a_joint_goes_on_with_its_damage() -> None:
 
 
 def test_newton_converges_quadratically_while_the_joint_tears() -> None:
-    steps = path(np.arange(0.0, 71.0, 1.0), Bilinear(0.03, 0.015, 0.2))
+    steps = path(np.arange(0.0, 71.0, 1.0), Bilinear(0.03, 0.015, 0.2), NewtonSettings(plain=True))
     *_, before, last = steps[-1].iterations
     # energies are quadratic in the error: the exponent doubles, but for the kinks of the law
     assert len(steps[-1].iterations) <= 6

@@ -150,7 +150,8 @@ def test_a_step_that_does_not_settle_shows_its_iterations() -> None:
 
 def test_the_plain_method_ends_where_the_source_says() -> None:
     """L1 on 160 x 8 in steps of 0.1 degree does not converge, as published: a limit point."""
-    steps = trace(strip(), row_space("L1", (160, 8)), np.radians(np.arange(0, 150, 0.1)))
+    angles = np.radians(np.arange(0, 150, 0.1))
+    steps = trace(strip(), row_space("L1", (160, 8)), angles, NewtonSettings(plain=True))
     reached: list[float] = []
     with pytest.raises(ConvergenceError):
         reached.extend(np.degrees(step.parameter) for step in steps)
@@ -208,12 +209,11 @@ def test_a_drive_may_turn_back() -> None:
 def test_a_path_goes_on_from_stored_states() -> None:
     angles = np.radians(np.arange(0, 61, 4.0))
     whole = list(trace(strip(), row_space("N2.1", (60, 3)), angles))
-    start = [State(step.parameter, step.displacement) for step in whole[8:11]]
+    start = [State(step.parameter, step.displacement) for step in whole[4:11]]
     rest = list(trace(strip(), row_space("N2.1", (60, 3)), angles[11:], start=start))
     for step, known in zip(rest, whole[11:], strict=True):
-        # the same predictor, from states that were condensed and expanded again: round-off
-        assert step.reaction == pytest.approx(known.reaction, rel=1e-10)
-        assert len(step.iterations) == len(known.iterations)
+        # the same equilibria by another tangent: what the tolerance leaves
+        assert step.reaction == pytest.approx(known.reaction, rel=1e-9)
 
 
 def test_a_start_of_another_space_is_refused() -> None:

@@ -91,7 +91,9 @@ def _constrained(
 
 def _free_motion(rows: FloatArray, extent: float) -> str | None:
     """Name a rigid motion that no row (n, 3) notices, where there is one."""
-    _, sizes, motions = np.linalg.svd(np.vstack([rows, np.zeros((3, 3))]) / [1.0, 1.0, extent])
+    _, sizes, motions = np.linalg.svd(
+        np.vstack([rows, np.zeros((3, 3))]) / [1.0, 1.0, extent], full_matrices=False
+    )
     if sizes[-1] > _ROUND_OFF * max(sizes[0], 1.0):
         return None
     return ("a motion along x", "a motion along y", "a rotation")[int(np.argmax(np.abs(motions[-1])))]

@@ -7,11 +7,12 @@ import numpy as np
 from psutil import virtual_memory
 
 from isopeel.arrays import FloatArray, IntArray, frozen
-from isopeel.assembly import kernels
+from isopeel.assembly.adhesion_kernel import adhesion as adhesion_kernel
+from isopeel.assembly.body_kernel import body as body_kernel
 from isopeel.assembly.constraints import Constraints, constrain, half_bandwidth
 from isopeel.assembly.loads import AssembledLoad
 from isopeel.assembly.start import check_start
-from isopeel.assembly.tables import BatchTable, ElementTable, SideTable, element_tables, side_table
+from isopeel.assembly.tables import BodyTable, SideTable, body_table, side_table
 from isopeel.errors import InputError
 from isopeel.physics.batch import evaluate_substrate
 from isopeel.problem import Problem
@@ -64,13 +65,12 @@ class BandMatrix:
 
 def bytes_needed(space: RowSpace) -> int:
     """Estimate of a system's memory from above: its tables, and its tangent stored for a pivoted LU."""
-    points = (space.degree + 1) * (space.across.degree + 1)
-    elements = space.elements[0] * space.elements[1]
-    # as many functions as points in an element; tables by element and by batch; positions, weights
-    tables = elements * points * (2 * 2 * points + 8)
+    along, across, rows = space.degree + 1, space.across.degree + 1, len(space.rows)
+    elements = space.elements[0], space.elements[0] * space.elements[1]
+    # maps and weight of each point; functions and unknowns of each row, if every row is of its own kind
+    tables = elements[1] * along * across * 7 + elements[0] * rows * along * (2 * along + 2)
     # unknowns are numbered along the shorter side first, and degree + 1 functions of a row overlap
-    along, across = (space.degree + 1) * len(space.rows), (space.across.degree + 1) * space.rows[0].size
-    half_bandwidth = 2 * min(along, across)
+    half_bandwidth = 2 * min(along * rows, across * space.rows[0].size)
     return 8 * (tables + 2 * space.size * (3 * half_bandwidth + 1))
 
 
@@ -102,12 +102,14 @@ class System:
         adhesion = problem.adhesion
         self.problem = problem
         self.space = space.weighted(shape)
-        self.elements: tuple[ElementTable, ...] = element_tables(shape, self.space)
-        functions = [table.functions for table in self.elements]
+        self.body: BodyTable = body_table(shape, self.space)
+        functions = self.body.functions()
         self.constraints: Constraints = constrain(problem, self.space, functions, base)
         self.half_bandwidth: int = half_bandwidth(self.constraints.unknowns, functions)
         part = adhesion.start, adhesion.end
-        self.adhesive: SideTable = side_table(shape, self.space, adhesion.side, part, contact_points)
+        side = side_table(shape, self.space, adhesion.side, part, contact_points)
+        # only the projected force asks for the deformation gradient
+        self.adhesive: SideTable = side if adhesion.traction == "projected" else side.of_values()
         #: Largest openings so far at the points of the adhesive force, (E, Q), for irreversible adhesion.
         self.openings: FloatArray = frozen(np.zeros(self.adhesive.weights.shape))
         self.load: AssembledLoad | None = AssembledLoad.of(
@@ -117,7 +119,7 @@ class System:
         self.tangents: FloatArray = check_start(
             problem, self.space, self.adhesive, self.constraints, self.load, base
         )
-        self._batches: list[BatchTable] = [BatchTable.of(t, self.constraints) for t in self.elements]
+        self._body_unknowns: IntArray = self.body.unknowns(self.constraints)
         self._adhesive_unknowns: IntArray = self.constraints.unknowns[self.adhesive.functions]
         self._workspaces: dict[Storage, FloatArray] = {}
 
@@ -178,19 +180,24 @@ class System:
     @property
     def energy_scale(self) -> float:
         """Young's modulus times the area of the body: what energies are measured against."""
-        area = sum(float(table.weights.sum()) for table in self.elements)
-        return self.problem.body.material.youngs_modulus * area
+        return self.problem.body.material.youngs_modulus * float(self.body.weights.sum())
 
     def inverted_point(self, displacement: FloatArray) -> tuple[FloatArray, float] | None:
         """Reference position (2,) and determinant of F at the most inverted quadrature point, if any is."""
+        table, shape = self.body, self.problem.body.shape
         worst: tuple[FloatArray, float] | None = None
-        for table in self.elements:
-            local = displacement[table.functions]
-            F = np.eye(2) + np.einsum("emi,eqJm->eqiJ", local, table.gradients)
-            determinant = np.linalg.det(F)
-            at = np.unravel_index(np.argmin(determinant), determinant.shape)
-            if determinant[at] <= 0 and (worst is None or determinant[at] < worst[1]):
-                worst = table.positions[at], float(determinant[at])
+        xi = table.xi.ravel()
+        for row, places in enumerate(table.eta):
+            for eta in places:
+                at = np.full(xi.size, eta)
+                basis = self.space.basis(xi, at, row)
+                local = displacement[basis.functions]
+                derivatives = np.einsum("nmi,nam->nia", local, basis.derivatives)
+                F = np.eye(2) + derivatives @ np.linalg.inv(shape.jacobian(xi, at))
+                determinant = np.linalg.det(F)
+                n = int(np.argmin(determinant))
+                if determinant[n] <= 0 and (worst is None or determinant[n] < worst[1]):
+                    worst = shape.evaluate(xi[n : n + 1], at[:1])[0], float(determinant[n])
         return worst
 
     def accept(self, displacement: FloatArray) -> None:
@@ -206,9 +213,16 @@ class System:
         return self._assemble(displacement, load, None)
 
     def linearize(
-        self, displacement: FloatArray, storage: Storage | None = None, load: float = 0.0
+        self,
+        displacement: FloatArray,
+        storage: Storage | None = None,
+        load: float = 0.0,
+        openings: FloatArray | None = None,
     ) -> tuple[Equilibrium, BandMatrix]:
-        """The same with the tangent dR/dz, in `general` storage where it may not be positive definite."""
+        """The same with the tangent dR/dz, in `general` storage where it may not be positive definite.
+
+        Irreversible adhesion has opened by `openings` (E, Q), by default by those noted last.
+        """
         storage = storage or self.storage
         width = self.half_bandwidth + 1 if storage == "symmetric" else 3 * self.half_bandwidth + 1
         if storage not in self._workspaces:
@@ -217,32 +231,40 @@ class System:
         band = self._workspaces[storage]
         band.fill(0.0)
         matrix = BandMatrix(band, self.half_bandwidth, storage)
-        return self._assemble(displacement, load, matrix), matrix
+        return self._assemble(displacement, load, matrix, openings), matrix
 
-    def _assemble(self, displacement: FloatArray, load: float, matrix: BandMatrix | None) -> Equilibrium:
+    def _assemble(
+        self,
+        displacement: FloatArray,
+        load: float,
+        matrix: BandMatrix | None,
+        openings: FloatArray | None = None,
+    ) -> Equilibrium:
         band = np.empty((0, 0)) if matrix is None else matrix.workspace
         diagonal = 0 if matrix is None or matrix.storage == "symmetric" else 2 * self.half_bandwidth
         material, adhesion = self.problem.body.material, self.problem.adhesion
         forces = np.zeros_like(displacement)
-        stored, lowest = 0.0, np.inf
-        for batches in self._batches:
-            energy, determinant = kernels.bulk(
-                material.kernel,
-                material.parameters,
-                batches.functions,
-                batches.gradients,
-                batches.weights,
-                batches.unknowns,
-                displacement,
-                forces,
-                band,
-                diagonal,
-                matrix is not None,
-            )
-            stored += energy
-            lowest = min(lowest, determinant)
+        table = self.body
+        stored, lowest = body_kernel(
+            material.kernel,
+            material.parameters,
+            table.kinds,
+            table.sizes,
+            table.along,
+            table.first,
+            table.across,
+            table.first_rows,
+            table.maps,
+            table.weights,
+            self._body_unknowns,
+            displacement,
+            forces,
+            band,
+            diagonal,
+            matrix is not None,
+        )
         side = self.adhesive
-        adhesive, dissipated = kernels.adhesion(
+        adhesive, dissipated = adhesion_kernel(
             adhesion.law.kernel,
             adhesion.law.parameters,
             adhesion.substrate.kernel,
@@ -257,7 +279,7 @@ class System:
             adhesion.substrate.constant_curvature,
             adhesion.traction == "projected",
             adhesion.irreversible,
-            self.openings,
+            self.openings if openings is None else openings,
             adhesion.sliding_length or 0.0,
             self.tangents,
             adhesion.law.equilibrium_gap,

@@ -1,57 +1,58 @@
 """Element tables: shape functions and quadrature weights at all points, made once."""
 
-from collections import defaultdict
-from dataclasses import dataclass
-from typing import TypeVar
+from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from isopeel.arrays import FloatArray, IntArray
 from isopeel.assembly.constraints import HELD, Constraints
-from isopeel.assembly.kernels import LANES
 from isopeel.errors import InputError
 from isopeel.splines.nurbs import NurbsSurface, Side
 from isopeel.splines.rows import Basis, RowSpace
-
-Number = TypeVar("Number", np.float64, np.int64)
 
 #: More Gauss points on an element than this resolve nothing: the adhesive force is smooth.
 MOST_CONTACT_POINTS = 100
 
 
 @dataclass(frozen=True, eq=False)
-class ElementTable:
-    """Elements with the same number m of functions: E elements of Q quadrature points each."""
+class BodyTable:
+    """The functions of all elements as products, and the maps from their derivatives to the gradient.
 
-    functions: IntArray  # (E, m) numbers of the functions
-    gradients: FloatArray  # (E, Q, 2, m) derivatives with respect to the reference position
-    weights: FloatArray  # (E, Q) reference area of each point
-    positions: FloatArray  # (E, Q, 2) reference position of each point
+    There are X elements along xi with P Gauss points each, Y across with R. A function of row j is a function
+    along xi times M_j(eta). Rows of one space (and, of a rational body, of the same weights) are of one kind.
 
-
-@dataclass(frozen=True, eq=False)
-class BatchTable:
-    """The same elements in B batches of LANES, the last index being the lane; the last batch is filled up.
-
-    The fill repeats the last element with weights of zero; `unknowns` of the fill are HELD.
+    The gradient with respect to the reference position is a sum of channels: the derivatives by xi and by
+    eta of sum_j M_j sum_i w_ij N_i^(j) u_ij and, where weights make the functions rational, its value, by
+    the quotient rule.
     """
 
-    functions: IntArray  # (B, m, LANES)
-    gradients: FloatArray  # (B, Q, 2, m, LANES)
-    weights: FloatArray  # (B, Q, LANES)
-    unknowns: IntArray  # (B, 2, m, LANES)
+    kinds: IntArray  # (rows,)
+    sizes: IntArray  # (kinds,) functions that do not vanish on an element
+    along: FloatArray  # (kinds, 2, P, largest size, X) values and derivatives along xi, times the weights
+    first: IntArray  # (rows, X) number of the first function of a row on an element; the others follow
+    across: FloatArray  # (Y, 2, R, C) values and derivatives of the C rows of an element
+    first_rows: IntArray  # (Y,)
+    maps: FloatArray  # (Y, R, P, channels, 2, X): d/dX_J = sum_h maps[h, J] channel_h
+    weights: FloatArray  # (Y, R, P, X) reference area of each point
+    xi: FloatArray  # (X, P)
+    eta: FloatArray  # (Y, R)
 
-    @classmethod
-    def of(cls, table: ElementTable, constraints: Constraints) -> "BatchTable":
-        """Rearrange the elements of a table."""
-        unknowns = constraints.unknowns[table.functions].transpose(0, 2, 1)
-        return cls(
-            _batches(table.functions),
-            _batches(table.gradients),
-            _batches(table.weights, fill=0.0),
-            _batches(unknowns, fill=HELD),
-        )
+    def functions(self) -> tuple[IntArray, ...]:
+        """Numbers (X, m) of the functions of the elements, for each row of elements."""
+        rows = [
+            first[:, None] + np.arange(size)
+            for first, size in zip(self.first, self.sizes[self.kinds], strict=True)
+        ]
+        count = self.across.shape[3]
+        return tuple(np.concatenate(rows[start : start + count], axis=1) for start in self.first_rows)
+
+    def unknowns(self, constraints: Constraints) -> IntArray:
+        """Unknowns (rows, 2, largest size, X) of the functions of each row; HELD beyond its own."""
+        largest = self.along.shape[3]
+        numbers = np.full((*self.first.shape, largest, 2), HELD)
+        for j, size in enumerate(self.sizes[self.kinds]):
+            numbers[j, :, :size] = constraints.unknowns[self.first[j][:, None] + np.arange(size)]
+        return np.ascontiguousarray(numbers.transpose(0, 3, 2, 1))
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,34 +66,83 @@ class SideTable:
     positions: FloatArray  # (E, Q, 2) reference position of each point
     normals: FloatArray  # (E, Q, 2) outward unit normal of the reference side
 
+    def of_values(self) -> "SideTable":
+        """The same without functions that vanish on the side: enough where no gradient is used."""
+        (kept,) = np.nonzero((self.values != 0).any(axis=(0, 1)))
+        return replace(
+            self,
+            functions=np.ascontiguousarray(self.functions[:, kept]),
+            values=np.ascontiguousarray(self.values[..., kept]),
+            gradients=np.ascontiguousarray(self.gradients[..., kept]),
+        )
 
-def element_tables(shape: NurbsSurface, space: RowSpace) -> tuple[ElementTable, ...]:
-    """Tables of all elements, with one more Gauss point than the highest degree in each direction."""
+
+def body_table(shape: NurbsSurface, space: RowSpace) -> BodyTable:
+    """Table of all elements, with one more Gauss point than the highest degree in each direction."""
     xi, xi_weights = _gauss_points(space.rows[0].breakpoints, space.degree + 1)
     eta, eta_weights = _gauss_points(space.across.breakpoints, space.across.degree + 1)
-    groups: dict[int, list[ElementTable]] = defaultdict(list)
-    for row in range(space.elements[1]):
-        # points of one element: eta runs fastest
-        elements, quadrature = xi.shape[0], xi.shape[1] * eta.shape[1]
-        x = np.repeat(xi.ravel(), eta.shape[1])
-        y = np.tile(eta[row], xi.size)
-        basis = space.basis(x, y, row)
-        gradients, determinant = _reference_gradients(shape, basis, x, y)
-        m = basis.functions.shape[1]
-        weights = (xi_weights[:, :, None] * eta_weights[row]).reshape(elements, quadrature)
-        groups[m].append(
-            ElementTable(
-                functions=basis.functions.reshape(elements, quadrature, m)[:, 0],
-                gradients=gradients.reshape(elements, quadrature, 2, m),
-                weights=weights * determinant.reshape(elements, quadrature),
-                positions=shape.evaluate(x, y).reshape(elements, quadrature, 2),
-            )
-        )
-    names = ("functions", "gradients", "weights", "positions")
-    return tuple(
-        ElementTable(*(np.concatenate([getattr(table, name) for table in group]) for name in names))
-        for group in groups.values()
+    kinds, along = _along(space, xi)
+    rows = np.arange(space.across.elements)
+    across = np.stack(
+        [space.across.basis(e, 1, np.full(e.size, y))[0] for e, y in zip(eta, rows, strict=True)]
     )
+    first_rows = space.across.first_functions
+    maps, weights = [], []
+    for e, e_weights, functions, start in zip(eta, eta_weights, across, first_rows, strict=True):
+        # of one row of elements: (R, P, X)
+        row = kinds[start : start + across.shape[3]]
+        x, y = np.broadcast_arrays(xi.T, e[:, None, None])
+        jacobian = shape.jacobian(x.ravel(), y.ravel())
+        determinant = _positive(jacobian, x.ravel(), y.ravel()).reshape(x.shape)
+        weights.append(e_weights[:, None, None] * xi_weights.T * determinant)
+        inverse = np.linalg.inv(jacobian).astype(np.float64, copy=False)
+        inverse = np.moveaxis(inverse.reshape(*x.shape, 2, 2), 2, -1)
+        maps.append(inverse if space.weights is None else _rational(inverse, along[row], functions))
+    return BodyTable(
+        kinds,
+        np.array([space.rows[list(kinds).index(kind)].degree + 1 for kind in range(len(along))]),
+        along,
+        np.stack([o + r.first_functions for o, r in zip(space.offsets[:-1], space.rows, strict=True)]),
+        across,
+        first_rows,
+        np.array(maps),
+        np.array(weights),
+        xi,
+        eta,
+    )
+
+
+def _along(space: RowSpace, xi: FloatArray) -> tuple[IntArray, FloatArray]:
+    """Kinds of the rows, and values and derivatives (kinds, 2, P, largest size, X) of their functions."""
+    elements = np.repeat(np.arange(xi.shape[0]), xi.shape[1])
+    if space.weights is None:
+        distinct = list(dict.fromkeys(space.rows))
+        kinds = np.array([distinct.index(row) for row in space.rows])
+        weights = [np.ones(row.size) for row in distinct]
+    else:
+        distinct, kinds, weights = list(space.rows), np.arange(len(space.rows)), list(space.weights)
+    along = np.zeros((len(distinct), 2, xi.shape[1], space.degree + 1, xi.shape[0]))
+    for table, row, weight in zip(along, distinct, weights, strict=True):
+        functions, first = row.basis(xi.ravel(), 1, elements)
+        scaled = functions * weight[first[:, None] + np.arange(row.degree + 1)]
+        table[:, :, : row.degree + 1] = scaled.reshape(2, *xi.shape, -1).transpose(0, 2, 3, 1)
+    return kinds, along
+
+
+def _rational(inverse: FloatArray, along: FloatArray, across: FloatArray) -> FloatArray:
+    """Maps (R, P, 3, 2, X) of u = A/W: du/dX = (dA - A dW/W)/W dxi/dX, from dxi/dX (R, P, 2, 2, X).
+
+    W and dW are sums over the rows of an element, along (C, 2, P, size, X) times across (2, R, C).
+    """
+    lines = along.sum(axis=3)
+    W = np.einsum("rc,cpx->rpx", across[0], lines[:, 0])
+    dW = np.stack(
+        [np.einsum("rc,cpx->rpx", across[0], lines[:, 1]), np.einsum("rc,cpx->rpx", across[1], lines[:, 0])],
+        axis=2,
+    )
+    of_derivatives = inverse / W[:, :, None, None]
+    of_value = -np.einsum("rpix,rpiJx->rpJx", dW, of_derivatives) / W[:, :, None]
+    return np.concatenate([of_derivatives, of_value[:, :, None]], axis=2)
 
 
 def side_table(
@@ -139,17 +189,6 @@ def side_table(
     )
 
 
-def _batches(array: NDArray[Number], fill: float | None = None) -> NDArray[Number]:
-    """Split the first axis (E,) into batches, (B, ..., LANES); fill up by a value or by the last entry."""
-    elements = len(array)
-    batches = -(-elements // LANES)
-    filled = np.concatenate([array, np.repeat(array[-1:], batches * LANES - elements, axis=0)])
-    if fill is not None:
-        filled[elements:] = fill
-    split = filled.reshape(batches, LANES, *array.shape[1:])
-    return np.ascontiguousarray(np.moveaxis(split, 1, -1))
-
-
 def _stack(parts: list[Basis], side: Side) -> Basis:
     if len({part.functions.shape[1] for part in parts}) > 1:
         raise InputError("adhesion.side", side, "on this side all rows must have one space")
@@ -168,10 +207,16 @@ def _reference_gradients(
 ) -> tuple[FloatArray, FloatArray]:
     """Gradients (n, 2, m) with respect to the reference position, and det dX/d(xi, eta) (n,)."""
     jacobian = shape.jacobian(xi, eta)
-    determinant = np.linalg.det(jacobian)
+    determinant = _positive(jacobian, xi, eta)
+    gradients = np.einsum("nJi,nim->nJm", np.linalg.inv(jacobian).transpose(0, 2, 1), basis.derivatives)
+    return gradients, determinant
+
+
+def _positive(jacobian: FloatArray, xi: FloatArray, eta: FloatArray) -> FloatArray:
+    """Determinants (n,) of dX/d(xi, eta), (n, 2, 2); InputError where one is not positive."""
+    determinant: FloatArray = np.linalg.det(jacobian)
     if np.any(determinant <= 0):
         at = int(np.argmin(determinant))
         place = (round(float(xi[at]), 6), round(float(eta[at]), 6))
         raise InputError("body.shape", place, "the patch must not fold at any point (xi, eta)")
-    gradients = np.einsum("nJi,nim->nJm", np.linalg.inv(jacobian).transpose(0, 2, 1), basis.derivatives)
-    return gradients, determinant
+    return determinant

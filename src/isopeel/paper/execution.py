@@ -18,7 +18,7 @@ from isopeel.paper.study import Run, with_bases
 from isopeel.processes import worker_pool
 from isopeel.results.provenance import Provenance
 from isopeel.results.run_file import Failure, RunWriter, StoredRun, read_run, run_attributes
-from isopeel.solve.newton import ConvergenceError
+from isopeel.solve.newton import ConvergenceError, NewtonSettings
 from isopeel.solve.trace import State, trace
 
 _REPORT_SECONDS = 0.2  # between two reports of a run
@@ -145,7 +145,12 @@ def _compute(run: Run, key: str, store: Store) -> None:
         start.append(State(radians(angle), fields[angle]))
     attributes = run_attributes(problem, space, Provenance.of_this_process()) | {"key": key}
     steps = trace(
-        problem, space, map(radians, angles), start=start, contact_points=case.discretization.contact_points
+        problem,
+        space,
+        map(radians, angles),
+        NewtonSettings(plain=run.plain),
+        start=start,
+        contact_points=case.discretization.contact_points,
     )
     last_report = 0.0
     with RunWriter(store.path(run), problem.drive, case.text, attributes, case.output.fields_every) as writer:

@@ -15,10 +15,10 @@ from isopeel.post.front import front_profile, process_zone
 from isopeel.results.files import replacing
 from isopeel.results.provenance import PACKAGES
 from isopeel.results.run_file import StoredRun
-from isopeel.solve.newton import ConvergenceError
+from isopeel.solve.newton import ConvergenceError, NewtonSettings
 from isopeel.solve.trace import State, trace
 
-_FORMAT = "isopeel paper 1"
+_FORMAT = "isopeel paper 2"
 
 
 #: Where the tractions at the front are looked at, in degrees: on the plateau, and kept in the files.
@@ -126,7 +126,7 @@ class Record:
         """Where and why the run ended early, in one line; None where it is complete."""
         if self.failed_at_deg is None:
             return None
-        return f"Newton's method did not converge at {self.failed_at_deg:.1f} degrees: {self.reason}"
+        return f"no equilibrium was found at {self.failed_at_deg:.1f} degrees: {self.reason}"
 
     @property
     def reached_deg(self) -> float:
@@ -141,9 +141,9 @@ def _goes_on(run: Run, stored: StoredRun) -> bool | None:
     case, last = run.case, max(stored.fields)
     start = [State(radians(last), stored.fields[last])]
     points = case.discretization.contact_points
-    angle = radians(stored.failure.parameter)
+    angle, settings = radians(stored.failure.parameter), NewtonSettings(plain=True)
     try:
-        list(trace(case.problem(), case.space(), [angle], start=start, contact_points=points))
+        list(trace(case.problem(), case.space(), [angle], settings, start=start, contact_points=points))
     except ConvergenceError:
         return False
     return True
@@ -161,7 +161,7 @@ def write_records(path: Path, records: Mapping[Run, Record]) -> None:
         for run, record in records.items():
             group = file.create_group(run.name)
             group.attrs.update({"space": run.space, "mesh": run.mesh, "traction": run.traction})
-            group.attrs["timed"] = run.timed
+            group.attrs.update({"timed": run.timed, "plain": run.plain})
             if run.contact_points is not None:
                 group.attrs["contact_points"] = run.contact_points
             if record.failed_at_deg is not None:
@@ -204,6 +204,7 @@ def _record(group: h5py.Group) -> Record:
         attributes["traction"],
         None if points is None else int(points),
         bool(attributes["timed"]),
+        bool(attributes["plain"]),
     )
     moments = frozen(group["moments"][()])
     return Record(

@@ -33,6 +33,7 @@ STEP = 0.1  # degree, as published
 _PUBLISHED_END, _PLATEAU_END = 150.0, 112.0  # degrees; the second is enough for reading the plateau
 _VARIANT_RANGE = (90.0, 102.5)  # degrees
 _TIMED_RANGE = (100.0, 102.0)  # degrees
+_PLAIN_RANGE = (60.0, _PUBLISHED_END)  # degrees: the front moves from here on
 #: The spaces that variants are computed of: every reading of the published names.
 VARIED_SPACES = (*SPACES, *CONTACT_ROW, *ELEVATED_ROW)
 
@@ -44,6 +45,7 @@ class Run:
     The published discretizations go on to the published end, others to where the plateau can be read. A
     variant of the adhesive force, projected or with another number of Gauss points, starts on the plateau,
     from the state of the run without it; and so does a timed one, of few steps that nothing else disturbs.
+    A plain one makes a new tangent for every correction, as the published study did, and starts before.
     """
 
     space: str
@@ -51,6 +53,7 @@ class Run:
     traction: Traction = "reference"
     contact_points: int | None = None
     timed: bool = False
+    plain: bool = False
 
     @property
     def name(self) -> str:
@@ -58,12 +61,13 @@ class Run:
         points = None if self.contact_points is None else f"{self.contact_points}points"
         traction = None if self.traction == "reference" else self.traction
         timed = "timed" if self.timed else None
-        return "-".join(part for part in (self.space, self.mesh, traction, points, timed) if part)
+        plain = "plain" if self.plain else None
+        return "-".join(part for part in (self.space, self.mesh, traction, points, timed, plain) if part)
 
     @property
     def base(self) -> "Run | None":
         """The run that a variant starts from; None where it is no variant."""
-        base = replace(self, traction="reference", contact_points=None, timed=False)
+        base = replace(self, traction="reference", contact_points=None, timed=False, plain=False)
         return None if base == self else base
 
     @property
@@ -71,6 +75,8 @@ class Run:
         """First and last angle."""
         if self.timed:
             return _TIMED_RANGE
+        if self.plain:
+            return _PLAIN_RANGE
         if self.base is not None:
             return _VARIANT_RANGE
         return 0.0, _PUBLISHED_END if self.space in SPACES else _PLATEAU_END
@@ -97,7 +103,7 @@ class Run:
     @property
     def key(self) -> str:
         """Fingerprint of all that the result depends on: the case, the angles, the code that computes it."""
-        defined_by = [self.case.text, self.range_deg, code_fingerprint()]
+        defined_by = [self.case.text, self.range_deg, self.plain, code_fingerprint()]
         return hashlib.sha256(json.dumps(defined_by).encode()).hexdigest()
 
     @property

@@ -8,7 +8,7 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from numba import cfunc, float64, int64, njit, void
+from numba import boolean, cfunc, float64, int64, njit, void
 
 from isopeel.arrays import FloatArray
 
@@ -17,8 +17,9 @@ _POINTS_2 = float64[:, ::1]
 _POINTS_3 = float64[:, :, ::1]
 _POINTS_5 = float64[:, :, :, :, ::1]
 
-#: (deformation_gradient (2, 2, n), parameters, n, energy (n), stress (2, 2, n), tangent (2, 2, 2, 2, n))
-MATERIAL_SIGNATURE = void(_POINTS_3, _VECTOR, int64, _VECTOR, _POINTS_3, _POINTS_5)
+#: (deformation_gradient (2, 2, n), parameters, n, energy (n), stress (2, 2, n), tangent (2, 2, 2, 2, n), and
+#: whether the tangent is asked for: a residual needs none)
+MATERIAL_SIGNATURE = void(_POINTS_3, _VECTOR, int64, _VECTOR, _POINTS_3, _POINTS_5, boolean)
 #: (gap (n), curvature (n), parameters, n, potential (n), traction (n), derivative (n))
 ADHESION_SIGNATURE = void(_VECTOR, _VECTOR, _VECTOR, int64, _VECTOR, _VECTOR, _VECTOR)
 #: (position (2, n), parameters, n, gap (n), normal (2, n), curvature (n))
@@ -81,7 +82,7 @@ def _call_material(
     P: FloatArray,
     A: FloatArray,
 ) -> None:
-    kernel(F, parameters, energy.size, energy, P, A)
+    kernel(F, parameters, energy.size, energy, P, A, True)
 
 
 @njit(cache=True)

@@ -111,19 +111,20 @@ def batch_source(
     constants: tuple[str, ...],
     outputs: "Mapping[str, sympy.Expr]",
     guard: str | None = None,
+    asked: "Mapping[str, Mapping[str, sympy.Expr]] | None" = None,
 ) -> str:
     """Write a batch function: for every point n, read the inputs, and set each output to its expression.
 
     `inputs` maps variable names to array entries, `outputs` array entries to expressions; common parts
     of the expressions are computed once. Where `guard`, a condition on the entries, does not hold, the
-    outputs are nan.
+    outputs are nan. What is `asked` for by an argument of its own is computed where that is true.
     """
     import sympy
 
     # the user's names get a prefix, so that they cannot meet those of the function itself
-    private = {symbol: sympy.Symbol(f"user_{symbol}") for e in outputs.values() for symbol in e.free_symbols}
-    expressions = [expression.xreplace(private) for expression in outputs.values()]
-    shared, reduced = sympy.cse(expressions, symbols=sympy.numbered_symbols("shared_"))
+    groups = {"": outputs, **(asked or {})}
+    every = [expression for group in groups.values() for expression in group.values()]
+    private = {symbol: sympy.Symbol(f"user_{symbol}") for e in every for symbol in e.free_symbols}
     lines = [f"def batch({arguments}):"]
     lines += [f"    user_{name} = parameters[{k}]" for k, name in enumerate(constants)]
     lines += ["    for n in range(count):"]
@@ -132,9 +133,16 @@ def batch_source(
         lines += [f"            {entry} = nan" for entry in outputs]
         lines += ["            continue"]
     lines += [f"        user_{name} = {entry}" for name, entry in inputs.items()]
-    lines += [f"        {symbol} = {_code(expression)}" for symbol, expression in shared]
-    pairs = zip(outputs, reduced, strict=True)
-    lines += [f"        {entry} = {_code(expression)}" for entry, expression in pairs]
+    for condition, group in groups.items():
+        indent = "        "
+        if condition:
+            lines += [f"        if {condition}:"]
+            indent = "            "
+        expressions = [expression.xreplace(private) for expression in group.values()]
+        shared, reduced = sympy.cse(expressions, symbols=sympy.numbered_symbols(f"shared_{condition}"))
+        lines += [f"{indent}{symbol} = {_code(expression)}" for symbol, expression in shared]
+        pairs = zip(group, reduced, strict=True)
+        lines += [f"{indent}{entry} = {_code(expression)}" for entry, expression in pairs]
     return "\n".join(lines) + "\n"
 
 

@@ -59,8 +59,8 @@ def summarize(
         "closed_form": closed_form and asdict(closed_form),
         "note": "; ".join(_notes(run, window, closed_form, onset, inside)) or None,
         "wall_time_s": wall_time,
-        "newton_iterations": iterations,
-        "newton_iterations_per_step": iterations / len(curve) if len(curve) else None,
+        "corrections": iterations,
+        "corrections_per_step": iterations / len(curve) if len(curve) else None,
         "jumps": [
             {parameter.name: float(curve.parameter[k]), "released_energy": float(curve.released_energy[k])}
             for k in _jumps(curve)

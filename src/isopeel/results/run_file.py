@@ -4,8 +4,10 @@ Layout: `case`, the TOML text; `curve/NAME` (n,) for each column, with its `unit
 `curve/energy_residuals` (m,), one for each Newton correction of all steps; `fields/parameter` (k,) in the
 unit of the parameter's column, and `fields/displacement` (k, functions, 2); `last`, the states of the last
 steps, from which the path goes on: `parameter` (l,) in the solver's unit, `displacement` (l, functions, 2),
-`unknown_values` (l, count), and `openings` (E, Q) after the last; `base` (functions, 2), the displacement
-that a stage after another began with; `failure`, where there was one; attributes of the root for all else.
+`unknown_values` (l, count), and `openings` (E, Q) after the last; `last/memory`, what the solver kept: where
+its tangent was made and the pairs (k, count) of `corrections` and `changes` since; `base` (functions, 2), the
+displacement that a stage after another began with; `failure`, where there was one; attributes of the root
+for all else.
 """
 
 from collections import deque
@@ -25,13 +27,14 @@ from isopeel.problem import Column, Drive, Problem
 from isopeel.results.curve import Curve
 from isopeel.results.files import replacing
 from isopeel.results.provenance import Provenance
-from isopeel.solve.trace import PREDICTOR_POINTS, State, Step
+from isopeel.solve.quasi_newton import Memory, Pair
+from isopeel.solve.trace import STATES_TO_GO_ON, State, Step
 from isopeel.splines.rows import RowSpace
 
 #: How a run ended; "running" is what the file of a killed run says.
 Ending = Literal["running", "completed", "not converged", "interrupted"]
 
-_FORMAT = "isopeel run 4"
+_FORMAT = "isopeel run 5"
 _SAVE_SECONDS = 1.0
 _SAVE_SHARE = 0.02  # of the time may go into saving
 _ROUND_OFF = 1e-9
@@ -112,7 +115,7 @@ class RunWriter:
         self._rows: list[Step] = []
         self._fields: dict[float, FloatArray] = {}
         self._last: dict[float, FloatArray] = {}
-        self._states: deque[State] = deque(maxlen=PREDICTOR_POINTS)
+        self._states: deque[State] = deque(maxlen=STATES_TO_GO_ON)
         self._ending: Ending = "running"
         self._failure: Failure | None = None
         self._next_save = 0.0
@@ -136,7 +139,9 @@ class RunWriter:
         """Take a step."""
         # the row without its field, which would fill the memory
         empty = np.empty((0, 2))
-        self._rows.append(replace(step, displacement=empty, openings=empty, unknown_values=empty[:, 0]))
+        self._rows.append(
+            replace(step, displacement=empty, openings=empty, unknown_values=empty[:, 0], memory=None)
+        )
         self._states.append(step.state)
         parameter = float(self._drive.parameter_column.shown(step.parameter))
         self._last = {parameter: step.displacement}
@@ -209,11 +214,13 @@ def _image(run: StoredRun) -> bytes:
         file["fields/parameter"] = np.array(list(run.fields), dtype=np.float64)
         file["fields/displacement"] = np.array(list(run.fields.values()), dtype=np.float64)
         if run.last:
-            parameters, displacements, openings, unknowns = zip(*run.last, strict=True)
+            parameters, displacements, openings, unknowns, memories = zip(*run.last, strict=True)
             file["last/parameter"] = np.array(parameters, dtype=np.float64)
             file["last/displacement"] = np.array(displacements)
             file["last/unknown_values"] = np.array(unknowns)
             file["last/openings"] = openings[-1]
+            if memories[-1] is not None:
+                _write_memory(file.create_group("last/memory"), memories[-1])
         if run.base is not None:
             file["base"] = run.base
         if run.failure is not None:
@@ -221,6 +228,27 @@ def _image(run: StoredRun) -> bytes:
         file.flush()
         image: bytes = file.id.get_file_image()
     return image
+
+
+def _write_memory(group: h5py.Group, memory: Memory) -> None:
+    group.attrs.update({"parameter": memory.parameter, "steps": memory.steps, "slow": memory.slow})
+    group["unknown_values"] = memory.unknown_values
+    group["openings"] = memory.openings
+    empty = np.empty((0, memory.unknown_values.size))
+    group["corrections"] = np.array([pair.correction for pair in memory.pairs] or empty)
+    group["changes"] = np.array([pair.change for pair in memory.pairs] or empty)
+
+
+def _memory(group: h5py.Group) -> Memory:
+    pairs = map(Pair.of, group["corrections"][()], group["changes"][()])
+    return Memory(
+        group["unknown_values"][()],
+        float(group.attrs["parameter"]),
+        frozen(group["openings"][()]),
+        tuple(pairs),
+        int(group.attrs["steps"]),
+        bool(group.attrs["slow"]),
+    )
 
 
 def _stored(file: h5py.File) -> StoredRun:
@@ -262,8 +290,9 @@ def _stored(file: h5py.File) -> StoredRun:
         stored = file["last"]
         arrays = (frozen(stored[name][()]) for name in ("displacement", "unknown_values"))
         openings = frozen(stored["openings"][()])
+        memory = _memory(stored["memory"]) if "memory" in stored else None
         last = tuple(
-            State(parameter, displacement, openings, unknowns)
+            State(parameter, displacement, openings, unknowns, memory)
             for parameter, displacement, unknowns in zip(
                 stored["parameter"][()].tolist(), *arrays, strict=True
             )

@@ -24,11 +24,15 @@ class NewtonSettings:
     times the elastic scale E x area of the body; the correction itself is still applied. `iteration_limit`
     corrections are made at most. Where that finds no equilibrium, as past a limit point, a path with `jumps`
     goes on from the next stable equilibrium that falling energy leads to.
+
+    `plain` makes a new tangent for every correction. Without it a path keeps its tangents as long as they
+    serve, and turns to plain Newton where that does not find an equilibrium quickly.
     """
 
     tolerance: float = 1e-20
     iteration_limit: int = 25
     jumps: bool = False
+    plain: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,6 +44,7 @@ class NewtonResult:
     load: float
     equilibrium: Equilibrium
     iterations: tuple[float, ...]
+    exact: bool = True  # to round-off, by a last correction of full Newton
 
 
 class ConvergenceError(ArithmeticError):

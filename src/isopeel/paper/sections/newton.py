@@ -9,45 +9,35 @@ from isopeel.paper.results import Results
 from isopeel.paper.study import Run
 from isopeel.report.document import Block, Picture, Table, Text
 from isopeel.report.wording import number
+from isopeel.solve.trace import PARABOLA_POINTS
 
 TITLE = "Newton's method"
+#: The spaces whose runs end early on one of the meshes, and one whose runs do not.
 _SPACES = ("L1", "N2", "N4", "N2.1")
-_PEELING_DEG = 60.0  # the front moves from here on
 
 
 def runs(meshes: Sequence[str]) -> list[Run]:
-    """Four spaces on the coarsest mesh that is asked for."""
-    return [Run(space, meshes[0]) for space in _SPACES]
+    """Four spaces, by plain Newton's method."""
+    return [Run(space, mesh, plain=True) for mesh in meshes for space in _SPACES]
 
 
 def blocks(results: Results, meshes: Sequence[str]) -> Iterator[Block]:
-    """The energy residuals of a step that converges and of one that does not, and how far each run got."""
-    shown = runs(meshes)
+    """How far plain Newton comes, and the energy residuals of steps that converge and do not."""
+    shown = [run for run in runs(meshes) if run in results.records]
     yield Text(
-        "The measure is the energy residual per unknown, |R . dz|/n, in E0 L0^3 for a width of L0. On a "
+        "The published study makes a new tangent for every correction; so do the runs of this section, from "
+        f"{runs(meshes)[0].range_deg[0]:g} degrees on. The measure is the energy residual per unknown, "
+        "|R . dz|/n, in E0 L0^3 for a width of L0. On a "
         "coarse mesh the moment drops within a step or two while the front passes an element. Newton's "
         "method then starts far from the next equilibrium, the more so as it starts from the parabola "
         "through the last three; and beyond a limit point, where the path turns back, there may be no "
         "equilibrium nearby. So the angle where a run ends is one of the mesh, the step and the predictor "
-        "together; the last column tells whether the step that failed can be made from the last state alone."
+        "together; one column tells whether the step that failed can be made from the last state alone, "
+        "the last one where the runs of the tables end, which start from more states and keep their tangents."
     )
-    ended = [record for record in results.records.values() if record.run.base is None and record.ended]
-    ended.sort(key=lambda record: record.run.name)
-    rows = [
-        (
-            record.run.name,
-            f"{record.reached_deg:.1f}",
-            number(record.failed_at_deg, 1),
-            f"{record.corrections / max(1, len(record.angles_deg)):.2f}",
-            record.reason or "complete",
-            {True: "yes", False: "no", None: ""}[record.goes_on],
-        )
-        for record in (*(results.records[run] for run in shown), *ended)
-    ]
     yield Table(
         "newton",
-        "How far plain Newton comes in steps of 0.1 degree: the four runs that are drawn, and all that end "
-        "early.",
+        "How far plain Newton comes in steps of 0.1 degree.",
         (
             "run",
             "last equilibrium / degree",
@@ -55,14 +45,30 @@ def blocks(results: Results, meshes: Sequence[str]) -> Iterator[Block]:
             "corrections per step",
             "ending",
             "from the last state alone",
+            "by kept tangents fails at / degree",
         ),
-        tuple(dict.fromkeys(rows)),
+        tuple(_row(results, run) for run in shown),
     )
+    drawn = [run for run in shown if run.mesh == meshes[0]]
     yield Picture(
         "residuals-of-newton",
-        "Energy residual of each correction: the last step that converged and the one that did not, or the "
-        "hardest step while the front moves, where all converged.",
-        lambda: newton_figure([h for run in shown for h in _histories(results, run)]),
+        f"Energy residual of each correction on {meshes[0]}: the last step that converged and the one that "
+        "did not, or the hardest step, where all converged.",
+        lambda: newton_figure([history for run in drawn for history in _histories(results, run)]),
+    )
+
+
+def _row(results: Results, run: Run) -> tuple[str, ...]:
+    assert run.base is not None
+    record, base = results.records[run], results.records[run.base]
+    return (
+        run.base.name,
+        f"{record.reached_deg:.1f}",
+        number(record.failed_at_deg, 1),
+        f"{record.corrections / max(1, len(record.angles_deg)):.2f}",
+        record.reason or "complete",
+        {True: "yes", False: "no", None: ""}[record.goes_on],
+        number(base.failed_at_deg, 1),
     )
 
 
@@ -70,9 +76,8 @@ def _histories(results: Results, run: Run) -> Iterator[NewtonHistory]:
     stored = results.stored(run)
     step = len(stored.curve) - 1
     if stored.failure is None:
-        # where nothing failed, the hardest step while the front moves tells the most
-        moving = stored.curve.parameter >= _PEELING_DEG
-        step = int(np.argmax(np.where(moving, stored.curve.iterations, 0)))
+        # where nothing failed, the hardest step tells the most, once there are three states for a parabola
+        step = PARABOLA_POINTS + int(np.argmax(stored.curve.iterations[PARABOLA_POINTS:]))
     angle, residuals = stored.curve.parameter[step], stored.curve.residuals_of(step)
     yield NewtonHistory(run.space, float(angle), tuple(residuals.tolist()), converged=True)
     if stored.failure is not None:

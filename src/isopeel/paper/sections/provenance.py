@@ -24,7 +24,7 @@ def blocks(results: Results) -> Iterator[Block]:
     )
     yield Table(
         "runs",
-        "The runs, in steps of 0.1 degree. Variants of the force and timed runs start from the run without.",
+        "The runs, in steps of 0.1 degree. Variants, timed and plain runs start from the run without.",
         ("run", "from / degree", "to / degree", "corrections", "seconds", "started", "by", "ending"),
         tuple(
             (

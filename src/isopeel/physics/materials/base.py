@@ -26,7 +26,7 @@ class Material(Protocol):
 
     @property
     def kernel(self) -> BatchFunction:
-        """Batch function of `MATERIAL_SIGNATURE`: energy density, P = d psi/dF and dP/dF."""
+        """Batch function of `MATERIAL_SIGNATURE`: energy density, P = d psi/dF and, on request, dP/dF."""
         ...
 
     def out_of_plane_stress(self, deformation_gradient: FloatArray) -> FloatArray:

@@ -158,13 +158,13 @@ def _source(energy: str, constants: tuple[str, ...]) -> str:
     psi, stress = _derive(energy, constants)
     plane = {sympy.Symbol("F33", real=True): 1}
     index = {name: f"{int(name[1]) - 1}, {int(name[2]) - 1}" for name in _IN_PLANE}
-    outputs = {"energy[n]": psi.subs(plane)}
+    outputs, tangent = {"energy[n]": psi.subs(plane)}, {}
     for one in _IN_PLANE:
         outputs[f"P[{index[one]}, n]"] = stress[one].subs(plane)
         for other in _IN_PLANE:
             derivative = stress[one].diff(sympy.Symbol(other, real=True)).subs(plane)
-            outputs[f"A[{index[one]}, {index[other]}, n]"] = derivative
+            tangent[f"A[{index[one]}, {index[other]}, n]"] = derivative
     inputs = {name: f"F[{index[name]}, n]" for name in _IN_PLANE}
-    arguments = "F, parameters, count, energy, P, A"
-    check_smooth("material.energy", energy, outputs.values())
-    return batch_source(arguments, inputs, constants, outputs)
+    arguments = "F, parameters, count, energy, P, A, tangent"
+    check_smooth("material.energy", energy, [*outputs.values(), *tangent.values()])
+    return batch_source(arguments, inputs, constants, outputs, asked={"tangent": tangent})

@@ -95,6 +95,7 @@ def _mooney_rivlin(
     energy: FloatArray,
     P: FloatArray,
     A: FloatArray,
+    tangent: bool,
 ) -> None:
     kappa = parameters[2]
     for n in range(count):
@@ -127,6 +128,8 @@ def _mooney_rivlin(
         P[0, 1, n] = a * F01 + p * C01
         P[1, 0, n] = a * F10 + p * C10
         P[1, 1, n] = a * F11 + p * C11
+        if not tangent:
+            continue
         # dP_iJ/dF_kL = a d_ik d_JL + C_iJ D_kL + D_iJ C_kL + p dC_iJ/dF_kL, D = da/dJ F + 1/2 dp/dJ C
         a_J = -4.0 / 3.0 * inverse_J * (c1 + 2.0 * c2)
         half_p_J = (

@@ -9,6 +9,7 @@ import numpy as np
 from isopeel.arrays import FloatArray
 from isopeel.errors import InputError
 from isopeel.physics.batch import MATERIAL_SIGNATURE, BatchFunction, compile_batch
+from isopeel.physics.logarithm import log
 from isopeel.quantities import Number, Stress
 
 
@@ -78,38 +79,37 @@ def _neo_hooke(
     energy: FloatArray,
     P: FloatArray,
     A: FloatArray,
+    tangent: bool,
 ) -> None:
     mu = parameters[0]
     lam = parameters[1]
+    J = np.empty(count)
+    c = np.empty(count)
+    G = np.empty((2, 2, count))  # F^-1
+    # loops over few arrays each: one over all of them could not prove that they do not overlap, and would
+    # not run in vector registers
     for n in range(count):
-        J = F[0, 0, n] * F[1, 1, n] - F[0, 1, n] * F[1, 0, n]
+        J[n] = F[0, 0, n] * F[1, 1, n] - F[0, 1, n] * F[1, 0, n]
+    for n in range(count):
         # an inverted point has no energy: nan tells the solver, which then finds the point
-        log_J = np.log(J) if J > 0.0 else np.nan
-        G00 = F[1, 1, n] / J  # G = F^-1
-        G01 = -F[0, 1, n] / J
-        G10 = -F[1, 0, n] / J
-        G11 = F[0, 0, n] / J
-        square = F[0, 0, n] ** 2 + F[0, 1, n] ** 2 + F[1, 0, n] ** 2 + F[1, 1, n] ** 2
-        energy[n] = 0.5 * mu * (square - 2.0 - 2.0 * log_J) + 0.5 * lam * log_J * log_J
-        c = lam * log_J - mu
-        P[0, 0, n] = mu * F[0, 0, n] + c * G00
-        P[0, 1, n] = mu * F[0, 1, n] + c * G10
-        P[1, 0, n] = mu * F[1, 0, n] + c * G01
-        P[1, 1, n] = mu * F[1, 1, n] + c * G11
-        # dP_iJ/dF_kL = mu d_ik d_JL - c G_Jk G_Li + lambda G_Ji G_Lk
-        A[0, 0, 0, 0, n] = mu + (lam - c) * G00 * G00
-        A[0, 0, 0, 1, n] = (lam - c) * G00 * G10
-        A[0, 0, 1, 0, n] = (lam - c) * G00 * G01
-        A[0, 0, 1, 1, n] = lam * G00 * G11 - c * G01 * G10
-        A[0, 1, 0, 0, n] = A[0, 0, 0, 1, n]
-        A[0, 1, 0, 1, n] = mu + (lam - c) * G10 * G10
-        A[0, 1, 1, 0, n] = lam * G10 * G01 - c * G11 * G00
-        A[0, 1, 1, 1, n] = (lam - c) * G10 * G11
-        A[1, 0, 0, 0, n] = A[0, 0, 1, 0, n]
-        A[1, 0, 0, 1, n] = A[0, 1, 1, 0, n]
-        A[1, 0, 1, 0, n] = mu + (lam - c) * G01 * G01
-        A[1, 0, 1, 1, n] = (lam - c) * G01 * G11
-        A[1, 1, 0, 0, n] = A[0, 0, 1, 1, n]
-        A[1, 1, 0, 1, n] = A[0, 1, 1, 1, n]
-        A[1, 1, 1, 0, n] = A[1, 0, 1, 1, n]
-        A[1, 1, 1, 1, n] = mu + (lam - c) * G11 * G11
+        log_J = log(J[n])
+        c[n] = lam * log_J - mu
+        energy[n] = (0.5 * lam * log_J - mu) * log_J - mu
+    for i in range(2):
+        for K in range(2):
+            sign = 1.0 if i == K else -1.0
+            for n in range(count):
+                energy[n] += 0.5 * mu * F[i, K, n] * F[i, K, n]
+                G[K, i, n] = sign * F[1 - i, 1 - K, n] / J[n]
+            for n in range(count):
+                P[i, K, n] = mu * F[i, K, n] + c[n] * G[K, i, n]
+    if not tangent:
+        return
+    for one in range(4):
+        for other in range(one + 1):
+            i, K, k, L = one // 2, one % 2, other // 2, other % 2
+            # dP_iK/dF_kL = mu d_ik d_KL - c G_Kk G_Li + lambda G_Ki G_Lk
+            same = mu if one == other else 0.0
+            for n in range(count):
+                A[i, K, k, L, n] = same - c[n] * G[K, k, n] * G[L, i, n] + lam * G[K, i, n] * G[L, k, n]
+            A[k, L, i, K, :count] = A[i, K, k, L, :count]

@@ -94,8 +94,9 @@ def _compiled(material: BatchFunction) -> BatchFunction:
         energy: FloatArray,
         P: FloatArray,
         A: FloatArray,
+        tangent: bool,
     ) -> None:
-        wrapper(material, F, parameters, count, energy, P, A)
+        wrapper(material, F, parameters, count, energy, P, A, tangent)
 
     return compile_batch(MATERIAL_SIGNATURE, batch, cache=False)
 
@@ -115,6 +116,7 @@ def _prestretched(
     energy: FloatArray,
     P: FloatArray,
     A: FloatArray,
+    tangent: bool,
 ) -> None:
     own = parameters.size - 2
     F_0 = parameters[own:]
@@ -124,13 +126,15 @@ def _prestretched(
         for J in range(2):
             for n in range(count):
                 elastic[i, J, n] = F[i, J, n] * F_0[J]
-    material(elastic, parameters[:own], count, energy, P, A)
+    material(elastic, parameters[:own], count, energy, P, A, tangent)
     for n in range(count):
         energy[n] /= J_0
     for i in range(2):
         for J in range(2):
             for n in range(count):
                 P[i, J, n] *= F_0[J] / J_0
+            if not tangent:
+                continue
             for k in range(2):
                 for L in range(2):
                     for n in range(count):

@@ -78,6 +78,7 @@ def _saint_venant_kirchhoff(
     energy: FloatArray,
     P: FloatArray,
     A: FloatArray,
+    tangent: bool,
 ) -> None:
     mu = parameters[0]
     lam = parameters[1]
@@ -98,6 +99,8 @@ def _saint_venant_kirchhoff(
         P[0, 1, n] = F00 * S01 + F01 * S11
         P[1, 0, n] = F10 * S00 + F11 * S01
         P[1, 1, n] = F10 * S01 + F11 * S11
+        if not tangent:
+            continue
         # dP_iJ/dF_kL = d_ik S_JL + lambda F_iJ F_kL + mu (F_iL F_kJ + B_ik d_JL) with B = F F^T
         B00 = mu * (F00 * F00 + F01 * F01)
         B01 = mu * (F00 * F10 + F01 * F11)

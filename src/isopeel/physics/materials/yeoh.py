@@ -94,6 +94,7 @@ def _yeoh(
     energy: FloatArray,
     P: FloatArray,
     A: FloatArray,
+    tangent: bool,
 ) -> None:
     c10 = parameters[0]
     c20 = parameters[1]
@@ -126,6 +127,8 @@ def _yeoh(
         P[0, 1, n] = a * F01 + p * C01
         P[1, 0, n] = a * F10 + p * C10
         P[1, 1, n] = a * F11 + p * C11
+        if not tangent:
+            continue
         # dP_iJ/dF_kL = a d_ik d_JL + F_iJ H_kL + C_iJ D_kL + p dC_iJ/dF_kL,
         # H = 2 da/d(F:F) F + da/dJ C and D = da/dJ F + dp/dJ C
         a_F = 4.0 * curvature * scale * scale

@@ -11,8 +11,10 @@ from skfem.assembly.form.coo_data import COOData
 from skfem.assembly.form.form import FormExtraParams
 from skfem.helpers import dot, grad
 
-from scikit_fem_strip.problem import EQUILIBRIUM_GAP, FloatArray, adhesion, invert, moduli, stress
-from scikit_fem_strip.strip import Strip, deformation_gradient, interpolate
+from peers.laws import EQUILIBRIUM_GAP, FloatArray, adhesion, invert, moduli, stress
+from peers.pardiso import SymmetricSolver
+from peers.scikit_fem.program import starter
+from peers.scikit_fem.strip import Strip, deformation_gradient, interpolate
 
 
 class FormsAssembly:
@@ -74,3 +76,5 @@ def _tangent(block: FloatArray) -> BilinearForm:
 INTERNAL_FORCE = LinearForm(lambda v, w: dot(w.P, grad(v)))
 ADHESIVE_FORCE = LinearForm(lambda v, w: -w.traction * v)
 ADHESIVE_TANGENT = BilinearForm(lambda u, v, w: -w.stiffness * u * v)
+
+start = starter(FormsAssembly, SymmetricSolver)

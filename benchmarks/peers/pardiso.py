@@ -5,7 +5,7 @@ from pypardiso import PyPardisoSolver
 from pypardiso.pardiso_wrapper import PyPardisoError
 from scipy.sparse import csr_matrix
 
-from scikit_fem_strip.problem import FloatArray
+from peers.laws import FloatArray
 
 POSITIVE_DEFINITE, INDEFINITE, NOT_POSITIVE_DEFINITE = 2, -2, -4
 ANALYSIS, FACTORIZATION_AND_SOLUTION = 11, 23
@@ -21,6 +21,8 @@ class SymmetricSolver:
         self._solvers: dict[int, PyPardisoSolver] = {}
 
     def __call__(self, matrix: csr_matrix, right_hand_side: FloatArray) -> FloatArray:
+        if not self._solvers:
+            self._solvers = {kind: _analyse(kind, matrix) for kind in (POSITIVE_DEFINITE, INDEFINITE)}
         try:
             return self._solve(POSITIVE_DEFINITE, matrix, right_hand_side)
         except PyPardisoError as error:
@@ -29,8 +31,6 @@ class SymmetricSolver:
         return self._solve(INDEFINITE, matrix, right_hand_side)
 
     def _solve(self, kind: int, matrix: csr_matrix, right_hand_side: FloatArray) -> FloatArray:
-        if kind not in self._solvers:
-            self._solvers[kind] = _analyse(kind, matrix)
         # PyPardisoSolver.solve would analyse the pattern each time and refine the solution twice
         solution: FloatArray = self._solvers[kind]._call_pardiso(matrix, right_hand_side)
         return solution

@@ -6,7 +6,7 @@ from skfem import Dofs, MeshQuad
 from skfem.element import Element, ElementH1
 from skfem.refdom import RefQuad
 
-from scikit_fem_strip.problem import FloatArray, IntArray
+from peers.laws import FloatArray, IntArray
 
 
 class ElementQuadLagrangeByLinear(ElementH1):  # type: ignore[misc]

@@ -7,7 +7,7 @@ BLAS products, which users of scikit-fem don't write. They are summed into one f
 import numpy as np
 from scipy.sparse import coo_matrix, csr_matrix
 
-from scikit_fem_strip.problem import (
+from peers.laws import (
     EQUILIBRIUM_GAP,
     LAME_LAMBDA,
     SHEAR_MODULUS,
@@ -16,10 +16,12 @@ from scikit_fem_strip.problem import (
     invert,
     stress,
 )
-from scikit_fem_strip.strip import Strip
+from peers.pardiso import SymmetricSolver
+from peers.scikit_fem.program import starter
+from peers.scikit_fem.strip import Strip
 
 
-class BlasAssembly:
+class TunedAssembly:
     """Residual and tangent of a strip; the next call overwrites the tangent."""
 
     def __init__(self, strip: Strip) -> None:
@@ -98,3 +100,6 @@ class BlasAssembly:
         np.subtract(LAME_LAMBDA * crossed, factor * straight, out=self._moduli[3])
         np.matmul(self._mixed_components, self._moduli.reshape(-1, self._nodes.shape[1]), out=mixed)
         np.matmul(self._contact_products, -stiffness, out=adhesive)
+
+
+start = starter(TunedAssembly, SymmetricSolver)

@@ -1,13 +1,13 @@
 """Assembly as scikit-fem's examples of hyperelasticity show it: vector-valued, laws inside the forms."""
 
 import numpy as np
+from pypardiso import spsolve
 from scipy.sparse import csr_matrix
 from skfem import BilinearForm, CellBasis, DiscreteField, ElementVector, FacetBasis, LinearForm
 from skfem.assembly.form.form import FormExtraParams
 from skfem.helpers import ddot, grad, identity, mul, trace, transpose
 
-from scikit_fem_strip.element import NumberedDofs
-from scikit_fem_strip.problem import (
+from peers.laws import (
     EQUILIBRIUM_GAP,
     LAME_LAMBDA,
     SHEAR_MODULUS,
@@ -16,7 +16,9 @@ from scikit_fem_strip.problem import (
     invert,
     stress,
 )
-from scikit_fem_strip.strip import Strip
+from peers.scikit_fem.element import NumberedDofs
+from peers.scikit_fem.program import starter
+from peers.scikit_fem.strip import Strip
 
 
 class PlainAssembly:
@@ -72,3 +74,5 @@ def _adhesion(u: DiscreteField) -> tuple[FloatArray, FloatArray]:
 INTERNAL_FORCE, TANGENT = LinearForm(_internal_force), BilinearForm(_tangent)
 ADHESIVE_FORCE = LinearForm(lambda v, w: -_adhesion(w.u_k)[0] * v[1])
 ADHESIVE_TANGENT = BilinearForm(lambda u, v, w: -_adhesion(w.u_k)[1] * u[1] * v[1])
+
+start = starter(PlainAssembly, lambda: spsolve)

@@ -3,8 +3,9 @@
 import numpy as np
 from skfem import CellBasis, FacetBasis, MeshQuad
 
-from scikit_fem_strip.element import ElementQuadLagrangeByLinear, NumberedDofs
-from scikit_fem_strip.problem import ADHERING_LENGTH, HEIGHT, LENGTH, FloatArray, IntArray, invert, stress
+from peers.grid import gauss
+from peers.laws import ADHERING_LENGTH, HEIGHT, LENGTH, FloatArray, IntArray, invert, stress
+from peers.scikit_fem.element import ElementQuadLagrangeByLinear, NumberedDofs
 
 
 class Strip:
@@ -15,10 +16,6 @@ class Strip:
     """
 
     def __init__(self, degree: int, elements: tuple[int, int]) -> None:
-        adhering = elements[0] * ADHERING_LENGTH / LENGTH
-        if degree < 1 or min(elements) < 1 or adhering != round(adhering):
-            allowed = "3/4 of the elements along x must adhere"
-            raise ValueError(f"degree {degree} or mesh {elements} cannot be used; {allowed}")
         x, y = np.linspace(0, LENGTH, elements[0] + 1), np.linspace(0, HEIGHT, elements[1] + 1)
         mesh = MeshQuad.init_tensor(x, y)
         # init_tensor runs through y first: turned so that the reference axes are the strip's
@@ -53,7 +50,7 @@ class Strip:
     def bases(self, numbers: IntArray, count: int) -> tuple[CellBasis, FacetBasis]:
         """Return the bases of the bulk and the adhering face for these numbers of nodes, below `count`."""
         dofs = NumberedDofs(self._mesh, self._element, numbers[self.nodes], count)
-        (x, weight_x), (y, weight_y) = _gauss(self._element.degree + 1), _gauss(2)
+        (x, weight_x), (y, weight_y) = gauss(self._element.degree + 1), gauss(2)
         points = np.array(np.meshgrid(x, y)).reshape(2, -1), np.outer(weight_y, weight_x).ravel()
         return (
             CellBasis(self._mesh, self._element, quadrature=points, dofs=dofs),
@@ -96,8 +93,3 @@ def deformation_gradient(basis: CellBasis, u: FloatArray) -> FloatArray:
     F[0, 0] += 1
     F[1, 1] += 1
     return F
-
-
-def _gauss(count: int) -> tuple[FloatArray, FloatArray]:
-    points, weights = np.polynomial.legendre.leggauss(count)
-    return (points + 1) / 2, weights / 2

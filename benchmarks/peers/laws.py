@@ -3,7 +3,7 @@
 Lengths in nm, stresses in units of Young's modulus E0 = 2 GPa, moments in E0 nm^3 for a width of 1 nm.
 """
 
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +17,9 @@ LAME_LAMBDA = POISSON_RATIO / ((1 + POISSON_RATIO) * (1 - 2 * POISSON_RATIO))
 SHEAR_MODULUS = 1 / (2 * (1 + POISSON_RATIO))
 HAMAKER, INTERACTION_DISTANCE = 0.05, 0.4
 EQUILIBRIUM_GAP = INTERACTION_DISTANCE / 15 ** (1 / 6)
+TRACTION_SCALE = HAMAKER / (2 * np.pi * INTERACTION_DISTANCE**3)
+#: T' at the equilibrium gap, where T is zero.
+EQUILIBRIUM_STIFFNESS = -2 * 15 ** (2 / 3) * TRACTION_SCALE / INTERACTION_DISTANCE
 
 
 def invert(F: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -54,6 +57,11 @@ def adhesion(gap: FloatArray) -> tuple[FloatArray, FloatArray]:
     gap_used = np.maximum(gap, EQUILIBRIUM_GAP)
     ratio = INTERACTION_DISTANCE / gap_used
     cube = ratio**3
-    scale = HAMAKER / (2 * np.pi * INTERACTION_DISTANCE**3)
-    stiffness = scale / INTERACTION_DISTANCE * ratio * cube * (1 - cube**2 / 5)
-    return scale * cube * (cube**2 / 45 - 1 / 3) + stiffness * (gap - gap_used), stiffness
+    stiffness = TRACTION_SCALE / INTERACTION_DISTANCE * ratio * cube * (1 - cube**2 / 5)
+    return attraction(gap_used) + stiffness * (gap - gap_used), stiffness
+
+
+def attraction(gap: Any) -> Any:
+    """Return T beyond the equilibrium gap, of numbers or of a library's symbols."""
+    cube = (INTERACTION_DISTANCE / gap) ** 3
+    return TRACTION_SCALE * cube * (cube**2 / 45 - 1 / 3)

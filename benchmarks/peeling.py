@@ -1,0 +1,62 @@
+"""The peeled strip, led to its plateau by large steps, and on by small ones that are timed."""
+
+from collections.abc import Iterator
+from itertools import islice
+from typing import NamedTuple
+
+import numpy as np
+
+import isopeel
+from isopeel.arrays import FloatArray
+
+#: Degrees of a timed step, as in the published study.
+STEP = 0.1
+#: Timed steps: as many as a kept tangent serves at most, so that its making is among them.
+TIMED = 40
+#: Small steps before the timed ones: as many as the predictor looks back to, and some for the kept tangent.
+SETTLING = 10
+#: Of the shipped strip in nm, and of its right end that does not adhere.
+LENGTH = 200.0
+FREE_LENGTH = 50.0
+
+
+class Strip(NamedTuple):
+    """A strip and its space; `length` in nm."""
+
+    space: str
+    mesh: tuple[int, int]
+    length: float = LENGTH
+
+    @property
+    def problem(self) -> isopeel.Problem:
+        """The shipped strip, longer or not: the same free end is bent up from what adheres."""
+        return isopeel.strip(length=self.length, adhering_length=self.length - FREE_LENGTH)
+
+    @property
+    def row_space(self) -> isopeel.RowSpace:
+        """Its space."""
+        return isopeel.row_space(self.space, self.mesh)
+
+
+def peel(strip: Strip, reach: float, coarse: float, steps: int) -> Iterator[isopeel.Step]:
+    """Trace up to `reach` degrees by coarse steps and some small ones; return the `steps` to come.
+
+    What came before is not kept: a step holds what the solver learned in it.
+    """
+    angles = angles_deg(reach, coarse, steps)
+    path = isopeel.trace(strip.problem, strip.row_space, np.radians(angles))
+    for _ in islice(path, len(angles) - steps):
+        pass
+    return path
+
+
+def angles_deg(reach: float, coarse: float, steps: int) -> FloatArray:
+    """Degrees from zero to `reach`, and `steps` beyond."""
+    small = reach + STEP * np.arange(-SETTLING, steps + 1)
+    return np.concatenate([np.arange(0, small[0] - STEP / 2, coarse), small])
+
+
+def left_out(strip: Strip, error: isopeel.ConvergenceError) -> str:
+    """Say why a strip is not timed: on a coarse mesh the peeling front jumps from element to element."""
+    shown = "{} {}x{}".format(strip.space, *strip.mesh)
+    return f"{shown} is left out: no equilibrium at {np.degrees(error.parameter):g} degrees"

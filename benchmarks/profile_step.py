@@ -1,0 +1,209 @@
+"""Where the time of a load step goes, and what bounds it: operations, bytes, and the machine."""
+
+import sys
+from collections.abc import Iterable
+from dataclasses import dataclass
+from statistics import mean
+from typing import Annotated
+
+import numpy as np
+import typer
+from rich.table import Table
+from threadpoolctl import threadpool_limits
+
+import isopeel
+import machine
+import work
+from clock import PARTS, Clock
+from isopeel.arrays import FloatArray
+from isopeel.assembly.system import System
+from isopeel.case import parse_mesh
+from isopeel.paper.study import MESHES, SPACES
+from isopeel.solve.linear import BandCholesky
+from isopeel.solve.quasi_newton import Pair, _product
+from peeling import STEP, TIMED, Strip, left_out, peel
+from printing import plain_table, wide_console
+from work import Work
+
+
+@dataclass(frozen=True)
+class Profile:
+    """Of one space and mesh."""
+
+    strip: Strip
+    unknowns: int
+    half_bandwidth: int
+    alone: dict[str, float]  # least seconds of a call of each part
+    work: dict[str, Work]
+    clock: Clock
+    steps: list[isopeel.Step]
+
+    @property
+    def label(self) -> tuple[str, str]:
+        return self.strip.space, "{}x{}".format(*self.strip.mesh)
+
+    @property
+    def wall(self) -> float:
+        """Mean seconds of a step."""
+        return mean(step.seconds for step in self.steps)
+
+    @property
+    def corrections(self) -> float:
+        """Per step, as calls of all parts are."""
+        return mean(len(step.iterations) for step in self.steps)
+
+    def calls(self, part: str) -> float:
+        return self.clock.calls[part] / len(self.steps)
+
+    def share(self, part: str) -> float:
+        """Of the time of all steps."""
+        return self.clock.seconds[part] / sum(step.seconds for step in self.steps)
+
+
+def profile(strip: Strip, reach: float, coarse: float, steps: int) -> Profile:
+    """Time and count the parts of some steps from an angle on; then each part alone, where they ended."""
+    path = peel(strip, reach, coarse, steps)
+    clock = Clock()
+    timed: list[isopeel.Step] = []
+    pairs: tuple[Pair, ...] = ()
+    with clock.running():
+        for step in path:
+            timed.append(step)
+            # only the last step has its memory
+            pairs = max(pairs, _learned(step), key=len)
+    system = System(strip.problem, strip.row_space)
+    u, load = system.state(timed[-1].unknown_values, timed[-1].parameter)
+    residual = system.equilibrium(u, load).residual
+    n, b = system.constraints.count, system.half_bandwidth
+    alone = parts_alone(system, u, load, residual, list(pairs))
+    needed = {
+        "forces": work.forces(system),
+        "tangent": work.tangent(system),
+        "factor": work.factorization(n, b),
+        "solve": work.solution(n, b),
+        "update": work.update(n, len(pairs)),
+    }
+    return Profile(strip, n, b, alone, needed, clock, timed)
+
+
+def _learned(step: isopeel.Step) -> tuple[Pair, ...]:
+    memory = step.state.memory
+    return () if memory is None else memory.pairs
+
+
+def parts_alone(
+    system: System, u: FloatArray, load: float, residual: FloatArray, pairs: list[Pair]
+) -> dict[str, float]:
+    """Least seconds of each part, of coefficients u (size, 2) and a residual (count,)."""
+    _, matrix = system.linearize(u, load=load)
+    tangent = matrix.entries.copy()
+    alone = {
+        "forces": machine.least_seconds(lambda: system.equilibrium(u, load)),
+        "tangent": machine.least_seconds(lambda: system.linearize(u, load=load)),
+        # the factor takes the place of the tangent
+        "factor": machine.least_seconds(
+            lambda: BandCholesky.of(matrix), lambda: np.copyto(matrix.entries, tangent)
+        ),
+    }
+    np.copyto(matrix.entries, tangent)
+    factor = BandCholesky.of(matrix)
+    alone["solve"] = machine.least_seconds(lambda: factor.solve(residual))
+    alone["update"] = machine.least_seconds(lambda: _product(factor, pairs, residual)) - alone["solve"]
+    return alone
+
+
+def parts_table(profiles: Iterable[Profile]) -> Table:
+    """Sizes, and milliseconds of one call of each part."""
+    table = plain_table(
+        "milliseconds of one call",
+        *("space", "mesh", "unknowns", "half-band", "forces", "tangent", "factor", "solve", "update"),
+        caption="the least of many calls; tangent: with forces;\nupdate: what the pairs add to a solution",
+    )
+    for one in profiles:
+        alone = [f"{1e3 * one.alone[part]:.3f}" for part in PARTS if part in one.alone]
+        table.add_row(*one.label, str(one.unknowns), str(one.half_bandwidth), *alone)
+    return table
+
+
+def steps_table(profiles: Iterable[Profile]) -> Table:
+    """A load step: its time, what it calls, and the share of each part in percent."""
+    table = plain_table(
+        "a load step: milliseconds, calls, and shares in percent",
+        *("space", "mesh", "ms", "corrections", "forces", "tangents"),
+        *(f"{part}\n%" for part in (*PARTS, "rest")),
+        caption="means of all timed steps; shares of what was spent within them",
+    )
+    for one in profiles:
+        shares = [one.share(part) for part in PARTS]
+        counts = [f"{n:.2f}" for n in (one.corrections, one.calls("forces"), one.calls("tangent"))]
+        percent = [f"{100 * share:.1f}" for share in (*shares, 1 - sum(shares))]
+        table.add_row(*one.label, f"{1e3 * one.wall:.2f}", *counts, *percent)
+    return table
+
+
+def bounds_table(profiles: Iterable[Profile], ceiling: machine.Ceiling) -> Table:
+    """Work of one call of each part, and what the machine reaches in it."""
+    table = plain_table(
+        "work of one call, and what is reached",
+        *("space", "mesh", "part", "MFlop", "MB", "ms", "GFlop/s", "GB/s", "copy\nGB/s"),
+        *("flops\nms", "bytes\nms", "reached\n%"),
+        caption=f"one core at best: {ceiling.matrix_product:.1f} GFlop/s in dgemm,"
+        f" {ceiling.vector_sum:.1f} in y += a x within the first cache, {ceiling.copy:.1f} GB/s\n"
+        "in a copy beyond all caches; copy: of as many bytes as the part moves; flops, bytes: what they\n"
+        "take at the pace of dgemm and of that copy; reached: the longer of the two by what the part takes",
+        labels=3,
+    )
+    for one in profiles:
+        for part, needed in one.work.items():
+            seconds, copy = one.alone[part], machine.copy_rate(needed.moved)
+            at_least = needed.flops / ceiling.matrix_product / 1e9, needed.moved / copy / 1e9
+            table.add_row(
+                *one.label,
+                part,
+                f"{needed.flops / 1e6:.3f}",
+                f"{needed.moved / 1e6:.3f}",
+                f"{1e3 * seconds:.3f}",
+                f"{needed.flops / seconds / 1e9:.2f}",
+                f"{needed.moved / seconds / 1e9:.2f}",
+                f"{copy:.1f}",
+                *(f"{1e3 * least:.3f}" for least in at_least),
+                f"{100 * max(at_least) / seconds:.0f}",
+            )
+        table.add_section()
+    return table
+
+
+def main(
+    space: Annotated[list[str] | None, typer.Option(help="All of the published study; repeatable.")] = None,
+    mesh: Annotated[
+        list[str] | None, typer.Option(help="m1, m2, m3, or elements such as 200x10; repeatable.")
+    ] = None,
+    reach: Annotated[float, typer.Option(help="Degrees that untimed steps lead to.")] = 90.0,
+    coarse: Annotated[float, typer.Option(help="Degrees of an untimed step.")] = 0.5,
+    steps: Annotated[int, typer.Option(min=1, help=f"Timed steps, of {STEP} degrees.")] = TIMED,
+) -> None:
+    """Tell where the time of a load step of the peeled strip goes, on one thread."""
+    strips = [
+        Strip(name, MESHES.get(elements) or parse_mesh("--mesh", elements))
+        for name in space or SPACES
+        for elements in mesh or ["m2"]
+    ]
+    console = wide_console()
+    profiles = []
+    with threadpool_limits(1):
+        for strip in strips:
+            try:
+                profiles.append(profile(strip, reach, coarse, steps))
+            except isopeel.ConvergenceError as error:
+                console.print(left_out(strip, error))
+    console.print(f"strip: {steps} load steps of {STEP:g} degrees from {reach:g} degrees on")
+    for table in (parts_table(profiles), steps_table(profiles), bounds_table(profiles, machine.ceiling())):
+        console.print(table)
+    console.print(machine.description(), soft_wrap=True)
+
+
+if __name__ == "__main__":
+    try:
+        typer.run(main)
+    except (ValueError, ArithmeticError) as error:
+        sys.exit(f"profile_step: {error}")

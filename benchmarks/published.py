@@ -1,0 +1,75 @@
+"""A run of the published study, computed by a process of its own, of which nothing is kept but its costs."""
+
+import os
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+import isopeel
+from isopeel.paper.study import Run
+from isopeel.processes import compute_all
+from machine import peak_megabytes
+
+
+@dataclass(frozen=True)
+class Cost:
+    """What a run took, and how far it went."""
+
+    run: Run
+    steps: int
+    corrections: int
+    seconds: float  # of the load steps alone
+    peak: float  # MB of the process, with what it computed before
+    last_deg: float
+    began: float  # seconds since the epoch
+    process: int
+
+
+@dataclass(frozen=True)
+class Follow:
+    """The task of a run, up to some degrees, or as far as it goes."""
+
+    run: Run
+    to_deg: float
+
+    def __call__(self) -> Cost:
+        began = time.time()
+        case = self.run.case
+        angles = self.run.angles_deg
+        angles = angles[angles <= self.to_deg + 1e-9]
+        steps = corrections = 0
+        seconds, last = 0.0, float("nan")
+        try:
+            for step in isopeel.trace(case.problem(), case.space(), np.radians(angles)):
+                steps, corrections = steps + 1, corrections + len(step.iterations)
+                seconds, last = seconds + step.seconds, float(angles[step.number])
+        except isopeel.ConvergenceError:
+            pass  # as far as it goes
+        return Cost(self.run, steps, corrections, seconds, peak_megabytes(), last, began, os.getpid())
+
+
+class Study(NamedTuple):
+    """Runs and what they took, in the order in which they were started."""
+
+    costs: list[Cost]
+    seconds: list[float]  # of each run, with its tables
+    wall: float
+    started: list[float]  # seconds until each process began with its first run
+
+
+def follow_all(
+    runs: Sequence[Run], to_deg: float, workers: int, finished: Callable[[], None] = lambda: None
+) -> Study:
+    """Compute runs in processes of their own, the costliest first."""
+    ordered = sorted(runs, key=lambda run: -run.cost)
+    began, clock = time.time(), time.perf_counter()
+    done = compute_all([Follow(run, to_deg) for run in ordered], workers, lambda *_: finished())
+    wall = time.perf_counter() - clock
+    costs = [one.outcome for one in done if isinstance(one.outcome, Cost)]
+    first: dict[int, float] = {}
+    for cost in costs:
+        first[cost.process] = min(cost.began - began, first.get(cost.process, np.inf))
+    return Study(costs, [one.seconds for one in done], wall, sorted(first.values()))

@@ -1,0 +1,128 @@
+"""The work that the parts of a load step need, from the sizes of its arrays: operations, and bytes.
+
+Additions, multiplications and divisions count one each, as sum factorization needs them. Bytes are those of
+all tables and results, moved once, without what lies between. Names of sizes as in
+`isopeel.assembly.body_kernel`.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from isopeel.arrays import IntArray
+from isopeel.assembly.system import System
+from isopeel.assembly.tables import BodyTable, SideTable
+
+# neo-Hooke at a point: det F, its logarithm, energy, F^-1 and P; and the ten moduli that symmetry leaves
+_STRESS, _MODULI = 3 + 32 + 7 + 12 + 8 + 12, 10 * 6
+# van der Waals at a point above a flat substrate, the power of its gap among them
+_LAW = 60
+
+
+class Work(NamedTuple):
+    """What must be done at least."""
+
+    flops: float
+    moved: float  # bytes
+
+    def __add__(self, other: "Work") -> "Work":  # type: ignore[override]
+        return Work(self.flops + other.flops, self.moved + other.moved)
+
+
+def forces(system: System) -> Work:
+    """Of `System.equilibrium`."""
+    return Work(
+        body_forces(system.body) + side_forces(system.adhesive),
+        _tables(system) + 2 * 8 * 2 * system.space.size,  # u and forces
+    )
+
+
+def tangent(system: System) -> Work:
+    """Of `System.linearize`, which has the forces too; the band is written once."""
+    body, side, b = system.body, system.adhesive, system.half_bandwidth
+    unknowns = 8 * 2 * (body.first.size * body.along.shape[3] + side.functions.size)
+    more = Work(body_tangent(body) + side_tangent(side), unknowns + 8 * system.constraints.count * (b + 1))
+    return forces(system) + more
+
+
+def factorization(n: int, b: int) -> Work:
+    """Of a band of n rows: column j is divided by its root, and m (m + 1)/2 products are subtracted."""
+    m = _below(n, b)
+    return Work(float(((m + 1) ** 2).sum()), 2 * 8 * n * (b + 1))
+
+
+def solution(n: int, b: int) -> Work:
+    """Of a band of n rows, with its factor read forwards and backwards."""
+    return Work(float((4 * _below(n, b) + 2).sum()), 2 * 8 * n * (b + 1))
+
+
+def update(n: int, pairs: int) -> Work:
+    """Of what the pairs add to a solution: on the way there and back, a product and a sum of vectors each."""
+    return Work(2 * 2 * 2 * n * pairs, 2 * 2 * 8 * n * pairs)
+
+
+def body_forces(table: BodyTable) -> int:
+    """Operations of the body's forces and energy."""
+    P, X, C, channels, points = _sizes(table)
+    # u -> values and derivatives on lines, and back: 2 orders, 2 components
+    lines = 2 * 2 * 2 * P * X * int(table.sizes[table.kinds].sum())
+    # lines -> channels -> F, and back
+    gradient = 2 * channels * C * 2 + 2 * 2 * channels * 2
+    energy_and_area = 2 + 4
+    return 2 * lines + points * (2 * gradient + _STRESS + energy_and_area)
+
+
+def body_tangent(table: BodyTable) -> int:
+    """Operations that the body's tangent takes beyond those of its forces."""
+    P, X, C, channels, points = _sizes(table)
+    h = 2 * channels
+    # moduli -> half with the weights -> pairs of channels, of which the symmetric ones count once
+    pulled = h * 4 * (4 + 1) + h * (h + 1) // 2 * 4
+    # -> pairs of rows, three of the four pairs of components where a row meets itself
+    paired = channels**2 * (4 * C * (C - 1) // 2 + 3 * C) * 2
+    return points * (_MODULI + pulled + paired) + X * _spread(table, P, C)
+
+
+def side_forces(side: SideTable) -> int:
+    """Operations of the adhesive force on the reference area."""
+    m = int(side.functions.shape[1])
+    return side.weights.size * (2 * 2 * m + _LAW + 2 * (2 * m + 2))
+
+
+def side_tangent(side: SideTable) -> int:
+    """Operations of its tangent: n n dT at a point, of each pair of functions."""
+    m = int(side.functions.shape[1])
+    return side.weights.size * (6 + m + 4 * m * m * 2)
+
+
+def _spread(table: BodyTable, P: int, C: int) -> int:
+    """Operations, per element along xi, from pairs of rows to entries of the tangent."""
+    sizes = table.sizes[table.kinds]
+    total = 0
+    for j, size in enumerate(sizes):
+        for d in range(min(C, len(sizes) - j)):
+            other = sizes[j + d]
+            flux, entry = P * 2 * 4, P * 4 + 1  # each entry is added to the band
+            if d:
+                total += 4 * (other * flux + other * size * entry)
+            else:
+                # of both components alike, the entries below the diagonal follow from the symmetry
+                total += 3 * size * flux + (2 * (size * (size + 1) // 2) + size * size) * entry
+    return int(total)
+
+
+def _sizes(table: BodyTable) -> tuple[int, int, int, int, int]:
+    P, X, C, channels = table.along.shape[2], table.along.shape[4], table.across.shape[3], table.maps.shape[3]
+    return P, X, C, channels, table.weights.size
+
+
+def _tables(system: System) -> int:
+    body, side = system.body, system.adhesive
+    of_body = (body.along, body.first, body.across, body.maps, body.weights)
+    of_side = (side.functions, side.values, side.weights, side.positions)
+    return sum(array.nbytes for array in (*of_body, *of_side))
+
+
+def _below(n: int, b: int) -> IntArray:
+    """Entries below the diagonal, by column."""
+    return np.minimum(b, n - 1 - np.arange(n))

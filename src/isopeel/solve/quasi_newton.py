@@ -1,0 +1,170 @@
+"""Newton's method with a tangent that is kept from step to step, and learns from the steps it has taken."""
+
+from dataclasses import dataclass, replace
+from typing import NamedTuple, Self
+
+import numpy as np
+from scipy.linalg.blas import daxpy, ddot
+
+from isopeel.arrays import FloatArray
+from isopeel.assembly.system import Equilibrium, System
+from isopeel.solve.linear import Factor, NotPositiveDefiniteError, approximate
+from isopeel.solve.newton import NewtonResult, NewtonSettings
+
+#: Pairs of a correction and the change of the residual that it made; more of them learn little more.
+_MOST_PAIRS = 10
+#: Steps that one tangent serves.
+_MOST_STEPS = 40
+#: A step that takes more corrections is the last one of its tangent.
+_SLOW = 6
+_MOST_CORRECTIONS = 12
+#: Of the tolerance: the last correction leaves a tenth of the error, where Newton's method squares it.
+_SHARE = 1e-2
+#: An energy residual that falls by less is a poor correction; the second one of a step ends it.
+_POOR = 0.5
+
+
+class Pair(NamedTuple):
+    """A correction of the unknowns (count,), and the change of the residual (count,) that it made."""
+
+    correction: FloatArray
+    change: FloatArray
+    curvature: float  # correction . change, positive
+
+    @classmethod
+    def of(cls, correction: FloatArray, change: FloatArray) -> Self:
+        """Take their product."""
+        return cls(correction, change, float(ddot(correction, change)))
+
+
+@dataclass(frozen=True, eq=False)
+class Memory:
+    """What is kept from step to step: where the tangent was made, and what was learned since.
+
+    The tangent itself is not kept here: it follows from where it was made.
+    """
+
+    unknown_values: FloatArray  # (count,)
+    parameter: float
+    openings: FloatArray  # (E, Q), for irreversible adhesion
+    pairs: tuple[Pair, ...] = ()  # the newest at the end
+    steps: int = 0
+    slow: bool = False  # the last step
+
+
+class QuasiNewton:
+    """The method of Broyden, Fletcher, Goldfarb and Shanno with limited memory, on a kept tangent.
+
+    A residual is far cheaper than a tangent and its factor, and along a path the tangent changes little
+    from step to step. So the factor of one tangent serves many steps; what has changed since is learned
+    from the residuals (Nocedal and Wright, Numerical Optimization, Algorithm 7.4, with the factor as the
+    initial matrix; Matthies and Strang, Int. J. Numer. Methods Eng. 14, 1979). It ends as Newton's method
+    does, with the first correction whose energy residual is below the tolerance, and gives up early where
+    it does not converge well: Newton's method then decides.
+
+    For systems whose forces have a potential, under no unknown load. Tangents lie in the array of the
+    system, so that whoever makes another one must let this one `forget`.
+    """
+
+    def __init__(self, system: System, settings: NewtonSettings, memory: Memory | None = None) -> None:
+        self._system = system
+        self._settings = settings
+        self._factor: Factor | None = None
+        #: What goes on from here needs to do so bit for bit.
+        self.memory: Memory | None = memory
+
+    @staticmethod
+    def applies(system: System) -> bool:
+        """Whether the tangent is symmetric, and positive definite where the body is stable."""
+        return system.storage == "symmetric" and not system.load_is_unknown
+
+    def forget(self) -> None:
+        """Make a new tangent at the next step."""
+        self.memory = self._factor = None
+
+    def equilibrium(self, guess: FloatArray, parameter: float) -> NewtonResult | None:
+        """Find the equilibrium near a guess y (count,); None where Newton's method should."""
+        result = self._solve(guess, parameter)
+        if result is None:
+            self.forget()
+        return result
+
+    def _solve(self, guess: FloatArray, parameter: float) -> NewtonResult | None:
+        try:
+            factor, memory = self._kept_tangent(guess, parameter)
+        except NotPositiveDefiniteError:
+            return None
+        y, pairs = guess, list(memory.pairs)
+        u, load, at = self._at(y, parameter)
+        threshold = _SHARE * self._settings.tolerance * self._system.energy_scale
+        measures: list[float] = []
+        poor = 0
+        for _ in range(_MOST_CORRECTIONS):
+            correction, measure = _correction(factor, pairs, at)
+            # a residual that is not finite fails this test too
+            poor += bool(measures) and not measure < max(_POOR * measures[-1], threshold)
+            if poor > 1 and memory.steps > 0 and np.isfinite(measure):
+                # the tangent is of another step: one of this step may do
+                try:
+                    factor, memory, pairs, poor = *self._new_tangent(y, parameter), [], 0
+                except NotPositiveDefiniteError:
+                    return None
+                correction, measure = _correction(factor, pairs, at)
+            if not np.isfinite(measure) or poor > 1:
+                return None
+            measures.append(measure)
+            y = y + correction
+            last = at
+            u, load, at = self._at(y, parameter)
+            pair = Pair.of(correction, at.residual - last.residual)
+            if pair.curvature > 0:
+                pairs = [*pairs[1 - _MOST_PAIRS :], pair]
+            if measure <= threshold:
+                if not (np.isfinite(at.residual).all() and at.lowest_determinant > 0):
+                    return None
+                slow = len(measures) > _SLOW
+                self.memory = replace(memory, pairs=tuple(pairs), steps=memory.steps + 1, slow=slow)
+                return NewtonResult(y, u, load, at, tuple(measures), exact=False)
+        return None
+
+    def _at(self, y: FloatArray, parameter: float) -> tuple[FloatArray, float, Equilibrium]:
+        u, load = self._system.state(y, parameter)
+        return u, load, self._system.equilibrium(u, load)
+
+    def _kept_tangent(self, guess: FloatArray, parameter: float) -> tuple[Factor, Memory]:
+        """The factor of the tangent that is kept, or of a new one at a guess where that has served enough."""
+        memory = self.memory
+        if memory is None or memory.slow or memory.steps >= _MOST_STEPS:
+            return self._new_tangent(guess, parameter)
+        if self._factor is None:
+            self._factor = self._made(memory)
+        return self._factor, memory
+
+    def _new_tangent(self, y: FloatArray, parameter: float) -> tuple[Factor, Memory]:
+        memory = Memory(y, parameter, self._system.openings)
+        self._factor = self._made(memory)
+        return self._factor, memory
+
+    def _made(self, memory: Memory) -> Factor:
+        u, load = self._system.state(memory.unknown_values, memory.parameter)
+        return approximate(self._system.linearize(u, "symmetric", load, memory.openings)[1])
+
+
+def _correction(factor: Factor, pairs: list[Pair], at: Equilibrium) -> tuple[FloatArray, float]:
+    """The correction of a state, and its energy residual per unknown."""
+    correction = _product(factor, pairs, at.residual)
+    return correction, abs(float(at.residual @ correction)) / len(correction)
+
+
+def _product(factor: Factor, pairs: list[Pair], residual: FloatArray) -> FloatArray:
+    """-H r with the inverse H of the kept tangent, updated by the pairs: the two-loop recursion."""
+    rest = -residual
+    shares = []
+    for correction, change, curvature in reversed(pairs):
+        share = ddot(correction, rest) / curvature
+        shares.append(share)
+        daxpy(change, rest, a=-share)
+    product = factor.solve(rest)
+    for (correction, change, curvature), share in zip(pairs, reversed(shares), strict=True):
+        daxpy(correction, product, a=share - ddot(change, product) / curvature)
+    return product

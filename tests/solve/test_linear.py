@@ -1,0 +1,54 @@
+"""The factor of a kept tangent: in single precision where that suffices."""
+
+import numpy as np
+import pytest
+
+from isopeel.assembly.system import BandMatrix, System
+from isopeel.problem import strip
+from isopeel.solve.linear import BandCholesky, SingleBandCholesky, approximate
+from isopeel.splines.rows import row_space
+
+
+def chain(n: int, differences: int) -> BandMatrix:
+    """D^T D + 1e-9 of differences D of an order, stored in a band of 41 columns: stiff, with soft motions."""
+    D = np.diff(np.eye(n), differences, axis=0)
+    dense = D.T @ D + 1e-9 * np.eye(n)
+    band = np.zeros((n + 1, 41))
+    for k in range(differences + 1):
+        band[: n - k, k] = np.diag(dense, -k)
+    return BandMatrix(band, 40, "symmetric")
+
+
+def test_single_precision_solves_a_tangent_to_its_digits() -> None:
+    system = System(strip(), row_space("N4", (40, 4)))
+    u, _ = system.state(np.zeros(system.count), 0.0)
+    right_side = np.random.default_rng(0).standard_normal((system.count,))
+    matrix = system.linearize(u)[1]
+    single = approximate(matrix)
+    assert isinstance(single, SingleBandCholesky)
+    found, exact = single.solve(right_side), BandCholesky.of(matrix).solve(right_side)
+    # condition number about 1e5, times a round-off of 6e-8
+    np.testing.assert_allclose(found, exact, rtol=0, atol=1e-2 * np.abs(exact).max())
+    # scaled by what single precision could not hold
+    huge = single.solve(1e200 * right_side)
+    np.testing.assert_allclose(huge, 1e200 * found, rtol=1e-5, atol=1e-5 * np.abs(huge).max())
+    np.testing.assert_array_equal(single.solve(np.zeros(system.count)), 0.0)
+
+
+@pytest.mark.parametrize("differences", [2, 3])
+def test_what_single_precision_cannot_tell_apart_is_factorized_in_double(differences: int) -> None:
+    """Its soft motions have a billionth of the stiffness of others."""
+    matrix = chain(300, differences)
+    factor = approximate(matrix)
+    assert isinstance(factor, BandCholesky)
+    x = np.random.default_rng(1).standard_normal((300,))
+    D = np.diff(np.eye(300), differences, axis=0)
+    solution = factor.solve(D.T @ (D @ x) + 1e-9 * x)
+    # condition number 1e10 to 1e11
+    np.testing.assert_allclose(solution, x, rtol=0, atol=1e-4)
+
+
+def test_narrow_bands_stay_in_double_precision() -> None:
+    system = System(strip(), row_space("L1", (20, 2)))
+    u, _ = system.state(np.zeros(system.count), 0.0)
+    assert isinstance(approximate(system.linearize(u)[1]), BandCholesky)

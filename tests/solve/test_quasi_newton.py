@@ -1,0 +1,127 @@
+"""The kept tangent: the same equilibria as by plain Newton's method, from far fewer tangents."""
+
+import numpy as np
+import pytest
+
+from isopeel.assembly.system import System
+from isopeel.problem import strip
+from isopeel.solve.linear import BandCholesky
+from isopeel.solve.newton import NewtonSettings, newton
+from isopeel.solve.predictor import best_count, slope
+from isopeel.solve.quasi_newton import Pair, QuasiNewton, _product
+from isopeel.solve.trace import Step, trace
+from isopeel.splines.rows import row_space
+
+ANGLES = np.radians(np.arange(0.0, 64.0, 0.5))
+
+
+@pytest.fixture
+def tangents(monkeypatch: pytest.MonkeyPatch) -> list[float]:
+    """Counts the tangents that are made."""
+    made: list[float] = []
+    linearize = System.linearize
+
+    def counted(system: System, *arguments: object, **named: object) -> object:
+        made.append(0.0)
+        return linearize(system, *arguments, **named)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(System, "linearize", counted)
+    return made
+
+
+def path(space: str, plain: bool) -> list[Step]:
+    return list(trace(strip(), row_space(space, (150, 4)), ANGLES, NewtonSettings(plain=plain)))
+
+
+@pytest.mark.parametrize("space", ["L1", "L2", "N3", "N2.1", "L1+N2.1"])
+def test_the_path_is_that_of_plain_newton(space: str, tangents: list[float]) -> None:
+    kept = path(space, plain=False)
+    few = len(tangents)
+    plain = path(space, plain=True)
+    # to the tolerance: energies within 1e-20 per unknown, and moments of second order in what is left
+    np.testing.assert_allclose([s.reaction for s in kept], [s.reaction for s in plain], rtol=0, atol=1e-8)
+    last = np.abs(kept[-1].displacement - plain[-1].displacement).max()
+    assert last < 1e-6 * np.abs(plain[-1].displacement).max()
+    assert 2 * few < len(tangents) - few
+
+
+def test_moment_is_of_second_order_in_what_is_left() -> None:
+    """With a coarse tolerance the moment has far more digits than the state."""
+    exact = path("N2.1", plain=True)[-1]
+    settings = NewtonSettings(tolerance=1e-12)
+    *_, coarse = trace(strip(), row_space("N2.1", (150, 4)), ANGLES, settings)
+    state = np.abs(coarse.displacement - exact.displacement).max()
+    assert state > 1e-6
+    assert abs(coarse.reaction - exact.reaction) < 0.1 * state
+
+
+def test_product_is_that_of_the_updates_one_by_one() -> None:
+    """Nocedal and Wright, Eq. 6.17, as dense matrices: H+ = V^T H V + rho s s^T."""
+    system = System(strip(), row_space("N2", (12, 2)))
+    u, _ = system.state(np.zeros(system.count), 0.0)
+    _, matrix = system.linearize(u)
+    n, width = matrix.entries.shape
+    K = np.zeros((n, n))
+    for j in range(n):
+        for i in range(j, min(n, j + width)):
+            K[i, j] = K[j, i] = matrix.entries[j, i - j]
+    H = np.linalg.inv(K)
+    rng = np.random.default_rng(1)
+    pairs = []
+    for _ in range(4):
+        s = rng.standard_normal((n,))
+        pairs.append(Pair.of(s, K @ s + 0.1 * s))
+        rho = 1 / pairs[-1].curvature
+        V = np.eye(n) - rho * np.outer(pairs[-1].change, s)
+        H = V.T @ H @ V + rho * np.outer(s, s)
+    residual = rng.standard_normal((n,))
+    found = _product(BandCholesky.of(matrix), pairs, residual)
+    # condition number about 1e5
+    np.testing.assert_allclose(found, -H @ residual, rtol=0, atol=1e-9 * np.abs(found).max())
+
+
+def test_it_gives_up_where_it_does_not_converge_well() -> None:
+    system = System(strip(), row_space("N2", (60, 3)))
+    method = QuasiNewton(system, NewtonSettings())
+    assert method.equilibrium(np.zeros(system.count), 0.0) is not None
+    assert method.memory is not None
+    # a turn of a radian at once turns elements inside out
+    assert method.equilibrium(np.zeros(system.count), 1.0) is None
+    assert method.memory is None
+
+
+def test_it_finds_what_newton_finds() -> None:
+    system = System(strip(), row_space("N2", (60, 3)))
+    found = QuasiNewton(system, NewtonSettings()).equilibrium(np.zeros(system.count), 0.002)
+    assert found is not None
+    exact = newton(system, np.zeros(system.count), 0.002, NewtonSettings())
+    largest = np.abs(exact.unknown_values).max()
+    np.testing.assert_allclose(found.unknown_values, exact.unknown_values, rtol=0, atol=1e-8 * largest)
+
+
+def test_the_number_of_states_is_the_best_one_for_the_last() -> None:
+    def states(of: np.ndarray) -> dict[float, np.ndarray]:
+        return {x: np.array([f]) for x, f in enumerate(of)}
+
+    x = np.arange(7.0)
+    assert best_count(states(x**2 + 1), 6) == 3  # a parabola meets a parabola, and more would only round off
+    assert best_count(states(np.ones(1)), 6) == 1
+    # a cubic, as far as its states go: one more is tried
+    assert best_count(states(x[:3] ** 3), 6) == 3
+    assert best_count(states(np.where(x < 6, 0.0, 1.0)), 6) == 1
+
+
+def test_slope_is_that_of_the_polynomial() -> None:
+    history = {x: np.array([x**2, 1 - x]) for x in (0.0, 0.3, 0.4)}
+    assert slope(history, np.array([1.0, 0.5])) == pytest.approx(2 * 0.4 - 0.5, rel=1e-14)
+    assert slope({0.4: np.ones(2)}, np.ones(2)) == 0.0
+
+
+def test_the_last_step_alone_keeps_the_memory() -> None:
+    steps = trace(strip(), row_space("N2", (20, 2)), np.radians([0.0, 0.1, 0.2]))
+    first, second = next(steps), next(steps)
+    assert first.state.memory is None
+    kept = second.state
+    assert kept.memory is not None
+    next(steps)
+    assert kept.memory.steps == 2  # a state that was asked for in time keeps its own
