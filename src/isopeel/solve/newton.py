@@ -26,7 +26,8 @@ class NewtonSettings:
     goes on from the next stable equilibrium that falling energy leads to.
 
     `plain` makes a new tangent for every correction. Without it a path keeps its tangents as long as they
-    serve, and turns to plain Newton where that does not find an equilibrium quickly.
+    serve, with a hundredth of the tolerance, since their last correction leaves more than that of Newton's
+    method; and turns to plain Newton where they do not lead to an equilibrium quickly.
     """
 
     tolerance: float = 1e-20
