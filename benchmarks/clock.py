@@ -34,8 +34,8 @@ class Clock:
                 (SingleBandCholesky, "solve", "solve"),
                 (quasi_newton, "_product", "update"),
                 (System, "state", "state"),
-                (trace, "best_count", "guess"),
-                (trace, "extrapolate", "guess"),
+                (trace, "best_weights", "guess"),
+                (trace, "daxpy", "guess"),
                 (trace, "slope", "guess"),
             ):
                 watched.enter_context(patch.object(owner, name, self._watched(part, getattr(owner, name))))
