@@ -69,7 +69,7 @@ def _take(columns: Floats, panels: Floats, inverses: Floats) -> None:
             column = start + c
             panel = panels[block, c]
             inverse = inverses[block, c]
-            panel[:] = 0.0
+            panel.fill(0.0)
             if column >= n:
                 # beyond the matrix, the identity
                 inverse[c] = 1.0
@@ -89,15 +89,16 @@ def _take(columns: Floats, panels: Floats, inverses: Floats) -> None:
 def _solve(panels: Floats, inverses: Floats, x: Floats) -> None:
     """Solve L L^T y = x in place; x is as long as all blocks and the rows below the last one."""
     blocks, _, below = panels.shape
-    part = np.empty_like(x[:_COLUMNS])
+    part = np.empty(_COLUMNS, x.dtype)
     zero = 0 * x[0]
     for block in range(blocks):
         start = block * _COLUMNS
-        part[:] = zero
+        part.fill(zero)
         for c in range(_COLUMNS):
             for row in range(_COLUMNS):
                 part[row] += inverses[block, c, row] * x[start + c]
-        x[start : start + _COLUMNS] = part
+        for row in range(_COLUMNS):
+            x[start + row] = part[row]
         rest = x[start + _COLUMNS : start + _COLUMNS + below]
         y0, y1, y2, y3, y4, y5, y6, y7 = (
             part[0],

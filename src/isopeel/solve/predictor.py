@@ -83,7 +83,8 @@ def best_weights(
     first = n - best_count
     if _lead(way[first:], parameters[first:], target, trial[:best_count]):
         weights[n - 1] = 0.0
-        weights[first:] = trial[:best_count]
+        for k in range(best_count):
+            weights[first + k] = trial[k]
     return weights
 
 
@@ -105,7 +106,9 @@ def _lead(way: FloatArray, parameters: FloatArray, target: float, weights: Float
         s[i] = (way[i] - way[n - 1]) / unit
     step = target - parameters[n - 1]
     # Newton's form of p(s), by divided differences
-    form = parameters - parameters[n - 1]
+    form = np.empty(n)
+    for i in range(n):
+        form[i] = parameters[i] - parameters[n - 1]
     for order in range(1, n):
         for i in range(n - 1, order - 1, -1):
             form[i] = (form[i] - form[i - 1]) / (s[i] - s[i - order])
