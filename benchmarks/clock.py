@@ -9,7 +9,7 @@ from unittest.mock import patch
 
 from isopeel.assembly.system import System
 from isopeel.solve import quasi_newton, trace
-from isopeel.solve.linear import BandCholesky, SingleBandCholesky
+from isopeel.solve.blocks import BlockedFactor
 
 #: The parts of a load step, by what is called for each.
 PARTS = ("forces", "tangent", "factor", "solve", "update", "state", "guess")
@@ -30,18 +30,15 @@ class Clock:
             for owner, name, part in (
                 (System, "equilibrium", "forces"),
                 (System, "linearize", "tangent"),
-                (BandCholesky, "solve", "solve"),
-                (SingleBandCholesky, "solve", "solve"),
+                (BlockedFactor, "solve", "solve"),
+                (quasi_newton, "approximate", "factor"),
                 (quasi_newton, "_product", "update"),
                 (System, "state", "state"),
-                (trace, "best_count", "guess"),
-                (trace, "extrapolate", "guess"),
+                (trace, "best_weights", "guess"),
+                (trace, "daxpy", "guess"),
                 (trace, "slope", "guess"),
             ):
                 watched.enter_context(patch.object(owner, name, self._watched(part, getattr(owner, name))))
-            for kind in (BandCholesky, SingleBandCholesky):
-                of = staticmethod(self._watched("factor", kind.of))
-                watched.enter_context(patch.object(kind, "of", of))
             yield
 
     def _watched(self, part: str, function: Callable[..., Any]) -> Callable[..., Any]:

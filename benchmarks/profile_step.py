@@ -19,7 +19,7 @@ from isopeel.arrays import FloatArray
 from isopeel.assembly.system import System
 from isopeel.case import parse_mesh
 from isopeel.paper.study import MESHES, SPACES
-from isopeel.solve.linear import BandCholesky
+from isopeel.solve.linear import approximate
 from isopeel.solve.quasi_newton import Pair, _product
 from peeling import STEP, TIMED, Strip, left_out, peel
 from printing import plain_table, wide_console
@@ -102,11 +102,11 @@ def parts_alone(
         "tangent": machine.least_seconds(lambda: system.linearize(u, load=load)),
         # the factor takes the place of the tangent
         "factor": machine.least_seconds(
-            lambda: BandCholesky.of(matrix), lambda: np.copyto(matrix.entries, tangent)
+            lambda: approximate(matrix), lambda: np.copyto(matrix.entries, tangent)
         ),
     }
     np.copyto(matrix.entries, tangent)
-    factor = BandCholesky.of(matrix)
+    factor = approximate(matrix)
     alone["solve"] = machine.least_seconds(lambda: factor.solve(residual))
     alone["update"] = machine.least_seconds(lambda: _product(factor, pairs, residual)) - alone["solve"]
     return alone

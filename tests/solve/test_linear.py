@@ -2,10 +2,12 @@
 
 import numpy as np
 import pytest
+from scipy.linalg.lapack import dpbtrs
 
 from isopeel.assembly.system import BandMatrix, System
 from isopeel.problem import strip
-from isopeel.solve.linear import BandCholesky, SingleBandCholesky, approximate
+from isopeel.solve.blocks import BlockedFactor
+from isopeel.solve.linear import BandCholesky, approximate
 from isopeel.splines.rows import row_space
 
 
@@ -25,7 +27,7 @@ def test_single_precision_solves_a_tangent_to_its_digits() -> None:
     right_side = np.random.default_rng(0).standard_normal((system.count,))
     matrix = system.linearize(u)[1]
     single = approximate(matrix)
-    assert isinstance(single, SingleBandCholesky)
+    assert single.panels.dtype == np.float32
     found, exact = single.solve(right_side), BandCholesky.of(matrix).solve(right_side)
     # condition number about 1e5, times a round-off of 6e-8
     np.testing.assert_allclose(found, exact, rtol=0, atol=1e-2 * np.abs(exact).max())
@@ -40,7 +42,7 @@ def test_what_single_precision_cannot_tell_apart_is_factorized_in_double(differe
     """Its soft motions have a billionth of the stiffness of others."""
     matrix = chain(300, differences)
     factor = approximate(matrix)
-    assert isinstance(factor, BandCholesky)
+    assert factor.panels.dtype == np.float64
     x = np.random.default_rng(1).standard_normal((300,))
     D = np.diff(np.eye(300), differences, axis=0)
     solution = factor.solve(D.T @ (D @ x) + 1e-9 * x)
@@ -51,4 +53,23 @@ def test_what_single_precision_cannot_tell_apart_is_factorized_in_double(differe
 def test_narrow_bands_stay_in_double_precision() -> None:
     system = System(strip(), row_space("L1", (20, 2)))
     u, _ = system.state(np.zeros(system.count), 0.0)
-    assert isinstance(approximate(system.linearize(u)[1]), BandCholesky)
+    assert approximate(system.linearize(u)[1]).panels.dtype == np.float64
+
+
+@pytest.mark.parametrize("n", [1, 7, 8, 9, 63, 64, 200])
+@pytest.mark.parametrize("half_bandwidth", [0, 1, 7, 8, 20])
+def test_blocks_solve_what_lapack_solves(n: int, half_bandwidth: int) -> None:
+    random = np.random.default_rng(n + half_bandwidth)
+    lower = random.standard_normal((half_bandwidth + 1, n)) / (half_bandwidth + 1)
+    lower[0] = 1 + np.abs(lower[0])
+    for k in range(half_bandwidth + 1):
+        lower[k, max(0, n - k) :] = 0.0
+    right_side = random.standard_normal(n)
+    exact, info = dpbtrs(lower, right_side, lower=1)
+    assert info == 0
+    # the condition number is of order 10: all but two digits of either precision
+    largest = np.abs(exact).max()
+    double = BlockedFactor.of(np.asfortranarray(lower)).solve(right_side)
+    np.testing.assert_allclose(double, exact, rtol=0, atol=1e-13 * largest)
+    single = BlockedFactor.of(np.asfortranarray(lower, dtype=np.float32)).solve(right_side)
+    np.testing.assert_allclose(single, exact, rtol=0, atol=1e-5 * largest)

@@ -7,7 +7,7 @@ from isopeel.assembly.system import System
 from isopeel.problem import strip
 from isopeel.solve.linear import BandCholesky
 from isopeel.solve.newton import NewtonSettings, newton
-from isopeel.solve.predictor import best_count, slope
+from isopeel.solve.predictor import best_weights, slope
 from isopeel.solve.quasi_newton import Pair, QuasiNewton, _product
 from isopeel.solve.trace import Step, trace
 from isopeel.splines.rows import row_space
@@ -99,16 +99,33 @@ def test_it_finds_what_newton_finds() -> None:
     np.testing.assert_allclose(found.unknown_values, exact.unknown_values, rtol=0, atol=1e-8 * largest)
 
 
-def test_the_number_of_states_is_the_best_one_for_the_last() -> None:
-    def states(of: np.ndarray) -> dict[float, np.ndarray]:
-        return {x: np.array([f]) for x, f in enumerate(of)}
+def _led(parameters: np.ndarray, energies: np.ndarray, values: np.ndarray, target: float) -> float:
+    return float(best_weights(parameters, energies, values[:, None], target) @ values)
 
-    x = np.arange(7.0)
-    assert best_count(states(x**2 + 1), 6) == 3  # a parabola meets a parabola, and more would only round off
-    assert best_count(states(np.ones(1)), 6) == 1
+
+def test_the_polynomial_is_the_one_that_did_best() -> None:
+    x = np.arange(12.0)
+    none = np.zeros(12)  # an energy that does not change is no measure of the way
+    assert _led(x, none, x**2 + 1, 12.0) == pytest.approx(145, rel=1e-12)
+    assert _led(x[:1], none[:1], x[:1] + 7, 1.0) == 7
     # a cubic, as far as its states go: one more is tried
-    assert best_count(states(x[:3] ** 3), 6) == 3
-    assert best_count(states(np.where(x < 6, 0.0, 1.0)), 6) == 1
+    assert _led(x[:3], none[:3], x[:3] ** 3, 3.0) == pytest.approx(21, rel=1e-12)
+    assert _led(x, none, np.where(x < 10, 0.0, 1.0), 12.0) == 1
+
+
+def test_the_energy_leads_where_the_parameter_hesitates() -> None:
+    # near the limit point of p = s - s^2/2 at s = 1: the state's slope by p grows without end
+    parameters = 0.49 + 0.0009 * np.arange(11)
+    way = 1 - np.sqrt(1 - 2 * parameters)
+    target = parameters[-1] + 0.0009
+    exact = 1 - np.sqrt(1 - 2 * target)
+    cubed = _led(parameters, 5 * way - 3, way**3, target)
+    assert cubed == pytest.approx(exact**3, rel=1e-9)  # 11 digits of the states, less what weights cost
+    # without a measure but the parameter, a hundredth of the last step is missed at least
+    blind = _led(parameters, np.zeros(11), way**3, target)
+    assert abs(blind - exact**3) > 0.01 * (way[-1] ** 3 - way[-2] ** 3)
+    # beyond the limit point there is nothing to lead to; some state comes back all the same
+    assert np.isfinite(_led(parameters, 5 * way - 3, way**3, 0.52))
 
 
 def test_slope_is_that_of_the_polynomial() -> None:

@@ -85,7 +85,8 @@ def adhesion(
                     x[i, q] += values[e, q, a] * u[functions[e, a], i]
         substrate(x, substrate_parameters, Q, gap, n, curvature)
         if factors:
-            seen[:] = curvature
+            for q in range(Q):
+                seen[q] = curvature[q]
         if irreversible:
             with_history(
                 law, gap, seen, openings[e], equilibrium_gap, law_parameters, Q, potential, T, dT, lost
@@ -112,7 +113,8 @@ def adhesion(
                 shear[1],
                 shear[2],
             )
-        K[:] = 0.0
+        if with_tangent:
+            K.fill(0.0)
         for q in range(Q):
             phi = 1.0
             if projected:

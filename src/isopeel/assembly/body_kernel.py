@@ -24,7 +24,7 @@ from isopeel.physics.batch import BatchFunction
 _LANES = 128
 
 # Reordered sums let loops run in vector registers; nan must stay nan, because it is how an inverted
-# element is noticed.
+# element is noticed. Numba takes seconds to compile an assignment to a part of an array, but not its fill.
 _compiled = njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "nsz"})
 _inlined = njit(inline="always")
 
@@ -80,7 +80,7 @@ def body(
     for start in range(0, X, block):
         n = min(block, X - start)
         lanes = slice(start, start + n)
-        loads[:] = 0.0
+        loads.fill(0.0)
         for j in range(rows):
             kind = kinds[j]
             for a in range(sizes[kind]):
@@ -191,12 +191,12 @@ def body(
                             diagonal,
                             band.shape[1] - 1,
                         )
-                    pairs[j % C] = 0.0
+                    pairs[j % C].fill(0.0)
         for j in range(rows):
             kind = kinds[j]
             for a in range(sizes[kind]):
                 for i in range(2):
-                    value[:] = 0.0
+                    value.fill(0.0)
                     for p in range(P):
                         _add_products(
                             value,
@@ -208,7 +208,7 @@ def body(
                         )
                     for lane in range(n):
                         forces[first[j, start + lane] + a, i] += value[lane]
-    return energy, np.min(least)
+    return energy, least.min()
 
 
 @_inlined
@@ -227,6 +227,12 @@ def _set_products(total: Any, start: float, x0: Any, y0: Any, x1: Any, y1: Any, 
 def _set_weighted_products(total: Any, weight: Any, x0: Any, y0: Any, x1: Any, y1: Any, n: int) -> None:
     for lane in range(n):
         total[lane] = weight[lane] * (x0[lane] * y0[lane] + x1[lane] * y1[lane])
+
+
+@_inlined
+def _scale(total: Any, x: Any, n: int) -> None:
+    for lane in range(n):
+        total[lane] *= x[lane]
 
 
 @_inlined
@@ -290,7 +296,7 @@ def _pull_back(A: Any, maps: Any, weights: Any, start: int, n: int, half: Any, m
                             maps[p, g, 1, lanes],
                             n,
                         )
-                        half[i, J, :n] *= weights[p, lanes]
+                        _scale(half[i, J], weights[p, lanes], n)
                 for h in range(channels):
                     for i in range(2):
                         # the other half follows from the symmetry
@@ -367,7 +373,7 @@ def _spread(
                             n,
                         )
                 for a in range(b if same_row and i == k else 0, one.shape[2]):
-                    value[:n] = 0.0
+                    value.fill(0.0)
                     # by two points, which halves the traffic of the sum
                     for p in range(0, P - 1, 2):
                         _add_four_products(

@@ -4,12 +4,12 @@ from dataclasses import dataclass
 from typing import NamedTuple, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg.blas import dsbmv
-from scipy.linalg.lapack import dgbtrf, dgbtrs, dpbtrf, dpbtrs, spbtrf, spbtrs
+from scipy.linalg.lapack import dgbtrf, dgbtrs, dpbtrf, dpbtrs, spbtrf
 
 from isopeel.arrays import FloatArray, IntArray
 from isopeel.assembly.system import BandMatrix
+from isopeel.solve.blocks import BlockedFactor
 
 #: Of the energy of a solution: an iteration corrects what is left, and learns what it is.
 _ENOUGH = 0.01
@@ -53,50 +53,22 @@ class BandCholesky:
         return solution
 
 
-@dataclass(frozen=True, eq=False)
-class SingleBandCholesky:
-    """The same in single precision, in half of the memory and so in about half of the time.
-
-    Its solutions are near the exact ones where the matrix is not too ill-conditioned; see `approximate`.
-    """
-
-    entries: NDArray[np.float32]
-
-    @classmethod
-    def of(cls, matrix: BandMatrix) -> "SingleBandCholesky":
-        """Factorize, which leaves the matrix's entries as they are; raises NotPositiveDefiniteError."""
-        entries, info = spbtrf(matrix.entries.astype(np.float32).T, lower=1, overwrite_ab=1)
-        if info != 0:
-            raise NotPositiveDefiniteError(f"pivot {info} is not positive")
-        return cls(entries)
-
-    def solve(self, right_side: FloatArray) -> FloatArray:
-        """Solve for a right side (n,)."""
-        # single precision ends at 1e38, which units of a problem could pass
-        largest = float(np.abs(right_side).max()) or 1.0
-        scaled = (right_side / largest).astype(np.float32)
-        solution: NDArray[np.float32] = spbtrs(self.entries, scaled, lower=1)[0]
-        return largest * solution.astype(np.float64)
-
-
-def approximate(matrix: BandMatrix) -> Factor:
+def approximate(matrix: BandMatrix) -> BlockedFactor:
     """A factor of a symmetric matrix whose solutions are right to about a hundredth in energy.
 
     In single precision where that pays, and suffices for the softest motions, which suffer most: two inverse
     iterations lead to them. The entries may be overwritten. Raises NotPositiveDefiniteError.
     """
-    if matrix.half_bandwidth < _WIDE:
-        return BandCholesky.of(matrix)
-    try:
-        factor = SingleBandCholesky.of(matrix)
-    except NotPositiveDefiniteError:
-        return BandCholesky.of(matrix)
-    start = factor.solve(np.random.default_rng(0).standard_normal(len(matrix.entries)))
-    soft = factor.solve(start)
-    energy = float(soft @ dsbmv(matrix.half_bandwidth, 1.0, matrix.entries.T, soft, lower=1))
-    if abs(energy - float(soft @ start)) < _ENOUGH * energy:
-        return factor
-    return BandCholesky.of(matrix)
+    if matrix.half_bandwidth >= _WIDE:
+        entries, info = spbtrf(matrix.entries.astype(np.float32).T, lower=1, overwrite_ab=1)
+        if info == 0:
+            factor = BlockedFactor.of(entries)
+            start = factor.solve(np.random.default_rng(0).standard_normal(len(matrix.entries)))
+            soft = factor.solve(start)
+            energy = float(soft @ dsbmv(matrix.half_bandwidth, 1.0, matrix.entries.T, soft, lower=1))
+            if abs(energy - float(soft @ start)) < _ENOUGH * energy:
+                return factor
+    return BlockedFactor.of(BandCholesky.of(matrix).entries)
 
 
 @dataclass(frozen=True, eq=False)

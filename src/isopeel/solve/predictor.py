@@ -1,10 +1,29 @@
-"""Start values for Newton's method, and what the path's past tells of its slope."""
+"""Start values along a path, and what its past tells of its slope.
+
+A path is a curve (p(s), y(s)): parameter and unknowns. Polynomials in s through its last points lead on, to
+where p(s) is the parameter that is asked for. The parameter itself may be s. Where a front peels, the
+adhesive energy is the better measure of the way: it grows steadily with the front, while the parameter halts
+at limit points, and hesitates near them.
+"""
 
 from collections.abc import Mapping
 
 import numpy as np
+from numba import njit
 
 from isopeel.arrays import FloatArray
+
+#: States that a polynomial leads through, at most.
+MOST_STATES = 8
+#: The last states that each polynomial is tried on.
+TRIES = 3
+_FEWEST_OF_ENERGY = 3
+_ITERATIONS = 20
+_FARTHEST = 4.0  # last steps
+_CLOSE = 1e-12  # to the end of the step, of the step
+
+# a quotient of what does not change is no number, and leads nowhere
+_compiled = njit(cache=True, error_model="numpy")
 
 
 def extrapolate(history: Mapping[float, FloatArray], parameter: float, count: int) -> FloatArray:
@@ -19,25 +38,99 @@ def extrapolate(history: Mapping[float, FloatArray], parameter: float, count: in
     return start
 
 
-def best_count(history: Mapping[float, FloatArray], most: int) -> int:
-    """How many of the last states to extrapolate from: the number that would have met the last one best.
+@_compiled
+def best_weights(
+    parameters: FloatArray, energies: FloatArray, samples: FloatArray, target: float
+) -> FloatArray:
+    """Weights (n,) of past states whose sum leads to the target, of the polynomial that did best so far.
 
-    `history` holds the states in the order in which they came. The best polynomial is of a high degree where
-    the path is smooth, and of a low one where it is not. One more state is tried where all that there were
-    met the last one best, up to the `most`.
+    Past are the parameters (n,) and adhesive energies (n,) of states, the newest at the end, and numbers
+    that tell how well a state is met, samples (n, m). Each polynomial, in either measure of the way and
+    through 1 to MOST_STATES states, is judged by the mean logarithm of what it would have missed the last
+    states by.
     """
-    *past, last = history
-    if not past:
-        return 1
-    largest = min(most, len(past))
-    nodes = np.array(past[-largest:])
-    weights = np.zeros((largest, largest))
-    for count in range(1, largest + 1):
-        weights[count - 1, -count:] = _lagrange(nodes[-count:], last)
-    guesses = weights @ np.array([history[node] for node in nodes])
-    missed = np.abs(guesses - history[last]).max(axis=1)
-    best = int(np.argmin(missed)) + 1
-    return best + 1 if best == len(past) < most else best
+    n, m = samples.shape
+    weights = np.zeros(n)
+    weights[n - 1] = 1.0
+    trial = np.zeros(n)
+    best = np.inf
+    best_count, by_energy = 1, False
+    # the same for all, however few states there are
+    tries = max(1, min(TRIES, n - MOST_STATES))
+    for energy in (False, True):
+        way = energies if energy else parameters
+        for count in range(_FEWEST_OF_ENERGY if energy else 1, min(n - 1, MOST_STATES) + 1):
+            score = 0.0
+            for last in range(n - tries, n):
+                first = last - count
+                if not _lead(way[first:last], parameters[first:last], parameters[last], trial[:count]):
+                    score = np.inf
+                    break
+                missed = 0.0
+                for i in range(m):
+                    difference = samples[last, i]
+                    for k in range(count):
+                        difference -= trial[k] * samples[first + k, i]
+                    missed += difference**2
+                # a state that is met to the last digit is met no better than to round-off
+                score += np.log(missed + 1e-300) / tries
+            if score < best:
+                best, best_count, by_energy = score, count, energy
+    # where all states that there were met the last one best, one more may do better
+    if best_count == n - 1 < MOST_STATES:
+        best_count = n
+    way = energies if by_energy else parameters
+    first = n - best_count
+    if _lead(way[first:], parameters[first:], target, trial[:best_count]):
+        weights[n - 1] = 0.0
+        for k in range(best_count):
+            weights[first + k] = trial[k]
+    return weights
+
+
+@_compiled
+def _lead(way: FloatArray, parameters: FloatArray, target: float, weights: FloatArray) -> bool:
+    """Set the weights (n,) of Lagrange's polynomials of the way where the parameter is the target.
+
+    Says whether there is such a place, not far ahead.
+    """
+    n = len(way)
+    if n == 1:
+        weights[0] = 1.0
+        return True
+    unit = way[n - 1] - way[n - 2]
+    s = np.empty(n)
+    for i in range(n):
+        if i > 0 and not (way[i] - way[i - 1]) * unit > 0.0:
+            return False
+        s[i] = (way[i] - way[n - 1]) / unit
+    step = target - parameters[n - 1]
+    # Newton's form of p(s), by divided differences
+    form = np.empty(n)
+    for i in range(n):
+        form[i] = parameters[i] - parameters[n - 1]
+    for order in range(1, n):
+        for i in range(n - 1, order - 1, -1):
+            form[i] = (form[i] - form[i - 1]) / (s[i] - s[i - order])
+    at = step / (parameters[n - 1] - parameters[n - 2])
+    for _ in range(_ITERATIONS):
+        value, slope = form[n - 1], 0.0
+        for i in range(n - 2, -1, -1):
+            slope = slope * (at - s[i]) + value
+            value = value * (at - s[i]) + form[i]
+        if not slope * step > 0.0 or not 0.0 < at < _FARTHEST:
+            return False
+        at += (step - value) / slope
+        if abs(step - value) <= _CLOSE * abs(step):
+            break
+    else:
+        return False
+    for i in range(n):
+        weights[i] = 1.0
+        for k in range(n):
+            if k != i:
+                weights[i] *= (at - s[k]) / (s[i] - s[k])
+    return True
 
 
 def slope(history: Mapping[float, FloatArray], covector: FloatArray) -> float:

@@ -7,23 +7,25 @@ from typing import NamedTuple
 from weakref import ReferenceType, ref
 
 import numpy as np
+from scipy.linalg.blas import daxpy
 from threadpoolctl import ThreadpoolController
 
 from isopeel.arrays import FloatArray, frozen
-from isopeel.assembly.system import System
+from isopeel.assembly.system import Equilibrium, System
 from isopeel.errors import InputError
 from isopeel.problem import Problem
 from isopeel.solve.descent import descend, potential_energy
 from isopeel.solve.newton import ConvergenceError, NewtonResult, NewtonSettings, newton
-from isopeel.solve.predictor import best_count, extrapolate, slope
+from isopeel.solve.predictor import MOST_STATES, TRIES, best_weights, extrapolate, slope
 from isopeel.solve.quasi_newton import Memory, QuasiNewton
 from isopeel.splines.rows import RowSpace
 
 #: Converged states that plain Newton's method starts from: three, for a parabola.
 PARABOLA_POINTS = 3
-#: States that a kept tangent starts from at most, and one more, by which their number is chosen.
-PREDICTOR_POINTS = 6
-STATES_TO_GO_ON = PREDICTOR_POINTS + 1
+#: States that a kept tangent starts from at most, and those by which the polynomial is chosen.
+STATES_TO_GO_ON = MOST_STATES + TRIES
+#: Places along the adhesive side where polynomials are compared, about.
+_SAMPLES = 100
 
 
 class State(NamedTuple):
@@ -129,6 +131,8 @@ class _Past:
     unknown_values: FloatArray
     energy: float
     rate: float  # of the energy, by the parameter
+    adhesive_energy: float  # and what was dissipated
+    bends: FloatArray  # second differences of coefficients along the adhesive side, at some places
     polished: FloatArray | None = None  # the unknowns to round-off, once they have been asked for
 
     @property
@@ -144,11 +148,11 @@ class _Path:
         self._system = system
         self._settings = settings
         self._history: list[_Past] = []
+        self._side = np.unique(system.adhesive.functions)
         for state in start:
             y = _unknown_values(system, state)
             u, load = system.state(y, state.parameter)
-            potential = system.potential(system.equilibrium(u, load), u, load, state.parameter)
-            self._remember(_Past(state.parameter, y, *potential))
+            self._remember(self._past(state.parameter, y, u, load, system.equilibrium(u, load)))
         self._quasi_newton: QuasiNewton | None = None
         if QuasiNewton.applies(system) and not settings.plain:
             memory = start[-1].memory if start else None
@@ -171,13 +175,12 @@ class _Path:
     def _step(self, number: int, parameter: float, result: NewtonResult, jumped: bool, began: float) -> Step:
         system, at, u, y = self._system, result.equilibrium, result.displacement, result.unknown_values
         reaction = system.reaction(at, u, result.load, parameter)
-        energy, rate = system.potential(at, u, result.load, parameter)
         released = 0.0
         last = self._history[-1] if self._history else None
         if jumped:
             # states of the branch that was left would mislead the next guess
             self._history.clear()
-        past = _Past(parameter, y, energy, rate)
+        past = self._past(parameter, y, u, result.load, at)
         self._remember(past)
         if not result.exact:
             # along the path dE/dp = dE/dp at fixed y + R . dy/dp: so the error is of second order in R
@@ -186,7 +189,7 @@ class _Path:
             reaction += missed if system.load is None else -missed
         if last is not None and system.storage == "symmetric":
             work = (last.rate + past.rate) / 2 * (parameter - last.parameter)
-            released = last.energy + work - energy
+            released = last.energy + work - past.energy
         system.accept(u)
         u.setflags(write=False)
         y.setflags(write=False)
@@ -207,6 +210,14 @@ class _Path:
             memory=None if memory is None else ref(memory),
         )
 
+    def _past(self, parameter: float, y: FloatArray, u: FloatArray, load: float, at: Equilibrium) -> _Past:
+        coefficients = u[self._side]
+        # a turn of the body as a whole, which dwarfs all else, leaves them as they are
+        order = min(2, len(coefficients) - 1)
+        bends = np.diff(coefficients, order, axis=0)[:: 1 + len(coefficients) // _SAMPLES].ravel()
+        adhesive_energy = at.adhesive_energy + at.dissipated_energy
+        return _Past(parameter, y, *self._system.potential(at, u, load, parameter), adhesive_energy, bends)
+
     def _remember(self, past: _Past) -> None:
         # a drive that turns back meets a parameter again: its last state counts
         others = [other for other in self._history if other.parameter != past.parameter]
@@ -216,10 +227,7 @@ class _Path:
         """By the kept tangent, by Newton's method or, where the settings allow it, after a jump."""
         system, settings = self._system, self._settings
         if self._quasi_newton is not None:
-            states = _by_parameter(self._history)
-            nodes = list(states)[-best_count(states, PREDICTOR_POINTS) :] if states else []
-            guess = extrapolate({node: states[node] for node in nodes}, parameter, system.count)
-            found = self._quasi_newton.equilibrium(guess, parameter)
+            found = self._quasi_newton.equilibrium(self._guess(parameter), parameter)
             if found is not None:
                 return found, False
         last = self._history[-PARABOLA_POINTS:]
@@ -238,6 +246,20 @@ class _Path:
             if np.isfinite(potential_energy(system, start, parameter)):
                 break
         return newton(system, descend(system, start, parameter), parameter, settings), True
+
+    def _guess(self, parameter: float) -> FloatArray:
+        """Where the path leads to."""
+        guess = np.zeros(self._system.count)
+        if self._history:
+            weights = best_weights(
+                np.array([past.parameter for past in self._history]),
+                np.array([past.adhesive_energy for past in self._history]),
+                np.array([past.bends for past in self._history]),
+                parameter,
+            )
+            for weight, past in zip(weights, self._history, strict=True):
+                daxpy(past.unknown_values, guess, a=weight)
+        return guess
 
     def _can_polish(self) -> bool:
         """Whether the last states are less exact than Newton's method would have left them.

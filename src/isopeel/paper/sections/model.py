@@ -7,7 +7,8 @@ from isopeel.paper.study import STEP, Run
 from isopeel.paper.wording import UNIT
 from isopeel.report.document import Block, Text
 from isopeel.solve.newton import NewtonSettings
-from isopeel.solve.trace import PARABOLA_POINTS, PREDICTOR_POINTS
+from isopeel.solve.predictor import MOST_STATES
+from isopeel.solve.trace import PARABOLA_POINTS
 
 TITLE = "What was computed"
 REFERENCES_TITLE = "References"
@@ -45,9 +46,10 @@ def blocks() -> Iterator[Block]:
         "acts per reference area, unless a table says otherwise."
     )
     yield Text(
-        f"Steps are of {STEP:g} degree, each started from the polynomial through up to {PREDICTOR_POINTS} "
-        "states. A tangent is kept for many of them, and updated from the residuals (BFGS). Where that does "
-        "not converge well, plain Newton's method decides: it starts from the parabola through the last "
+        f"Steps are of {STEP:g} degree, each started from the polynomial through up to {MOST_STATES} "
+        "states, in the angle or in the adhesive energy, whichever did best in the last steps. A tangent is "
+        "kept for many of them, and updated from the residuals (BFGS). Where that does not converge well, "
+        "plain Newton's method decides: it starts from the parabola through the last "
         f"{PARABOLA_POINTS} states, has no line search, and ends when |R . dz|/n is below "
         f"{settings.tolerance:g} E A, A the strip's area, or after {settings.iteration_limit} corrections. "
         "Forces have one more Gauss point than the highest degree along the strip, and two across it."

@@ -112,4 +112,5 @@ def _neo_hooke(
             same = mu if one == other else 0.0
             for n in range(count):
                 A[i, K, k, L, n] = same - c[n] * G[K, k, n] * G[L, i, n] + lam * G[K, i, n] * G[L, k, n]
-            A[k, L, i, K, :count] = A[i, K, k, L, :count]
+            for n in range(count):
+                A[k, L, i, K, n] = A[i, K, k, L, n]
