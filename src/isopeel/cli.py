@@ -1,5 +1,6 @@
 """The command line."""
 
+import shlex
 import sys
 from collections.abc import Sequence
 from io import TextIOWrapper
@@ -14,6 +15,8 @@ from isopeel.errors import InputError
 
 if TYPE_CHECKING:
     from rich.console import Console
+
+    from isopeel.run import Result
 
 # The commands import what they need themselves: help should not wait for a compiler.
 
@@ -96,13 +99,13 @@ def run(
     """Run CASE and leave its curve, figures, summary and fields in a folder."""
     try:
         from isopeel.case import load_case
-        from isopeel.run import failure_message, run_case
+        from isopeel.run import run_case
 
         chosen = load_case(case).overridden(
             space=space, mesh=mesh, to=to, step=step, traction=traction, contact_points=contact_points
         )
         folder = out or Path("out") / chosen.name
-        stored, stage_folder = run_case(chosen, folder, _console())
+        result = run_case(chosen, folder, _console())
     except InputError as error:
         # what only the solver can tell of an option
         for option, value in (("mesh", mesh), ("contact_points", contact_points)):
@@ -111,13 +114,41 @@ def run(
         raise
     except KeyboardInterrupt:
         return _fail(INTERRUPTED, "interrupted")
-    if stored.failure is not None:
-        return _fail(
-            NOT_CONVERGED, failure_message(stored.failure, stored.curve.parameter_column, stage_folder)
-        )
-    if stored.ending == "interrupted":
-        return _fail(INTERRUPTED, f"interrupted; what converged before is in {stage_folder}")
+    return _ended(result, folder)
+
+
+@app.command()
+def resume(
+    folder: Annotated[Path, typer.Argument(metavar="DIR", help="Folder of a run that was interrupted.")],
+    to: Annotated[
+        str | None,
+        typer.Option(metavar="VALUE", help="Last parameter, if it is to go further than was asked for."),
+    ] = None,
+) -> int:
+    """Go on with a run that was interrupted or killed; its steps are those of an uninterrupted one."""
+    try:
+        from isopeel.resume import resume_case
+
+        result = resume_case(folder, _console(), to)
+    except KeyboardInterrupt:
+        return _fail(INTERRUPTED, f"interrupted; {_goes_on(folder)}")
+    return _ended(result, folder)
+
+
+def _ended(result: "Result", folder: Path) -> int:
+    """Tell how a run ended, and return the exit code for it."""
+    from isopeel.run import failure_message
+
+    run, stage_folder = result
+    if run.ending == "interrupted":
+        return _fail(INTERRUPTED, f"interrupted; {_goes_on(folder)}")
+    if run.failure is not None:
+        return _fail(NOT_CONVERGED, failure_message(run.failure, run.curve.parameter_column, stage_folder))
     return COMPLETED
+
+
+def _goes_on(folder: Path) -> str:
+    return f"what converged before is in {folder}, and `isopeel resume {shlex.quote(str(folder))}` goes on"
 
 
 @app.command()

@@ -9,7 +9,8 @@ from isopeel.physics.adhesion import Exponential
 from isopeel.problem import strip
 from isopeel.results.curve import Curve
 from isopeel.results.provenance import Provenance
-from isopeel.results.run_file import Failure, RunWriter, read_run, run_attributes
+from isopeel.results.run_file import Failure, read_run, run_attributes
+from isopeel.results.run_writer import RunWriter
 from isopeel.solve.trace import Step, trace
 from isopeel.splines.rows import row_space
 
@@ -55,9 +56,10 @@ def test_a_path_goes_on_from_its_file_bit_for_bit(tmp_path: Path) -> None:
     ) as file:
         for step in whole[:60]:
             file.append(step)
-    states = read_run(tmp_path / "run.h5").last
+    state = read_run(tmp_path / "run.h5").last
+    assert state is not None
     assert whole[59].dissipated_energy > 0
-    for one, other in zip(trace(problem, space, angles[60:], start=states), whole[60:], strict=True):
+    for one, other in zip(trace(problem, space, angles[60:], start=[state]), whole[60:], strict=True):
         assert (one.reaction, one.dissipated_energy) == (other.reaction, other.dissipated_energy)
         np.testing.assert_array_equal(one.displacement, other.displacement)
 
