@@ -1,6 +1,7 @@
 """The command line."""
 
 import shlex
+import signal
 import sys
 from collections.abc import Sequence
 from io import TextIOWrapper
@@ -35,7 +36,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
         # a name that the terminal's encoding lacks should not end a run
         sys.stdout.reconfigure(errors="replace")
     try:
-        return int(app(arguments, standalone_mode=False) or COMPLETED)
+        code = int(app(arguments, standalone_mode=False) or COMPLETED)
+        if code == INTERRUPTED and arguments is None:
+            # another Ctrl-C while the process goes down has nothing left to end
+            signal.signal(signal.SIGINT, signal.SIG_IGN)
+        return code
     except InputError as error:
         return _fail(BAD_INPUT, str(error))
     except TyperException as error:

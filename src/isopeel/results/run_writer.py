@@ -68,6 +68,7 @@ class RunWriter:
         #: What has been stored before, and how the run stands but for the steps since then.
         self._run = replace(after or nothing, case_text=case_text, ending="running", failure=None)
         self._fields.take_all(self._run.fields)
+        self._last = self._run.last
         self._journal: Journal | None = None
         self._next_save = 0.0
         self.saved: bool = False
@@ -96,7 +97,7 @@ class RunWriter:
             step, displacement=empty, openings=empty, unknown_values=empty[:, 0], past=(), memory=None
         )
         self._rows.append(row)
-        self._run = replace(self._run, last=step.state)
+        self._last = step.state
         self._fields.take(float(self._drive.parameter_column.shown(step.parameter)), step.displacement)
         if self._is_behind:
             return
@@ -127,7 +128,7 @@ class RunWriter:
 
     def _save(self) -> None:
         began = perf_counter()
-        run = replace(self._run, curve=self.curve, fields=self._fields.all())
+        run = replace(self._run, curve=self.curve, fields=self._fields.all(), last=self._last)
         try:
             write_run(self._path, run)
         except FileNotFoundError as error:
