@@ -28,9 +28,15 @@ LAWS: list[dict[str, Any]] = [
     {"law": "van-der-waals", "hamaker_constant": "1e-19 J", "equilibrium_distance": "0.4 nm"},
     {"law": "exponential", "strength": "50 MPa", "work_of_adhesion": "0.03 J/m^2"},
     {"law": "exponential", "strength": "50 MPa", "work_of_adhesion": "0.03 J/m^2", "irreversible": True},
-    {"law": "bilinear", "strength": "50 MPa", "work_of_adhesion": "0.03 J/m^2"},
-    {"law": "dugdale", "strength": "50 MPa", "work_of_adhesion": "0.03 J/m^2"},
-    {"law": "trapezoidal", "strength": "50 MPa", "work_of_adhesion": "0.03 J/m^2"},
+    {"law": "bilinear", "strength": "50 MPa", "work_of_adhesion": "0.03 J/m^2", "rise": 0.2},
+    {"law": "dugdale", "strength": "50 MPa", "work_of_adhesion": "0.03 J/m^2", "transition": 0.2},
+    {
+        "law": "trapezoidal",
+        "strength": "50 MPa",
+        "work_of_adhesion": "0.03 J/m^2",
+        "rise": 0.2,
+        "plateau": 0.3,
+    },
     {"law": "lennard-jones", "work_of_adhesion": "0.03 J/m^2", "equilibrium_gap": "0.25 nm"},
     {
         "law": "formula",
@@ -92,7 +98,7 @@ FORMULAS = [
 SPACE_NAMES = ["L0", "L20", "L21", "N9", "N99", "N2.20", "L1+L1@99", "H3", "H2", "", "Q1C4", "N2.1@2", "L1+N2@3", "n2", "N-1", "Ｎ2"]
 MESH_TEXTS = [
     "0x0", "0x1", "-1x2", "8 x 2", "8x2x2", "1000000x1000000", "100000x1000", "99999x1", "1x999", "1e3x2", "8", "", "x",
-    "９x2", "999999999999999x1", "9" * 30 + "x1", "3000x1000", "400x1", "1x9",
+    "９x2", "999999999999999x1", "9" * 30 + "x1", "3000x1000", "40x1", "1x9",
 ]  # fmt: skip
 STEPS = ["0 deg", "-1 deg", "1e-300 deg", "1e-9 deg", "500 deg", "0 nm", "-1 nm", "1e-9 nm", "9 nm", "inf nm", "1", "1 N/m"]
 ANYTHING = st.one_of(
@@ -172,11 +178,14 @@ def documents(draw: st.DrawFn) -> dict[str, Any]:
 
 def _change(draw: st.DrawFn, document: dict[str, Any]) -> None:
     """Change a key, a table, or add or remove one."""
-    section = draw(st.sampled_from([*document, "units", "held", "reading", "output"]))
-    if draw(st.integers(0, 19)) == 0:
+    tables = [key for key in document if key != "name"]
+    section = draw(st.sampled_from([*tables, "units", "held", "reading", "output"]))
+    if draw(st.integers(0, 39)) == 0:
+        section = "name"
+    if draw(st.integers(0, 39)) == 0:
         document[draw(st.sampled_from([section, "extra"]))] = draw(ANYTHING)
         return
-    if draw(st.integers(0, 19)) == 0:
+    if draw(st.integers(0, 39)) == 0:
         document.pop(section, None)
         return
     table = document.setdefault(section, {})
@@ -195,7 +204,9 @@ def _change(draw: st.DrawFn, document: dict[str, Any]) -> None:
         "adhesion": ["length", "irreversible", "traction", "sliding_length", "symmetric"],
         "substrate": ["gap"],
     }.get(section, [])
-    key = draw(st.one_of(st.sampled_from([*table, *known, "extra"]), KEYS))
+    key = draw(st.sampled_from([*table, *known] or ["extra"]))
+    if draw(st.integers(0, 19)) == 0:
+        key = draw(KEYS)
     likely = LIKELY.get(key)
     if likely is not None and draw(st.integers(0, 4)) > 0:
         table[key] = draw(st.sampled_from(likely))
