@@ -11,7 +11,8 @@ _REPR.maxlist = _REPR.maxtuple = _REPR.maxdict = 10
 def one_line(text: str) -> str:
     """Make a text one line that a terminal shows as it is, whatever a user wrote into it."""
     return "".join(
-        character if character.isprintable() else repr(character)[1:-1] for character in " ".join(text.split())
+        character if character.isprintable() else repr(character)[1:-1]
+        for character in " ".join(text.split())
     )
 
 

@@ -94,7 +94,9 @@ def stored_bits(path: Path) -> dict[str, bytes]:
 
     def visit(name: str, item: h5py.Group | h5py.Dataset) -> None:
         for key, value in item.attrs.items():
-            bits[f"{name}@{key}"] = np.asarray(value).tobytes() if not isinstance(value, str) else value.encode()
+            bits[f"{name}@{key}"] = (
+                np.asarray(value).tobytes() if not isinstance(value, str) else value.encode()
+            )
         if isinstance(item, h5py.Dataset) and name not in ("curve/seconds", "case"):
             bits[name] = item[()].tobytes()
 

@@ -5,8 +5,6 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-
-import isopeel
 from killing import (
     Outcome,
     has_journal,
@@ -17,16 +15,22 @@ from killing import (
     run_files,
     stored_bits,
 )
+
+import isopeel
 from isopeel.case import Case
 from isopeel.cli import main
 
 _STRIP = isopeel.load_case("strip").text
-_LAW = _STRIP[_STRIP.index('law = "van-der-waals"') : _STRIP.index("length = \"150 nm\"")]
-_EXPONENTIAL = 'law = "exponential"\nstrength = "60 MPa"\nwork_of_adhesion = "0.03 J/m^2"\nirreversible = true\n'
+_LAW = _STRIP[_STRIP.index('law = "van-der-waals"') : _STRIP.index('length = "150 nm"')]
+_EXPONENTIAL = (
+    'law = "exponential"\nstrength = "60 MPa"\nwork_of_adhesion = "0.03 J/m^2"\nirreversible = true\n'
+)
 
 CASES: dict[str, Callable[[], Case]] = {
     "smooth": lambda: isopeel.load_case("strip").overridden(space="N2.1", mesh="160x8", to="60", step="0.1"),
-    "enriched": lambda: isopeel.load_case("strip").overridden(space="L1+N2", mesh="160x4", to="60", step="0.1"),
+    "enriched": lambda: isopeel.load_case("strip").overridden(
+        space="L1+N2", mesh="160x4", to="60", step="0.1"
+    ),
     # weaker than the strip's law, so that a coarse mesh resolves the front
     "irreversible": lambda: Case.parse(_STRIP.replace(_LAW, _EXPONENTIAL)).overridden(
         space="N2.1", mesh="100x3", to="70", step="0.1"
