@@ -46,7 +46,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except TyperException as error:
         return _fail(BAD_INPUT, " ".join(error.format_message().split()))
     except OSError as error:
-        return _fail(BAD_INPUT, f"{error.filename or 'a file'} cannot be written: {error.strerror}")
+        return _fail(BAD_INPUT, _unwritten(error))
     except MemoryError:
         return _fail(BAD_INPUT, "there is not enough memory; give a coarser --mesh")
 
@@ -119,6 +119,8 @@ def run(
         raise
     except KeyboardInterrupt:
         return _fail(INTERRUPTED, "interrupted")
+    except OSError as error:
+        return _fail(BAD_INPUT, _unwritten(error, folder))
     return _ended(result, folder)
 
 
@@ -137,6 +139,8 @@ def resume(
         result = resume_case(folder, _console(), to)
     except KeyboardInterrupt:
         return _fail(INTERRUPTED, f"interrupted; {_goes_on(folder)}")
+    except OSError as error:
+        return _fail(BAD_INPUT, _unwritten(error, folder))
     return _ended(result, folder)
 
 
@@ -150,6 +154,13 @@ def _ended(result: "Result", folder: Path) -> int:
     if run.failure is not None:
         return _fail(NOT_CONVERGED, failure_message(run.failure, run.curve.parameter_column, stage_folder))
     return COMPLETED
+
+
+def _unwritten(error: OSError, folder: Path | None = None) -> str:
+    told = f"{error.filename or 'a file'} cannot be written: {error.strerror}"
+    if folder is None or not any(folder.glob("**/run.h5")):
+        return told
+    return f"{told}; `isopeel resume {shlex.quote(str(folder))}` goes on with what is saved"
 
 
 def _goes_on(folder: Path) -> str:

@@ -7,6 +7,7 @@ from pathlib import Path
 from time import perf_counter
 from typing import Any, NamedTuple
 
+from psutil import virtual_memory
 from rich.box import SIMPLE_HEAD
 from rich.console import Console
 from rich.table import Table
@@ -110,6 +111,7 @@ def _steps(
 ) -> Iterable[Step]:
     """The steps of a stage, after those that are stored."""
     begun = found is not None and found.last is not None
+    _check_memory(stage, space)
     try:
         return trace(
             stage.problem,
@@ -124,6 +126,18 @@ def _steps(
         chosen = error.field in ("mesh", "contact_points")
         field = f"discretization.{error.field}" if chosen else error.field
         raise InputError(field, error.value, error.allowed) from error
+
+
+def _check_memory(stage: Stage, space: RowSpace) -> None:
+    """Raise InputError where the displacements to keep would fill the memory."""
+    column = stage.problem.drive.parameter_column
+    kept = min(abs(column.shown(stage.parameters[-1])) / stage.fields_every, len(stage.parameters))
+    # they are kept, gathered in an array, and that in the image of the file
+    needed, free = 3 * 16 * space.size * kept, virtual_memory().available
+    if needed > free:
+        gib = f"{needed / 2**30:.1f} GiB of memory, and {free / 2**30:.1f} GiB are free"
+        allowed = f"the displacements at its multiples need {gib}"
+        raise InputError("output.fields_every", f"{stage.fields_every:g} {column.unit}", allowed)
 
 
 def _run_stage(

@@ -19,6 +19,12 @@ from hypothesis import strategies as st
 import isopeel.run
 from isopeel.cli import main
 
+# figures that Ctrl-C interrupts leave their files to be closed later
+pytestmark = [
+    pytest.mark.filterwarnings("ignore::ResourceWarning"),
+    pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning"),
+]
+
 LIMIT = 10.0  # seconds
 PATIENCE = 4.0  # with a run of many steps
 PATCH = {
@@ -39,9 +45,9 @@ class HangError(Exception):
 
 
 def outcome(text: str, options: list[str], figures: bool) -> tuple[int, str]:
-    """The exit code of a case, and what it wrote to standard error; raises HangError where it does not end."""
+    """The exit code of a case, and what it wrote to standard error; HangError where it does not end."""
 
-    asked = []
+    asked: list[bool] = []
 
     def stop(_number: int, _frame: FrameType | None) -> None:
         if asked or not list(Path(folder).glob("out/**/run.h5")):

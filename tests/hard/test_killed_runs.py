@@ -1,4 +1,4 @@
-"""Runs that are killed at any instant: the file opens, nothing is lost, and resuming ends in the same bits."""
+"""Runs killed at any instant: the file opens, nothing is lost, and resuming ends in the same bits."""
 
 import random
 from collections.abc import Callable
@@ -59,34 +59,26 @@ class Reference:
 
 
 def kill_and_resume(reference: Reference, scratch: Path, seed: int, kills: int, figures: bool) -> int:
-    """Kill a run and what resumes it, again and again, and let the last one end; return the number of kills."""
+    """Kill a run and what resumes it, again and again, and let the last one end; return how often."""
     chance = random.Random(seed)
     out, done = scratch / f"out{seed}", 0
+    reached: dict[Path, int] = {}
     command = ["run", str(reference.case), "--out", str(out)]
+    # the first one is early, so that there is one whatever the machine
+    moments = [has_journal(out, 50), *(some_moment(chance, reference.seconds, out) for _ in range(kills - 1))]
     while True:
-        moment = chance.uniform(0.0, reference.seconds)
-        chosen: Callable[[float], bool] = chance.choice(
-            [
-                lambda seconds: seconds > moment,
-                is_being_written(out),
-                has_journal(out, chance.randrange(50, 200_000)),
-            ]
-        )
-        late = chance.random() < 0.5  # the first time that it is written is not the only one
-        until = (lambda seconds: seconds > moment and chosen(seconds)) if late else chosen
         ended = in_a_fork(
             command,
             scratch,
-            until if done < kills else lambda _: False,
+            moments[done] if done < len(moments) else lambda _: False,
             save_seconds=chance.choice([0.02, 0.1, 1.0]),
             figures=figures,
         )
-        print(ended)
         if ended.code == 0:
             break
         assert ended.code == -9, ended.said
         done += 1
-        check_files(reference, out, ended)
+        check_files(reference, out, ended, reached)
         if run_files(out):
             command = ["resume", str(out)]
     assert leftovers(out) == set()
@@ -94,12 +86,22 @@ def kill_and_resume(reference: Reference, scratch: Path, seed: int, kills: int, 
     return done
 
 
-def check_files(reference: Reference, out: Path, ended: Outcome) -> None:
-    """Every file opens, and holds all steps that were taken."""
+def some_moment(chance: random.Random, seconds: float, out: Path) -> Callable[[float], bool]:
+    """At some time, or then as soon as a file is being written, or as soon as there is a journal."""
+    moment = chance.choice([0.0, chance.uniform(0.0, seconds)])
+    event = chance.choice(
+        [lambda _: True, is_being_written(out), has_journal(out, chance.randrange(50, 200_000))]
+    )
+    return lambda passed: passed > moment and event(passed)
+
+
+def check_files(reference: Reference, out: Path, ended: Outcome, reached: dict[Path, int]) -> None:
+    """Every file opens, and holds all steps that were taken, by the last process and by those before."""
     for path, whole in zip(run_files(out), reference.runs, strict=False):
         run = isopeel.read_run(path)
         assert is_prefix(run, whole)
-        assert len(run.curve) >= ended.taken.get(str(path), 0)
+        assert len(run.curve) >= max(ended.taken.get(str(path), 0), reached.get(path, 0))
+        reached[path] = len(run.curve)
         (*_, last) = run.fields
         assert last == run.curve.parameter[-1]
         if last in whole.fields:

@@ -66,9 +66,12 @@ class Journal:
         # without a truncation, which would take longer than to write them
         self._file.seek(self._begin)
 
-    def remove(self) -> None:
+    def close(self) -> None:
         """End it."""
         self._file.close()
+
+    def remove(self) -> None:
+        """Remove it, once the run's file holds all."""
         self._path.unlink(missing_ok=True)
 
     def _write(self, parts: list[bytes | memoryview]) -> None:

@@ -84,8 +84,13 @@ class RunWriter:
         traceback: TracebackType | None,
     ) -> None:
         """Save what has come."""
-        if (self._rows and not self._is_behind) or self.ending not in ("running", "interrupted"):
-            self._save()
+        try:
+            if (self._rows and not self._is_behind) or self.ending not in ("running", "interrupted"):
+                self._save()
+        finally:
+            if self._journal is not None:
+                self._journal.close()
+        # where the save failed, the journal holds what the file does not
         if self._journal is not None:
             self._journal.remove()
 
