@@ -111,9 +111,8 @@ def _steps(
 ) -> Iterable[Step]:
     """The steps of a stage, after those that are stored."""
     begun = found is not None and found.last is not None
-    _check_memory(stage, space)
     try:
-        return trace(
+        steps = trace(
             stage.problem,
             space,
             stage.parameters[len(found.curve) :] if found is not None and begun else stage.parameters,
@@ -126,6 +125,8 @@ def _steps(
         chosen = error.field in ("mesh", "contact_points")
         field = f"discretization.{error.field}" if chosen else error.field
         raise InputError(field, error.value, error.allowed) from error
+    _check_memory(stage, space)
+    return steps
 
 
 def _check_memory(stage: Stage, space: RowSpace) -> None:

@@ -44,6 +44,7 @@ class FormulaMaterial:
         """Check the formula and its state of rest."""
         check_constants("material.constants", self.constants, _NAMES)
         object.__setattr__(self, "constants", dict(sorted(self.constants.items())))
+        _source(self.energy, tuple(self.constants))
         shear, lame_lambda, stress = self._at_rest
         if not np.isfinite([shear, lame_lambda, stress]).all():
             raise InputError("material.energy", self.energy, "its derivatives must be finite at F = I")
@@ -52,7 +53,6 @@ class FormulaMaterial:
         # differentiation is exact, so only the round-off of the evaluation may remain
         if abs(stress) > 1e-10 * shear:
             raise InputError("material.energy", self.energy, "its stress at F = I must vanish")
-        _source(self.energy, tuple(self.constants))
         if not self._is_isotropic:
             allowed = "it must not change when the body is turned, before or after its deformation"
             raise InputError("material.energy", self.energy, allowed)
