@@ -90,3 +90,37 @@ def test_bad_cases_end_with_2_and_one_line(
     assert told in error
     assert error.count("\n") == 1
     assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        pytest.param("a" * 300_000, "a case has at most 20000 bytes", id="too long"),
+        pytest.param("a = " + "[" * 9_000, "it is not TOML", id="nested lists"),
+        pytest.param(".".join("a" * 9_000) + " = 1", "there is no such key", id="nested tables"),
+        pytest.param(f"a = {'9' * 5000}", "it is not TOML", id="a number of many digits"),
+        pytest.param(
+            '"\\u001b[2J\\u2028" = 1\n' + STRIP, r"\x1b[2J : 1 cannot be used", id="signs of a terminal"
+        ),
+        pytest.param(
+            STRIP.replace('fields_every = "10 deg"', 'fields_every = "1e-9 deg"'),
+            "output.fields_every: '1e-09 degree' cannot be used; the displacements at its multiples need",
+            id="fields that fill the memory",
+        ),
+    ],
+)
+def test_what_would_fill_memory_or_terminal_ends_with_2_and_one_line(
+    text: str, told: str, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    class Memory:
+        available = 200 * 2**20
+
+    monkeypatch.setattr("isopeel.run.virtual_memory", lambda: Memory)
+    file = tmp_path / "bad.toml"
+    file.write_text(text)
+    assert main(["run", str(file), "--out", str(tmp_path / "out")]) == 2
+    error = capsys.readouterr().err
+    assert told in error
+    assert len(error.splitlines()) == 1
+    assert len(error) < 1000
+    assert not (tmp_path / "out").exists()

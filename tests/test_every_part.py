@@ -37,7 +37,8 @@ from isopeel.problem.shapes import (
 )
 from isopeel.registry import discover
 from isopeel.results.provenance import Provenance
-from isopeel.results.run_file import RunWriter, read_run, run_attributes
+from isopeel.results.run_file import read_run, run_attributes
+from isopeel.results.run_writer import RunWriter
 from isopeel.solve.linear import factorize
 from isopeel.solve.newton import NewtonSettings
 from isopeel.solve.trace import Step, trace
@@ -247,9 +248,10 @@ def test_a_path_goes_on_from_its_file_bit_for_bit(peeled: Peeled, tmp_path: Path
     with RunWriter(tmp_path / "run.h5", problem.drive, "", attributes) as file:
         for step in trace(problem, space, [s.parameter for s in peeled.steps[:cut]]):
             file.append(step)
-    states = read_run(tmp_path / "run.h5").last
+    state = read_run(tmp_path / "run.h5").last
+    assert state is not None
     later = peeled.steps[cut : cut + 6]
-    again = trace(problem, space, [s.parameter for s in later], start=states)
+    again = trace(problem, space, [s.parameter for s in later], start=[state])
     for one, other in zip(again, later, strict=True):
         assert (one.reaction, one.dissipated_energy) == (other.reaction, other.dissipated_energy)
         np.testing.assert_array_equal(one.displacement, other.displacement)

@@ -1,5 +1,7 @@
 """The command line."""
 
+import shlex
+import signal
 import sys
 from collections.abc import Sequence
 from io import TextIOWrapper
@@ -14,6 +16,8 @@ from isopeel.errors import InputError
 
 if TYPE_CHECKING:
     from rich.console import Console
+
+    from isopeel.run import Result
 
 # The commands import what they need themselves: help should not wait for a compiler.
 
@@ -32,13 +36,17 @@ def main(arguments: Sequence[str] | None = None) -> int:
         # a name that the terminal's encoding lacks should not end a run
         sys.stdout.reconfigure(errors="replace")
     try:
-        return int(app(arguments, standalone_mode=False) or COMPLETED)
+        code = int(app(arguments, standalone_mode=False) or COMPLETED)
+        if code == INTERRUPTED and arguments is None:
+            # another Ctrl-C while the process goes down has nothing left to end
+            signal.signal(signal.SIGINT, signal.SIG_IGN)
+        return code
     except InputError as error:
         return _fail(BAD_INPUT, str(error))
     except TyperException as error:
         return _fail(BAD_INPUT, " ".join(error.format_message().split()))
     except OSError as error:
-        return _fail(BAD_INPUT, f"{error.filename or 'a file'} cannot be written: {error.strerror}")
+        return _fail(BAD_INPUT, _unwritten(error))
     except MemoryError:
         return _fail(BAD_INPUT, "there is not enough memory; give a coarser --mesh")
 
@@ -96,13 +104,13 @@ def run(
     """Run CASE and leave its curve, figures, summary and fields in a folder."""
     try:
         from isopeel.case import load_case
-        from isopeel.run import failure_message, run_case
+        from isopeel.run import run_case
 
         chosen = load_case(case).overridden(
             space=space, mesh=mesh, to=to, step=step, traction=traction, contact_points=contact_points
         )
         folder = out or Path("out") / chosen.name
-        stored, stage_folder = run_case(chosen, folder, _console())
+        result = run_case(chosen, folder, _console())
     except InputError as error:
         # what only the solver can tell of an option
         for option, value in (("mesh", mesh), ("contact_points", contact_points)):
@@ -111,13 +119,52 @@ def run(
         raise
     except KeyboardInterrupt:
         return _fail(INTERRUPTED, "interrupted")
-    if stored.failure is not None:
-        return _fail(
-            NOT_CONVERGED, failure_message(stored.failure, stored.curve.parameter_column, stage_folder)
-        )
-    if stored.ending == "interrupted":
-        return _fail(INTERRUPTED, f"interrupted; what converged before is in {stage_folder}")
+    except OSError as error:
+        return _fail(BAD_INPUT, _unwritten(error, folder))
+    return _ended(result, folder)
+
+
+@app.command()
+def resume(
+    folder: Annotated[Path, typer.Argument(metavar="DIR", help="Folder of a run that was interrupted.")],
+    to: Annotated[
+        str | None,
+        typer.Option(metavar="VALUE", help="Last parameter, if it is to go further than was asked for."),
+    ] = None,
+) -> int:
+    """Go on with a run that was interrupted or killed; its steps are those of an uninterrupted one."""
+    try:
+        from isopeel.resume import resume_case
+
+        result = resume_case(folder, _console(), to)
+    except KeyboardInterrupt:
+        return _fail(INTERRUPTED, f"interrupted; {_goes_on(folder)}")
+    except OSError as error:
+        return _fail(BAD_INPUT, _unwritten(error, folder))
+    return _ended(result, folder)
+
+
+def _ended(result: "Result", folder: Path) -> int:
+    """Tell how a run ended, and return the exit code for it."""
+    from isopeel.run import failure_message
+
+    run, stage_folder = result
+    if run.ending == "interrupted":
+        return _fail(INTERRUPTED, f"interrupted; {_goes_on(folder)}")
+    if run.failure is not None:
+        return _fail(NOT_CONVERGED, failure_message(run.failure, run.curve.parameter_column, stage_folder))
     return COMPLETED
+
+
+def _unwritten(error: OSError, folder: Path | None = None) -> str:
+    told = f"{error.filename or 'a file'} cannot be written: {error.strerror}"
+    if folder is None or not any(folder.glob("**/run.h5")):
+        return told
+    return f"{told}; `isopeel resume {shlex.quote(str(folder))}` goes on with what is saved"
+
+
+def _goes_on(folder: Path) -> str:
+    return f"what converged before is in {folder}, and `isopeel resume {shlex.quote(str(folder))}` goes on"
 
 
 @app.command()

@@ -1,5 +1,20 @@
 """What can go wrong, as a user meets it: one clear line each."""
 
+from reprlib import Repr
+
+_LONGEST = 200  # characters of what a user wrote
+_REPR = Repr()
+_REPR.maxstring = _REPR.maxother = _REPR.maxlong = _LONGEST
+_REPR.maxlist = _REPR.maxtuple = _REPR.maxdict = 10
+
+
+def one_line(text: str) -> str:
+    """Make a text one line that a terminal shows as it is, whatever a user wrote into it."""
+    return "".join(
+        character if character.isprintable() else repr(character)[1:-1]
+        for character in " ".join(text.split())
+    )
+
 
 class InputError(ValueError):
     """A value that the user gave and that cannot be used.
@@ -11,7 +26,8 @@ class InputError(ValueError):
         self.field = field
         self.value = value
         self.allowed = allowed
-        super().__init__(" ".join(f"{field}: {value!r} cannot be used; {allowed}".split()))
+        shown = field if len(field) <= _LONGEST else f"{field[:_LONGEST]}..."
+        super().__init__(one_line(f"{shown}: {_REPR.repr(value)} cannot be used; {allowed}"))
 
     def __reduce__(self) -> tuple[type["InputError"], tuple[str, object, str]]:
         """Go from process to process with its parts."""

@@ -13,11 +13,11 @@ _REFRESHES_PER_SECOND = 5
 
 
 @contextmanager
-def progress(console: Console, drive: Drive, steps: int) -> Iterator[Callable[[Step], None]]:
+def progress(console: Console, drive: Drive, steps: int, before: int = 0) -> Iterator[Callable[[Step], None]]:
     """Show a bar while the context is open, and give the function that moves it to a step.
 
-    The bar says that kernels are compiled until the first step arrives. Nothing is shown where the console
-    is no terminal.
+    The bar begins after the steps `before`, and says that kernels are compiled until the first one
+    arrives. Nothing is shown where the console is no terminal.
     """
     bar = Progress(
         TextColumn("{task.description}"),
@@ -34,11 +34,11 @@ def progress(console: Console, drive: Drive, steps: int) -> Iterator[Callable[[S
     def show(step: Step) -> None:
         bar.update(
             task,
-            completed=step.number + 1,
+            completed=before + step.number + 1,
             description=f"{parameter.shown(step.parameter):7.2f} {parameter.unit}  "
             f"{reaction.name} {reaction.factor * step.reaction:.6g}  {len(step.iterations)} iterations",
         )
 
     with bar:
-        task = bar.add_task("compiling", total=steps)
+        task = bar.add_task("compiling", total=steps, completed=before)
         yield show

@@ -1,19 +1,23 @@
 """A run: trace a case, and leave its curve, file, summary and figures in a folder."""
 
 import json
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping
+from dataclasses import replace
 from pathlib import Path
-from tempfile import TemporaryFile
 from time import perf_counter
 from typing import Any, NamedTuple
 
+from psutil import virtual_memory
 from rich.box import SIMPLE_HEAD
 from rich.console import Console
 from rich.table import Table
 
+from isopeel.arrays import FloatArray
 from isopeel.case import Case, Stage, load_case, shipped_cases
 from isopeel.errors import InputError
-from isopeel.post.closed_form import Expected, expected
+from isopeel.folder import FILES, Place, alone_in, check_folder, places
+from isopeel.interrupts import Interrupts
+from isopeel.post.closed_form import expected
 from isopeel.post.fields import depth_inside
 from isopeel.post.figures import reaction_figure, save, shapes_figure
 from isopeel.post.reading import read_plateau
@@ -21,14 +25,13 @@ from isopeel.post.summary import summarize
 from isopeel.problem import Column, Drive
 from isopeel.progress import progress
 from isopeel.results.curve import Curve
+from isopeel.results.files import replacing
 from isopeel.results.provenance import Provenance
-from isopeel.results.run_file import Failure, RunWriter, StoredRun, read_run, run_attributes
+from isopeel.results.run_file import Failure, StoredRun, read_run, run_attributes
+from isopeel.results.run_writer import RunWriter
 from isopeel.solve.newton import ConvergenceError, NewtonSettings
 from isopeel.solve.trace import State, Step, trace
 from isopeel.splines.rows import RowSpace
-
-#: Files that a run leaves in its folder.
-FILES = ("run.h5", "curve.csv", "summary.json", "curve.png", "shapes.png")
 
 
 class Result(NamedTuple):
@@ -38,64 +41,83 @@ class Result(NamedTuple):
     folder: Path
 
 
-class _Place(NamedTuple):
-    """Where the files of a stage go, what it is called, and which files it makes outdated."""
-
-    folder: Path
-    title: str
-    outdated: list[Path]
-
-
 def run_case(case: Case, out: Path, console: Console) -> Result:
     """Run a case and write its files to a folder, in place of those of an earlier run.
 
     A case of several stages has a folder for each of them inside, numbered and named. Returns the last
     stage that was run; the `ending` of its run says whether that came to its end, found no equilibrium or
     was interrupted: all that converged before is in the files. Raises InputError where a folder cannot be
-    written or the memory does not suffice, OSError where a file cannot be written, and KeyboardInterrupt
-    where there is no step yet; an earlier run stays until there is one.
+    written, another process runs in it or the memory does not suffice, OSError where a file cannot be
+    written, and KeyboardInterrupt where there is no step yet; an earlier run stays until there is one.
+    """
+    # the first stage is checked before any folder is made
+    steps = _steps(case, case.stages()[0], case.space(), None, None)
+    for place in places(case.name, [stage.name for stage in case.stages()], out):
+        check_folder(place.folder)
+    with alone_in(out, "--out"):
+        return go_through(case, out, console, {}, steps)
+
+
+def go_through(
+    case: Case,
+    out: Path,
+    console: Console,
+    stored: Mapping[int, StoredRun],
+    first_steps: Iterable[Step] | None = None,
+) -> Result:
+    """Run the stages of a case as `run_case` does, after those that are `stored`, by their numbers from zero.
+
+    Those come without the steps of their journals, and all but the last of them are complete. Stages before
+    all of them are left as they are. The caller keeps other processes out of the folder, and may have the
+    steps of the first stage at hand.
     """
     space, stages = case.space(), case.stages()
-    places = _places(case.name, [stage.name for stage in stages], out)
     base: State | None = None
-    for stage, place in zip(stages, places, strict=True):
-        steps = _steps(case, stage, space, base)
-        for folder in (place.folder for place in places if base is None):
-            _check_folder(folder)
-        run = _run_stage(case, stage, space, base, steps, place, console)
-        if run.ending != "completed":
-            break
-        base = run.last[-1]
-    return Result(run, place.folder)
-
-
-def _places(name: str, stages: Sequence[str], out: Path) -> list[_Place]:
-    """The places of the stages of a case: `out` itself for the only one, folders inside for several."""
-    folders = [out]
-    titles = [name]
-    if len(stages) > 1:
-        folders = [out / f"{number}-{stage}" for number, stage in enumerate(stages, start=1)]
-        titles = [f"{name}, stage {number}: {stage}" for number, stage in enumerate(stages, start=1)]
-    earlier = {path.parent for path in out.glob("[0-9]*-*/run.h5")} | {out, *folders}
-    return [
-        _Place(
-            folder,
-            title,
-            # what later stages and runs with other stages have left
-            [path / file for path in earlier - set(folders[: number + 1]) for file in FILES]
-            + [folder / file for file in FILES[1:]],
-        )
-        for number, (folder, title) in enumerate(zip(folders, titles, strict=True))
-    ]
-
-
-def _steps(case: Case, stage: Stage, space: RowSpace, base: State | None) -> Iterable[Step]:
+    result: Result | None = None
     try:
-        return trace(
+        for number, place in enumerate(places(case.name, [stage.name for stage in stages], out)):
+            stage, found = stages[number], stored.get(number)
+            if number < min(stored, default=0):
+                continue
+            if base is None and found is not None and found.base is not None:
+                base = State(0.0, found.base)
+            if found is not None and is_complete(found, stage):
+                run = _complete(stage, space, found, base, place, console)
+            elif found is not None and found.failure is not None:
+                run = found
+            else:
+                steps = first_steps or _steps(case, stage, space, base, found)
+                first_steps = None
+                run = _run_stage(case, stage, space, base, found, steps, place, console)
+            result = Result(run, place.folder)
+            if run.ending != "completed":
+                break
+            base = run.last
+    except KeyboardInterrupt:
+        if result is None:
+            raise
+        return result._replace(run=replace(result.run, ending="interrupted"))
+    assert result is not None
+    return result
+
+
+def is_complete(run: StoredRun, stage: Stage) -> bool:
+    """Whether a stored run has come to the end of a stage."""
+    return run.ending == "completed" and len(run.curve) == len(stage.parameters)
+
+
+def _steps(
+    case: Case, stage: Stage, space: RowSpace, base: State | None, found: StoredRun | None
+) -> Iterable[Step]:
+    """The steps of a stage, after those that are stored."""
+    begun = found is not None and found.last is not None
+    try:
+        steps = trace(
             stage.problem,
             space,
-            stage.parameters,
+            stage.parameters[len(found.curve) :] if found is not None and begun else stage.parameters,
             NewtonSettings(jumps=stage.jumps),
+            start=[found.last] if found is not None and found.last is not None else (),
             base=base,
             contact_points=case.discretization.contact_points,
         )
@@ -103,6 +125,20 @@ def _steps(case: Case, stage: Stage, space: RowSpace, base: State | None) -> Ite
         chosen = error.field in ("mesh", "contact_points")
         field = f"discretization.{error.field}" if chosen else error.field
         raise InputError(field, error.value, error.allowed) from error
+    _check_memory(stage, space)
+    return steps
+
+
+def _check_memory(stage: Stage, space: RowSpace) -> None:
+    """Raise InputError where the displacements to keep would fill the memory."""
+    column = stage.problem.drive.parameter_column
+    kept = min(abs(column.shown(stage.parameters[-1])) / stage.fields_every, len(stage.parameters))
+    # they are kept, gathered in an array, and that in the image of the file
+    needed, free = 3 * 16 * space.size * kept, virtual_memory().available
+    if needed > free:
+        gib = f"{needed / 2**30:.1f} GiB of memory, and {free / 2**30:.1f} GiB are free"
+        allowed = f"the displacements at its multiples need {gib}"
+        raise InputError("output.fields_every", f"{stage.fields_every:g} {column.unit}", allowed)
 
 
 def _run_stage(
@@ -110,40 +146,62 @@ def _run_stage(
     stage: Stage,
     space: RowSpace,
     base: State | None,
+    found: StoredRun | None,
     steps: Iterable[Step],
-    place: _Place,
+    place: Place,
     console: Console,
 ) -> StoredRun:
     began = perf_counter()
     problem, out = stage.problem, place.folder
-    attributes: dict[str, str | int] = {
-        "L0": case.units.length,
-        "E0": case.units.stress,
-        "stage": stage.name,
-        **run_attributes(problem, space, Provenance.of_this_process()),
-    }
+    attributes: Mapping[str, str | int] = (
+        {
+            "L0": case.units.length,
+            "E0": case.units.stress,
+            "stage": stage.name,
+            **run_attributes(problem, space, Provenance.of_this_process()),
+        }
+        if found is None
+        else found.attributes
+    )
     writer = RunWriter(
-        out / FILES[0],
+        place.run_file,
         problem.drive,
         case.text,
         attributes,
         stage.fields_every,
         place.outdated,
         None if base is None else base.displacement,
+        found,
+        0 if found is None else read_run(place.run_file).journaled,
     )
-    try:
-        with writer:
-            _follow(steps, problem.drive, len(stage.parameters), writer, console)
-    finally:
-        # whatever comes in between, the table holds what the file does
-        if writer.saved:
-            writer.curve.write_csv(out / "curve.csv")
-    run = read_run(out / FILES[0])
-    # what theory says is of a body that begins at rest
-    closed_form = expected(problem, space) if base is None else None
-    summary = _write_results(stage, space, run, closed_form, place, perf_counter() - began)
+    with Interrupts() as interrupts:
+        try:
+            with writer:
+                _follow(steps, problem.drive, stage.parameters, writer, interrupts, console)
+        finally:
+            # whatever comes in between, the table holds what the file does
+            if writer.saved:
+                writer.curve.write_csv(out / "curve.csv")
+        run = replace(read_run(place.run_file), ending=writer.ending)
+        try:
+            summary = _write_results(stage, space, run, base, place, perf_counter() - began)
+        except KeyboardInterrupt:
+            return replace(run, ending="interrupted")
     if run.ending != "interrupted":
         _print_table(summary, run.curve, place, console)
+    return run
+
+
+def _complete(
+    stage: Stage, space: RowSpace, run: StoredRun, base: State | None, place: Place, console: Console
+) -> StoredRun:
+    """Say that a stage is complete, and make the files that it lacks."""
+    column = run.curve.parameter_column
+    reached = f"{run.curve.parameter[-1]:g} {_short(column)}"
+    console.print(f"{place.title} is complete: {len(run.curve)} steps, to {reached}", soft_wrap=True)
+    if not all((place.folder / name).exists() for name in FILES):
+        run.curve.write_csv(place.folder / "curve.csv")
+        _write_results(stage, space, run, base, place, float(run.curve.seconds.sum()))
     return run
 
 
@@ -167,31 +225,27 @@ def cases_table() -> Table:
     return table
 
 
-def _check_folder(out: Path) -> None:
-    try:
-        out.mkdir(parents=True, exist_ok=True)
-        TemporaryFile(dir=out).close()
-    except OSError as error:
-        allowed = f"a folder that can be written is needed: {error.strerror}"
-        raise InputError("--out", str(out), allowed) from error
-    for name in FILES:
-        if (out / name).exists() and not (out / name).is_file():
-            raise InputError("--out", str(out), f"{name} in it must be a file, where there is one")
-
-
-def _follow(steps: Iterable[Step], drive: Drive, count: int, writer: RunWriter, console: Console) -> None:
+def _follow(
+    steps: Iterable[Step],
+    drive: Drive,
+    parameters: FloatArray,
+    writer: RunWriter,
+    interrupts: Interrupts,
+    console: Console,
+) -> None:
     """Hand the steps to their consumers, and note how they end."""
     try:
-        with progress(console, drive, count) as show:
+        with progress(console, drive, len(parameters), len(writer.curve)) as show:
             for step in steps:
-                writer.append(step)
-                show(step)
+                with interrupts.held():
+                    writer.append(step)
+                    show(step)
         writer.end("completed")
     except ConvergenceError as error:
         parameter = drive.parameter_column.shown(error.parameter)
         writer.end("not converged", Failure(parameter, error.reason, error.iterations))
     except KeyboardInterrupt:
-        if not writer.saved:
+        if len(writer.curve) == 0:
             raise
         writer.end("interrupted")
 
@@ -200,22 +254,30 @@ def _write_results(
     stage: Stage,
     space: RowSpace,
     run: StoredRun,
-    closed_form: Expected | None,
-    place: _Place,
+    base: State | None,
+    place: Place,
     wall_time: float,
 ) -> dict[str, Any]:
-    """Write the figures and the summary, and return the latter."""
+    """Write the summary and, unless the run was interrupted, the figures; return the former."""
     out, window = place.folder, stage.window
+    # what theory says is of a body that begins at rest
+    closed_form = expected(stage.problem, space) if base is None else None
     period = closed_form.period if closed_form else None
     plateau = read_plateau(run.curve, window, period) if window else None
     inside = depth_inside(stage.problem, space, run.fields)
     summary = summarize(place.title, run, window, plateau, closed_form, inside, wall_time)
     text = json.dumps(summary, indent=2, allow_nan=False)
-    (out / "summary.json").write_text(text + "\n", encoding="utf-8")
-    if len(run.curve):
+    with replacing(out / "summary.json") as part:
+        part.write_text(text + "\n", encoding="utf-8")
+    # figures take longer than one who pressed Ctrl-C should wait
+    if len(run.curve) and run.ending != "interrupted":
         units = _units(summary)
-        save(reaction_figure(run.curve, plateau, closed_form, units), out / "curve.png")
-        save(shapes_figure(stage.problem, space, run.fields, units), out / "shapes.png")
+        for name, figure in (
+            ("curve.png", reaction_figure(run.curve, plateau, closed_form, units)),
+            ("shapes.png", shapes_figure(stage.problem, space, run.fields, units)),
+        ):
+            with replacing(out / name) as part:
+                save(figure, part)
     return summary
 
 
@@ -223,7 +285,7 @@ def _units(summary: dict[str, Any]) -> str:
     return "L0 = {L0}, E0 = {E0}".format(**summary["units"])
 
 
-def _print_table(summary: dict[str, Any], curve: Curve, place: _Place, console: Console) -> None:
+def _print_table(summary: dict[str, Any], curve: Curve, place: Place, console: Console) -> None:
     """Print the summary in a few lines, with the closed form beside what it tells."""
     parameter, reaction = curve.parameter_column, curve.reaction_column
     unit = _short(parameter)

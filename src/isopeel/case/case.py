@@ -45,6 +45,8 @@ from isopeel.units import UnitSystem, measured_in, shown
 
 #: More, and the stiffnesses along and across an element, its square apart, leave double precision.
 LARGEST_ASPECT = 1e4
+#: Bytes; the shipped cases have a thousand, and nested keys take a time that grows with their square.
+LARGEST_FILE = 20_000
 
 
 class Case(Section):
@@ -268,6 +270,8 @@ def load_case(case: str | Path) -> Case:
         return Case.parse(file.read_text("utf-8"))
     path = Path(case)
     try:
+        if path.is_file() and path.stat().st_size > LARGEST_FILE:
+            raise InputError("CASE", str(case), f"a case has at most {LARGEST_FILE} bytes")
         if not path.is_file():
             kind = "is no file" if path.exists() else "does not exist"
             allowed = f"it {kind}; give a TOML file or a shipped case: {', '.join(shipped_cases())}"

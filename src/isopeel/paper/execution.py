@@ -17,7 +17,8 @@ from isopeel.errors import InputError
 from isopeel.paper.study import Run, with_bases
 from isopeel.processes import worker_pool
 from isopeel.results.provenance import Provenance
-from isopeel.results.run_file import Failure, RunWriter, StoredRun, read_run, run_attributes
+from isopeel.results.run_file import Failure, StoredRun, read_run, run_attributes
+from isopeel.results.run_writer import RunWriter
 from isopeel.solve.newton import ConvergenceError, NewtonSettings
 from isopeel.solve.trace import State, trace
 

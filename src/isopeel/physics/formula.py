@@ -6,6 +6,7 @@ loaded when a formula is met: a second that most runs can save.
 """
 
 import ast
+import math
 import operator
 import re
 from collections.abc import Callable, Iterable, Mapping
@@ -17,6 +18,7 @@ import numpy as np
 
 from isopeel.errors import InputError
 from isopeel.physics.batch import BatchFunction, compile_batch
+from isopeel.physics.formula_size import VARIABLE, Size, size_of
 
 if TYPE_CHECKING:
     import sympy
@@ -30,6 +32,14 @@ _OPERATIONS: dict[type[ast.operator], Callable[[Any, Any], Any]] = {
     ast.Div: operator.truediv,
 }
 _LONGEST = 2000  # characters: far more than any law of the literature, and little to parse
+#: Parts of a second derivative: a thousand of them take some seconds to derive and to compile.
+_LARGEST = 2000
+_MOST_CONSTANTS = 50
+#: What varies in a formula; the invariants with what they have of components.
+_VARIABLES = {
+    **dict.fromkeys(("r", "x", "F11", "F12", "F21", "F22", "F33"), VARIABLE),
+    **{"I1": Size(9, 3, 1), "I2": Size(60, 30, 20), "J": Size(8, 3, 1)},
+}
 _NAMESPACE = {name: getattr(np, name) for name in (*FUNCTIONS, "pi", "nan")}
 
 
@@ -45,6 +55,10 @@ def parse_formula(field: str, text: str, names: tuple[str, ...]) -> "sympy.Expr"
     )
     try:
         tree = ast.parse(text.strip(), mode="eval").body
+        size = size_of(tree, _VARIABLES).second
+        if size > _LARGEST:
+            allowed = f"its second derivative has about {size} parts, and {_LARGEST} are allowed"
+            raise ValueError("too large")
         expression = _translate(tree, {name: sympy.Symbol(name, real=True) for name in names})
     except (SyntaxError, ValueError, TypeError, ArithmeticError, RecursionError, MemoryError) as error:
         raise InputError(field, text, allowed) from error
@@ -81,12 +95,16 @@ def _translate(node: ast.expr, symbols: "Mapping[str, sympy.Symbol]") -> "sympy.
             combine = _OPERATIONS[type(op)]
             return combine(_translate(left, symbols), _translate(right, symbols))
         case ast.Call(func=ast.Name(id=name), args=[argument], keywords=[]) if name in FUNCTIONS:
-            return getattr(sympy, name)(_translate(argument, symbols))
+            inner = _translate(argument, symbols)
+            # exactly, or to many digits, a number of a number could take forever
+            return sympy.Float(getattr(math, name)(inner)) if inner.is_number else getattr(sympy, name)(inner)
     raise ValueError(f"{type(node).__name__} is not part of a formula")
 
 
 def check_constants(field: str, constants: Mapping[str, float], reserved: tuple[str, ...]) -> None:
-    """Raise InputError unless every constant has a usable name and a finite value."""
+    """Raise InputError unless each of not too many constants has a usable name and a finite value."""
+    if len(constants) > _MOST_CONSTANTS:
+        raise InputError(field, f"{len(constants)} constants", f"at most {_MOST_CONSTANTS} are allowed")
     for name, value in constants.items():
         usable = re.fullmatch(r"[A-Za-z][A-Za-z0-9_]*", name) and not iskeyword(name)
         if not usable or name in (*reserved, *FUNCTIONS, "pi"):

@@ -2,13 +2,15 @@
 
 import csv
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from isopeel.arrays import FloatArray, IntArray, frozen
 from isopeel.problem import Column, Drive
+from isopeel.results.files import replacing
 from isopeel.solve.trace import Step
 
 
@@ -64,6 +66,17 @@ class Curve:
             frozen(np.array([residual for s in steps for residual in s.iterations], dtype=np.float64)),
         )
 
+    def followed_by(self, others: Iterable["Curve"]) -> "Curve":
+        """Join the rows of other curves of the same columns to these."""
+        curves = [self, *others]
+        columns = (field.name for field in fields(self) if isinstance(getattr(self, field.name), np.ndarray))
+        joined: dict[str, Any] = {
+            name: np.concatenate([getattr(curve, name) for curve in curves]) for name in columns
+        }
+        for column in joined.values():
+            column.setflags(write=False)
+        return replace(self, **joined)
+
     def __len__(self) -> int:
         """Number of steps."""
         return len(self.parameter)
@@ -85,7 +98,7 @@ class Curve:
             "released_energy": self.released_energy,
             "seconds": self.seconds,
         }
-        with path.open("w", newline="", encoding="utf-8") as file:
+        with replacing(path) as part, part.open("w", newline="", encoding="utf-8") as file:
             writer = csv.writer(file)
             writer.writerow(columns)
             writer.writerows(zip(*(column.tolist() for column in columns.values()), strict=True))

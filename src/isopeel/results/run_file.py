@@ -2,42 +2,47 @@
 
 Layout: `case`, the TOML text; `curve/NAME` (n,) for each column, with its `unit`, among them
 `curve/energy_residuals` (m,), one for each Newton correction of all steps; `fields/parameter` (k,) in the
-unit of the parameter's column, and `fields/displacement` (k, functions, 2); `last`, the states of the last
-steps, from which the path goes on: `parameter` (l,) in the solver's unit, `displacement` (l, functions, 2),
-`unknown_values` (l, count), and `openings` (E, Q) after the last; `last/memory`, what the solver kept: where
-its tangent was made and the pairs (k, count) of `corrections` and `changes` since; `base` (functions, 2), the
-displacement that a stage after another began with; `failure`, where there was one; attributes of the root
-for all else.
+unit of the parameter's column, and `fields/displacement` (k, functions, 2); `last`, the state of the last
+step, from which the path goes on: `parameter` in the solver's unit, `displacement` (functions, 2), `openings`
+(E, Q); `last/past`, the solver's last states: `parameter` (l,), `unknown_values` (l, count), `energies`
+(l, 3), and `polished` (l, count), of nan where there is none; `last/memory`, what the solver kept: where its
+tangent was made and the pairs (k, count) of `corrections` and `changes` since; `base` (functions, 2), the
+displacement that a stage after another began with; `failure`, where there was one; attributes of the root for
+all else.
+
+Beside it, while the run goes on and where it was killed, lies its journal (`isopeel.results.journal`).
 """
 
-from collections import deque
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field, replace
 from pathlib import Path
-from time import perf_counter
-from types import MappingProxyType, TracebackType
-from typing import Any, Literal, NamedTuple, Self
+from types import MappingProxyType
+from typing import Literal, NamedTuple, get_args
+from uuid import uuid4
 
 import h5py
 import numpy as np
 
 from isopeel.arrays import FloatArray, IntArray, frozen
 from isopeel.errors import InputError
-from isopeel.problem import Column, Drive, Problem
+from isopeel.problem import Column, Problem
+from isopeel.results import untrusted
 from isopeel.results.curve import Curve
+from isopeel.results.fields import Fields
 from isopeel.results.files import replacing
+from isopeel.results.journal import Record, read_journal
 from isopeel.results.provenance import Provenance
+from isopeel.results.untrusted import UntrustedError
 from isopeel.solve.quasi_newton import Memory, Pair
-from isopeel.solve.trace import STATES_TO_GO_ON, State, Step
+from isopeel.solve.trace import Past, State
 from isopeel.splines.rows import RowSpace
 
 #: How a run ended; "running" is what the file of a killed run says.
 Ending = Literal["running", "completed", "not converged", "interrupted"]
 
-_FORMAT = "isopeel run 5"
-_SAVE_SECONDS = 1.0
-_SAVE_SHARE = 0.02  # of the time may go into saving
-_ROUND_OFF = 1e-9
+_FORMAT = "isopeel run 6"
+_IDENTITY = 16  # bytes
+_UNKNOWNS = ("unknown_values", "polished")
 
 
 class Failure(NamedTuple):
@@ -52,8 +57,10 @@ class Failure(NamedTuple):
 class StoredRun:
     """What the file of a run holds.
 
-    `fields` maps the parameter, in the unit of its column, to displacement coefficients (functions, 2).
-    `attributes` are those of `run_attributes`.
+    `fields` maps the parameter, in the unit of its column, to displacement coefficients (functions, 2): at
+    the first step at or beyond each multiple of `field_interval`, and at the last step. `attributes` are
+    those of `run_attributes`. Where the run was killed, `journaled` of its steps come from its journal, which
+    is known by the `identity` of the file, and `last` is the state before them.
     """
 
     case_text: str
@@ -62,8 +69,11 @@ class StoredRun:
     attributes: Mapping[str, str | int]
     ending: Ending
     failure: Failure | None = None
-    last: tuple[State, ...] = ()  # where `trace` goes on bit for bit, the newest at the end
+    last: State | None = None  # where `trace` goes on bit for bit
     base: FloatArray | None = None  # displacement that a later stage began with, (functions, 2)
+    field_interval: float = 10.0
+    identity: str = field(default_factory=lambda: uuid4().hex)
+    journaled: int = 0
 
 
 def run_attributes(problem: Problem, space: RowSpace, provenance: Provenance) -> dict[str, str | int]:
@@ -82,145 +92,60 @@ def run_attributes(problem: Problem, space: RowSpace, provenance: Provenance) ->
     }
 
 
-class RunWriter:
-    """Consumer of steps that keeps the file of a run up to date: about once a second, and when it is closed.
-
-    The first save removes the `outdated` files, which were made from an earlier run; `saved` says that it
-    was made.
-
-    The displacement is kept at the first step at or beyond each multiple of `field_interval` (in the
-    unit of the parameter's column), and at the last step; `base` is that of the state that a stage begins
-    with. Each save replaces the file as a whole, so that it is sound whatever ends the process: an
-    exception, a kill, a full disk. Raises OSError where the file cannot be written.
-    """
-
-    def __init__(
-        self,
-        path: Path,
-        drive: Drive,
-        case_text: str,
-        attributes: Mapping[str, str | int],
-        field_interval: float = 10.0,
-        outdated: Sequence[Path] = (),
-        base: FloatArray | None = None,
-    ) -> None:
-        self._path = path
-        self._drive = drive
-        self._case_text = case_text
-        self._attributes = attributes
-        self._interval = field_interval
-        self._outdated = outdated
-        self._base = base
-        self._kept = -1.0
-        self._rows: list[Step] = []
-        self._fields: dict[float, FloatArray] = {}
-        self._last: dict[float, FloatArray] = {}
-        self._states: deque[State] = deque(maxlen=STATES_TO_GO_ON)
-        self._ending: Ending = "running"
-        self._failure: Failure | None = None
-        self._next_save = 0.0
-        self.saved: bool = False
-
-    def __enter__(self) -> Self:
-        """Touch nothing yet: the first step replaces an earlier run, and so does an end without one."""
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
-        """Save what has come."""
-        if self._rows or self._ending != "running":
-            self._save()
-
-    def append(self, step: Step) -> None:
-        """Take a step."""
-        # the row without its field, which would fill the memory
-        empty = np.empty((0, 2))
-        self._rows.append(
-            replace(step, displacement=empty, openings=empty, unknown_values=empty[:, 0], memory=None)
-        )
-        self._states.append(step.state)
-        parameter = float(self._drive.parameter_column.shown(step.parameter))
-        self._last = {parameter: step.displacement}
-        passed = np.floor(abs(parameter) / self._interval + _ROUND_OFF)
-        if passed != self._kept:
-            self._fields |= self._last
-            self._kept = passed
-        if perf_counter() >= self._next_save:
-            self._save()
-
-    @property
-    def curve(self) -> Curve:
-        """The curve as far as it has come."""
-        return Curve.of(self._rows, self._drive)
-
-    def end(self, ending: Ending, failure: Failure | None = None) -> None:
-        """Note how the run ended."""
-        self._ending, self._failure = ending, failure
-
-    def _save(self) -> None:
-        began = perf_counter()
-        fields = self._fields | self._last
-        states = tuple(self._states)
-        run = StoredRun(
-            self._case_text,
-            self.curve,
-            fields,
-            self._attributes,
-            self._ending,
-            self._failure,
-            states,
-            self._base,
-        )
-        write_run(self._path, run)
-        if not self.saved:
-            for path in self._outdated:
-                path.unlink(missing_ok=True)
-        self.saved = True
-        now = perf_counter()
-        self._next_save = now + max(_SAVE_SECONDS, (now - began) / _SAVE_SHARE)
-
-
 def write_run(path: Path, run: StoredRun) -> None:
     """Write the file of a run, in one go: it has its old content or its new one. Raises OSError."""
-    with replacing(path) as part:
-        part.write_bytes(_image(run))
+    try:
+        with replacing(path) as part:
+            part.write_bytes(_image(run))
+    except OSError as error:
+        # a disk that is full does not say where
+        raise OSError(error.errno, error.strerror, str(path)) from error
 
 
-def read_run(path: Path) -> StoredRun:
-    """Read the file of a run. Raises InputError where it is not one."""
+def read_run(path: Path, *, journal: bool = True) -> StoredRun:
+    """Read the file of a run, with the steps of its journal if there are any.
+
+    Both may come from anywhere: nothing outside of them is read. Raises InputError where it is not the file
+    of a run.
+    """
     try:
         with h5py.File(path, "r") as file:
-            if file.attrs.get("format") != _FORMAT:
-                raise InputError("FILE", str(path), "it is not the file of a run of this version")
-            return _stored(file)
-    except (OSError, KeyError) as error:
+            if untrusted.attribute(file, "format") != _FORMAT:
+                raise UntrustedError("it is not the file of a run of this version")
+            run = _stored(file)
+        if not journal or run.last is None:
+            return run
+        return _followed_by(run, read_journal(path, run.identity, run.curve, len(run.last.displacement)))
+    except (OSError, KeyError, ValueError, TypeError, RuntimeError, ArithmeticError) as error:
         raise InputError("FILE", str(path), f"the file of a run is needed: {error}") from error
+
+
+def _followed_by(run: StoredRun, records: Iterable[Record]) -> StoredRun:
+    fields, rows = Fields(run.field_interval), []
+    fields.take_all(run.fields)
+    for row, displacement in records:
+        rows.append(row)
+        fields.take(float(row.parameter[0]), displacement)
+    return replace(run, curve=run.curve.followed_by(rows), fields=fields.all(), journaled=len(rows))
 
 
 def _image(run: StoredRun) -> bytes:
     # HDF5 leaves an unreadable file where a disk fills up, so it only ever writes to memory
     with h5py.File("run.h5", "w", driver="core", backing_store=False) as file:
         file["case"] = run.case_text
-        file.attrs.update({"format": _FORMAT, "ending": run.ending, **run.attributes})
+        file.attrs.update(
+            {"format": _FORMAT, "ending": run.ending, "identity": run.identity, **run.attributes}
+        )
         for column, values in _columns(run.curve):
             data = file.create_dataset(f"curve/{column.name}", data=values)
             data.attrs.update({"unit": column.unit, "factor": column.factor, "words": column.words})
         for role in ("parameter", "reaction"):
             file["curve"].attrs[role] = getattr(run.curve, f"{role}_column").name
         file["fields/parameter"] = np.array(list(run.fields), dtype=np.float64)
-        file["fields/displacement"] = np.array(list(run.fields.values()), dtype=np.float64)
-        if run.last:
-            parameters, displacements, openings, unknowns, memories = zip(*run.last, strict=True)
-            file["last/parameter"] = np.array(parameters, dtype=np.float64)
-            file["last/displacement"] = np.array(displacements)
-            file["last/unknown_values"] = np.array(unknowns)
-            file["last/openings"] = openings[-1]
-            if memories[-1] is not None:
-                _write_memory(file.create_group("last/memory"), memories[-1])
+        file["fields/displacement"] = np.array(list(run.fields.values()) or np.empty((0, 0, 2)))
+        file["fields"].attrs["interval"] = run.field_interval
+        if run.last is not None:
+            _write_state(file.create_group("last"), run.last)
         if run.base is not None:
             file["base"] = run.base
         if run.failure is not None:
@@ -228,6 +153,44 @@ def _image(run: StoredRun) -> bytes:
         file.flush()
         image: bytes = file.id.get_file_image()
     return image
+
+
+def _write_state(group: h5py.Group, state: State) -> None:
+    group.attrs["parameter"] = state.parameter
+    group["displacement"] = state.displacement
+    if state.openings is not None:
+        group["openings"] = state.openings
+    if state.past:
+        parameters, unknowns, *energies, polished = zip(*state.past, strict=True)
+        group["past/parameter"] = np.array(parameters)
+        group["past/unknown_values"] = np.array(unknowns)
+        group["past/energies"] = np.stack(energies, axis=1)
+        nothing = np.full_like(unknowns[0], np.nan)
+        group["past/polished"] = np.array([nothing if y is None else y for y in polished])
+    if state.memory is not None:
+        _write_memory(group.create_group("memory"), state.memory)
+
+
+def _state(group: h5py.Group) -> State:
+    past: tuple[Past, ...] = ()
+    if "past" in group:
+        stored = untrusted.group(group, "past")
+        parameters = untrusted.floats(stored, "parameter", 1).tolist()
+        unknowns, polished = (map(frozen, untrusted.floats(stored, name, 2)) for name in _UNKNOWNS)
+        energies = untrusted.floats(stored, "energies", 2).tolist()
+        past = tuple(
+            Past(parameter, y, energy, rate, adhesive, None if np.isnan(exact).all() else exact)
+            for parameter, y, (energy, rate, adhesive), exact in zip(
+                parameters, unknowns, energies, polished, strict=True
+            )
+        )
+    return State(
+        untrusted.number(group, "parameter"),
+        frozen(untrusted.floats(group, "displacement", 2)),
+        frozen(untrusted.floats(group, "openings", 2)) if "openings" in group else None,
+        past,
+        _memory(untrusted.group(group, "memory")) if "memory" in group else None,
+    )
 
 
 def _write_memory(group: h5py.Group, memory: Memory) -> None:
@@ -240,77 +203,82 @@ def _write_memory(group: h5py.Group, memory: Memory) -> None:
 
 
 def _memory(group: h5py.Group) -> Memory:
-    pairs = map(Pair.of, group["corrections"][()], group["changes"][()])
+    corrections, changes = (untrusted.floats(group, name, 2) for name in ("corrections", "changes"))
+    y = untrusted.floats(group, "unknown_values", 1)
+    if corrections.shape != changes.shape or corrections.shape[1] != y.size:
+        raise UntrustedError(f"{group.name} does not fit together")
     return Memory(
-        group["unknown_values"][()],
-        float(group.attrs["parameter"]),
-        frozen(group["openings"][()]),
-        tuple(pairs),
-        int(group.attrs["steps"]),
-        bool(group.attrs["slow"]),
+        y,
+        untrusted.number(group, "parameter"),
+        frozen(untrusted.floats(group, "openings", 2)),
+        tuple(map(Pair.of, corrections, changes)),
+        int(untrusted.number(group, "steps")),
+        bool(untrusted.number(group, "slow")),
     )
 
 
 def _stored(file: h5py.File) -> StoredRun:
-    attributes = {name: _plain(value) for name, value in file.attrs.items()}
-    del attributes["format"]
-    ending = attributes.pop("ending")
-    data = {name: values[()] for name, values in file["curve"].items()}
-    columns = {}
-    for role in ("parameter", "reaction"):
-        name = file["curve"].attrs[role]
-        units = file["curve"][name].attrs
-        columns[role] = Column(name, units["unit"], float(units["factor"]), units["words"])
-    curve = Curve(
-        columns["parameter"],
-        columns["reaction"],
-        frozen(data[columns["parameter"].name]),
-        frozen(data[columns["reaction"].name]),
-        data["iterations"],
-        *(
-            frozen(data[name])
-            for name in (
-                "stored_energy",
-                "adhesive_energy",
-                "dissipated_energy",
-                "released_energy",
-                "seconds",
-                "energy_residuals",
-            )
-        ),
-    )
-    displacements = map(frozen, file["fields/displacement"][()])
-    fields = dict(zip(file["fields/parameter"][()].tolist(), displacements, strict=True))
+    attributes = {name: untrusted.attribute(file, name) for name in file.attrs}
+    told, identity = (untrusted.words(file, name) for name in ("ending", "identity"))
+    for name in ("format", "ending", "identity"):
+        del attributes[name]
+    endings: dict[str, Ending] = {ending: ending for ending in get_args(Ending)}
+    if told not in endings or len(bytes.fromhex(identity)) != _IDENTITY:
+        raise UntrustedError(f"it says that it ended {told!r}, and that it is {identity!r}")
+    curve = _stored_curve(untrusted.group(file, "curve"))
+    fields = untrusted.group(file, "fields")
+    displacements = map(frozen, untrusted.floats(fields, "displacement", 3))
     failure = None
     if "failure" in file:
-        found = file["failure"].attrs
-        failure = Failure(float(found["parameter"]), found["reason"], tuple(found["iterations"].tolist()))
-    last: tuple[State, ...] = ()
-    if "last" in file:
-        stored = file["last"]
-        arrays = (frozen(stored[name][()]) for name in ("displacement", "unknown_values"))
-        openings = frozen(stored["openings"][()])
-        memory = _memory(stored["memory"]) if "memory" in stored else None
-        last = tuple(
-            State(parameter, displacement, openings, unknowns, memory)
-            for parameter, displacement, unknowns in zip(
-                stored["parameter"][()].tolist(), *arrays, strict=True
-            )
+        found = untrusted.group(file, "failure")
+        iterations = np.atleast_1d(untrusted.attribute(found, "iterations")).astype(np.float64)
+        failure = Failure(
+            untrusted.number(found, "parameter"), untrusted.words(found, "reason"), tuple(iterations.tolist())
         )
-    return StoredRun(
-        file["case"].asstr()[()],
+    run = StoredRun(
+        untrusted.text(file, "case"),
         curve,
-        MappingProxyType(fields),
+        MappingProxyType(
+            dict(zip(untrusted.floats(fields, "parameter", 1).tolist(), displacements, strict=True))
+        ),
         MappingProxyType(attributes),
-        ending,
+        endings[told],
         failure,
-        last,
-        frozen(file["base"][()]) if "base" in file else None,
+        _state(untrusted.group(file, "last")) if "last" in file else None,
+        frozen(untrusted.floats(file, "base", 2)) if "base" in file else None,
+        untrusted.number(fields, "interval"),
+        identity,
     )
+    every = [*run.fields.values(), *([] if run.last is None else [run.last.displacement])]
+    if not run.field_interval > 0 or any(u.ndim != 2 or u.shape != (len(every[-1]), 2) for u in every):
+        raise UntrustedError("its fields do not fit together")
+    return run
 
 
-def _plain(value: Any) -> Any:
-    return value.item() if isinstance(value, np.generic) else value
+def _stored_curve(group: h5py.Group) -> Curve:
+    columns, main = {}, {}
+    for role in ("parameter", "reaction"):
+        name = untrusted.words(group, role)
+        main[role] = frozen(untrusted.floats(group, name, 1))
+        units = group[name]
+        unit, words = (untrusted.words(units, key) for key in ("unit", "words"))
+        columns[role] = Column(name, unit, untrusted.number(units, "factor"), words)
+    iterations = untrusted.whole_numbers(group, "iterations", 1)
+    names = ("stored_energy", "adhesive_energy", "dissipated_energy", "released_energy", "seconds")
+    others = {name: frozen(untrusted.floats(group, name, 1)) for name in names}
+    residuals = frozen(untrusted.floats(group, "energy_residuals", 1))
+    lengths = {len(iterations), *map(len, (*main.values(), *others.values()))}
+    if len(lengths) > 1 or (iterations < 0).any() or iterations.sum() != len(residuals):
+        raise UntrustedError("the columns of its curve do not fit together")
+    return Curve(
+        columns["parameter"],
+        columns["reaction"],
+        main["parameter"],
+        main["reaction"],
+        iterations,
+        energy_residuals=residuals,
+        **others,
+    )
 
 
 def _columns(curve: Curve) -> tuple[tuple[Column, FloatArray | IntArray], ...]:

@@ -28,18 +28,34 @@ STATES_TO_GO_ON = MOST_STATES + TRIES
 _SAMPLES = 100
 
 
+class Past(NamedTuple):
+    """What the solver keeps of a state, to guess the next one from: unknowns (count,) at a parameter."""
+
+    parameter: float
+    unknown_values: FloatArray
+    energy: float
+    rate: float  # of the energy, by the parameter
+    adhesive_energy: float  # and what was dissipated
+    polished: FloatArray | None = None  # the unknowns to round-off, once they have been asked for
+
+    @property
+    def exact(self) -> FloatArray:
+        """The unknowns (count,) as well as they are known."""
+        return self.unknown_values if self.polished is None else self.polished
+
+
 class State(NamedTuple):
     """Where a path can go on from, as a step has it: displacement coefficients (functions, 2) at a parameter.
 
-    Only irreversible adhesion asks for the largest openings (E, Q) so far. Without the solver's unknowns
-    (count,), what goes on is the same to the tolerance of the solver; with those of the last STATES_TO_GO_ON
-    states, and the solver's memory after the last of them, it is the same bit for bit.
+    Only irreversible adhesion asks for the largest openings (E, Q) so far. Without the solver's past, its
+    last states up to this one, what goes on is the same to the tolerance of the solver; with the past, and
+    the solver's memory, it is the same bit for bit.
     """
 
     parameter: float
     displacement: FloatArray
     openings: FloatArray | None = None
-    unknown_values: FloatArray | None = None
+    past: tuple[Past, ...] = ()
     memory: Memory | None = None
 
 
@@ -69,6 +85,7 @@ class Step:
     openings: FloatArray  # (E, Q) largest ones so far at the points of the adhesive force, read-only
     unknown_values: FloatArray  # (count,) of the solver, read-only
     released_energy: float = 0.0  # since the last step, see below
+    past: tuple[Past, ...] = ()  # of the solver
     memory: "ReferenceType[Memory] | None" = None  # of the solver, which keeps it until the next step
 
     @property
@@ -78,7 +95,7 @@ class Step:
         To keep the memory of every step would take more room than all else of it.
         """
         memory = None if self.memory is None else self.memory()
-        return State(self.parameter, self.displacement, self.openings, self.unknown_values, memory)
+        return State(self.parameter, self.displacement, self.openings, self.past, memory)
 
 
 def trace(
@@ -116,29 +133,11 @@ def trace(
             raise InputError("start", given[-1].openings.shape, allowed)
         system.openings = frozen(given[-1].openings)
     if base is not None and not start:
-        start = [base._replace(parameter=0.0, unknown_values=None, memory=None)]
+        start = [base._replace(parameter=0.0, past=(), memory=None)]
     settings = settings or NewtonSettings()
     if settings.jumps and system.storage != "symmetric":
         raise InputError("drive.jumps", True, "projected and following forces have no energy that could fall")
     return _Path(system, settings, start).through(parameters)
-
-
-@dataclass(eq=False)
-class _Past:
-    """A state that the next step is guessed from."""
-
-    parameter: float
-    unknown_values: FloatArray
-    energy: float
-    rate: float  # of the energy, by the parameter
-    adhesive_energy: float  # and what was dissipated
-    bends: FloatArray  # second differences of coefficients along the adhesive side, at some places
-    polished: FloatArray | None = None  # the unknowns to round-off, once they have been asked for
-
-    @property
-    def exact(self) -> FloatArray:
-        """The unknowns (count,) as well as they are known."""
-        return self.unknown_values if self.polished is None else self.polished
 
 
 class _Path:
@@ -147,10 +146,19 @@ class _Path:
     def __init__(self, system: System, settings: NewtonSettings, start: Sequence[State]) -> None:
         self._system = system
         self._settings = settings
-        self._history: list[_Past] = []
         self._side = np.unique(system.adhesive.functions)
-        for state in start:
-            y = _unknown_values(system, state)
+        self._history: list[Past] = []
+        self._bends: dict[float, FloatArray] = {}
+        past = start[-1].past if start else ()
+        for kept in past:
+            if any(
+                y is not None and y.shape != (system.count,) for y in (kept.unknown_values, kept.polished)
+            ):
+                allowed = f"the system has {system.count} unknowns"
+                raise InputError("start", kept.unknown_values.shape, allowed)
+            self._remember(kept)
+        for state in () if past else start:
+            y = system.unknown_values(state.displacement, state.parameter)
             u, load = system.state(y, state.parameter)
             self._remember(self._past(state.parameter, y, u, load, system.equilibrium(u, load)))
         self._quasi_newton: QuasiNewton | None = None
@@ -185,7 +193,7 @@ class _Path:
         if not result.exact:
             # along the path dE/dp = dE/dp at fixed y + R . dy/dp: so the error is of second order in R
             missed = slope(_by_parameter(self._history[-PARABOLA_POINTS:]), at.residual)
-            past.rate += missed
+            past = self._history[-1] = past._replace(rate=past.rate + missed)
             reaction += missed if system.load is None else -missed
         if last is not None and system.storage == "symmetric":
             work = (last.rate + past.rate) / 2 * (parameter - last.parameter)
@@ -207,21 +215,25 @@ class _Path:
             openings=system.openings,
             unknown_values=y,
             released_energy=released,
+            past=tuple(self._history),
             memory=None if memory is None else ref(memory),
         )
 
-    def _past(self, parameter: float, y: FloatArray, u: FloatArray, load: float, at: Equilibrium) -> _Past:
-        coefficients = u[self._side]
-        # a turn of the body as a whole, which dwarfs all else, leaves them as they are
-        order = min(2, len(coefficients) - 1)
-        bends = np.diff(coefficients, order, axis=0)[:: 1 + len(coefficients) // _SAMPLES].ravel()
+    def _past(self, parameter: float, y: FloatArray, u: FloatArray, load: float, at: Equilibrium) -> Past:
         adhesive_energy = at.adhesive_energy + at.dissipated_energy
-        return _Past(parameter, y, *self._system.potential(at, u, load, parameter), adhesive_energy, bends)
+        return Past(parameter, y, *self._system.potential(at, u, load, parameter), adhesive_energy)
 
-    def _remember(self, past: _Past) -> None:
+    def _remember(self, past: Past) -> None:
         # a drive that turns back meets a parameter again: its last state counts
         others = [other for other in self._history if other.parameter != past.parameter]
         self._history = [*others, past][-STATES_TO_GO_ON:]
+        u, _ = self._system.state(past.unknown_values, past.parameter)
+        coefficients = u[self._side]
+        # a turn of the body as a whole, which dwarfs all else, leaves second differences as they are
+        order = min(2, len(coefficients) - 1)
+        bends = np.diff(coefficients, order, axis=0)[:: 1 + len(coefficients) // _SAMPLES]
+        known = {other.parameter: self._bends[other.parameter] for other in self._history[:-1]}
+        self._bends = known | {past.parameter: bends.ravel()}
 
     def _equilibrium(self, parameter: float) -> tuple[NewtonResult, bool]:
         """By the kept tangent, by Newton's method or, where the settings allow it, after a jump."""
@@ -230,10 +242,10 @@ class _Path:
             found = self._quasi_newton.equilibrium(self._guess(parameter), parameter)
             if found is not None:
                 return found, False
-        last = self._history[-PARABOLA_POINTS:]
         for polished in (False, True) if self._can_polish() else (False,):
             if polished:
                 self._polish()
+            last = self._history[-PARABOLA_POINTS:]
             guess = extrapolate({past.parameter: past.exact for past in last}, parameter, system.count)
             try:
                 return newton(system, guess, parameter, settings), False
@@ -254,7 +266,7 @@ class _Path:
             weights = best_weights(
                 np.array([past.parameter for past in self._history]),
                 np.array([past.adhesive_energy for past in self._history]),
-                np.array([past.bends for past in self._history]),
+                np.array([self._bends[past.parameter] for past in self._history]),
                 parameter,
             )
             for weight, past in zip(weights, self._history, strict=True):
@@ -273,22 +285,15 @@ class _Path:
 
         Whether it converges hangs on the last digits of its start where a step passes a limit point.
         """
-        for past in self._history[-PARABOLA_POINTS:]:
+        first = max(len(self._history) - PARABOLA_POINTS, 0)
+        for k, past in enumerate(self._history[first:], start=first):
             if past.polished is None:
                 try:
                     exact = newton(self._system, past.unknown_values, past.parameter, self._settings)
                 except ConvergenceError:
                     continue
-                past.polished = exact.unknown_values
+                self._history[k] = past._replace(polished=exact.unknown_values)
 
 
-def _by_parameter(history: Iterable[_Past]) -> dict[float, FloatArray]:
+def _by_parameter(history: Iterable[Past]) -> dict[float, FloatArray]:
     return {past.parameter: past.unknown_values for past in history}
-
-
-def _unknown_values(system: System, state: State) -> FloatArray:
-    if state.unknown_values is None:
-        return system.unknown_values(state.displacement, state.parameter)
-    if state.unknown_values.shape != (system.count,):
-        raise InputError("start", state.unknown_values.shape, f"the system has {system.count} unknowns")
-    return state.unknown_values

@@ -91,7 +91,11 @@ class FormulaAdhesion:
         if not len(falls) or not (attractive > falls[0]).any():
             return float("nan")
         bracket = gaps[falls[0]], gaps[falls[0] + 1]
-        return float(brentq(lambda gap: float(traction(np.array(gap))), *bracket, xtol=1e-300, rtol=1e-14))
+        return float(
+            brentq(
+                lambda gap: float(traction(np.array(gap))), *bracket, xtol=1e-300, rtol=1e-14, maxiter=2000
+            )
+        )
 
     @property
     def work_of_adhesion(self) -> float:
@@ -108,12 +112,13 @@ class FormulaAdhesion:
         import sympy
 
         expression = _derive(self.potential, tuple(self.constants))[order]
-        values = {sympy.Symbol(name, real=True): value for name, value in self.constants.items()}
-        function = sympy.lambdify("r", expression.subs(values), "numpy")
+        function = sympy.lambdify(("r", *self.constants), expression, "numpy")
+        # numbers of NumPy overflow to infinity, those of Python raise
+        values = [np.float64(value) for value in self.constants.values()]
 
         def evaluate(gaps: FloatArray) -> FloatArray:
             with np.errstate(all="ignore"):
-                return np.broadcast_to(np.asarray(function(gaps), dtype=np.float64), gaps.shape)
+                return np.broadcast_to(np.asarray(function(gaps, *values), dtype=np.float64), gaps.shape)
 
         return evaluate
 

@@ -22,7 +22,8 @@ if TYPE_CHECKING:
     import sympy
 
 _IN_PLANE = ("F11", "F12", "F21", "F22")
-_NAMES = (*_IN_PLANE, "F33", "I1", "I2", "J")
+_COMPONENTS = (*_IN_PLANE, "F33")
+_NAMES = (*_COMPONENTS, "I1", "I2", "J")
 
 
 @dataclass(frozen=True)
@@ -43,6 +44,7 @@ class FormulaMaterial:
         """Check the formula and its state of rest."""
         check_constants("material.constants", self.constants, _NAMES)
         object.__setattr__(self, "constants", dict(sorted(self.constants.items())))
+        _source(self.energy, tuple(self.constants))
         shear, lame_lambda, stress = self._at_rest
         if not np.isfinite([shear, lame_lambda, stress]).all():
             raise InputError("material.energy", self.energy, "its derivatives must be finite at F = I")
@@ -51,7 +53,6 @@ class FormulaMaterial:
         # differentiation is exact, so only the round-off of the evaluation may remain
         if abs(stress) > 1e-10 * shear:
             raise InputError("material.energy", self.energy, "its stress at F = I must vanish")
-        _source(self.energy, tuple(self.constants))
         if not self._is_isotropic:
             allowed = "it must not change when the body is turned, before or after its deformation"
             raise InputError("material.energy", self.energy, allowed)
@@ -62,12 +63,14 @@ class FormulaMaterial:
         import sympy
 
         _, stress = _derive(self.energy, tuple(self.constants))
-        values = {name: float(name in ("F11", "F22", "F33")) for name in _NAMES} | dict(self.constants)
-        at_rest = {sympy.Symbol(name, real=True): value for name, value in values.items()}
+        at_rest = {name: float(name in ("F11", "F22", "F33")) for name in _COMPONENTS} | dict(self.constants)
         coupling = stress["F11"].diff(sympy.Symbol("F22", real=True))
         shear = stress["F12"].diff(sympy.Symbol("F12", real=True))
-        largest = max((_number(term.subs(at_rest)) for term in stress.values()), key=abs)
-        return _number(shear.subs(at_rest)), _number(coupling.subs(at_rest)), largest
+        function = sympy.lambdify(tuple(at_rest), [shear, coupling, *stress.values()], "numpy")
+        with np.errstate(all="ignore"):
+            # numbers of NumPy overflow to infinity, those of Python raise
+            numbers = [float(value) for value in function(*map(np.float64, at_rest.values()))]
+        return numbers[0], numbers[1], max(numbers[2:], key=abs)
 
     @property
     def _is_isotropic(self) -> bool:
@@ -80,7 +83,8 @@ class FormulaMaterial:
         for angle in (0.7, np.pi / 2, 2.0):
             Q = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
             states = np.stack([deformations, Q @ deformations, deformations @ Q]).reshape(3, 2, 4)
-            values = function(*np.moveaxis(states, -1, 0), 1.0, *self.constants.values())
+            with np.errstate(all="ignore"):
+                values = function(*np.moveaxis(states, -1, 0), 1.0, *map(np.float64, self.constants.values()))
             shear, _, _ = self._at_rest
             # energies at strains of 20 % are some percent of the shear modulus
             if not np.ptp(values, axis=0).max() < 1e-10 * shear:
@@ -128,11 +132,6 @@ class FormulaMaterial:
         components = (F[..., 0, 0], F[..., 0, 1], F[..., 1, 0], F[..., 1, 1])
         value: FloatArray = function(*components, *self.constants.values()) / np.linalg.det(F)
         return value
-
-
-def _number(expression: "sympy.Expr") -> float:
-    value = expression.evalf()
-    return float(value) if value.is_number and value.is_real else float("nan")
 
 
 @cache

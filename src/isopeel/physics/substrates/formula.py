@@ -49,7 +49,7 @@ class FormulaSubstrate:
         check_smooth("substrate.formula", self.formula, curve)
         height = sympy.lambdify(("x", *self.constants), curve[0], "numpy")
         with np.errstate(all="ignore"):
-            heights = height(_PLACES, *self.constants.values())
+            heights = height(_PLACES, *map(np.float64, self.constants.values()))
         if not np.isfinite(heights).any():
             raise InputError("substrate.formula", self.formula, "it must have finite real values")
 

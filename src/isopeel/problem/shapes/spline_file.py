@@ -10,7 +10,7 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationEr
 from isopeel.splines.nurbs import NurbsSurface
 from isopeel.splines.space import HIGHEST_DEGREE, SplineSpace
 
-LARGEST_FILE = 50_000_000  # bytes
+LARGEST_FILE = 20_000_000  # bytes
 MOST_POINTS = 100_000
 LARGEST_COORDINATE = 1e12  # products of a few of them stay finite
 

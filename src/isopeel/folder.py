@@ -1,0 +1,86 @@
+"""The folder of a run: what lies where, and that one process alone writes to it."""
+
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from tempfile import TemporaryFile
+from typing import NamedTuple
+
+from filelock import FileLock, Timeout
+
+from isopeel.errors import InputError
+from isopeel.results.journal import journal_path
+
+#: Files that a run leaves in its folder.
+FILES = ("run.h5", "curve.csv", "summary.json", "curve.png", "shapes.png")
+
+
+class Place(NamedTuple):
+    """Where the files of a stage go, what it is called, and which files it makes outdated."""
+
+    folder: Path
+    title: str
+    outdated: list[Path]
+
+    @property
+    def run_file(self) -> Path:
+        """The file of the run."""
+        return self.folder / FILES[0]
+
+
+def places(name: str, stages: Sequence[str], out: Path) -> list[Place]:
+    """The places of the stages of a case: `out` itself for the only one, folders inside for several."""
+    folders = [out]
+    titles = [name]
+    if len(stages) > 1:
+        folders = [out / f"{number}-{stage}" for number, stage in enumerate(stages, start=1)]
+        titles = [f"{name}, stage {number}: {stage}" for number, stage in enumerate(stages, start=1)]
+    earlier = {*(path.parent for path in stage_files(out)), out, *folders}
+    kept = (*FILES, journal_path(out / FILES[0]).name)
+    return [
+        Place(
+            folder,
+            title,
+            # what later stages and runs with other stages have left
+            [path / file for path in earlier - set(folders[: number + 1]) for file in kept]
+            + [folder / file for file in FILES[1:]],
+        )
+        for number, (folder, title) in enumerate(zip(folders, titles, strict=True))
+    ]
+
+
+def stage_files(out: Path) -> list[Path]:
+    """The files of runs that lie in folders of stages."""
+    return list(out.glob(f"[0-9]*-*/{FILES[0]}"))
+
+
+def check_folder(out: Path) -> None:
+    """Make a folder. Raises InputError where it, or a file in it, could not be written."""
+    try:
+        out.mkdir(parents=True, exist_ok=True)
+        TemporaryFile(dir=out).close()
+    except OSError as error:
+        allowed = f"a folder that can be written is needed: {error.strerror}"
+        raise InputError("--out", str(out), allowed) from error
+    for name in FILES:
+        if (out / name).exists() and not (out / name).is_file():
+            raise InputError("--out", str(out), f"{name} in it must be a file, where there is one")
+
+
+@contextmanager
+def alone_in(folder: Path, field: str) -> Iterator[None]:
+    """Keep other processes out of a folder while the context is open.
+
+    Raises InputError, of a field, where another process is in it.
+    """
+    path = folder / ".lock"
+    lock = FileLock(path)
+    try:
+        lock.acquire(blocking=False)
+    except Timeout as error:
+        raise InputError(field, str(folder), "another process runs in it; wait for it, or end it") from error
+    try:
+        yield
+    finally:
+        path.unlink(missing_ok=True)
+        lock.release()

@@ -1,0 +1,67 @@
+"""Going on with a run that was interrupted, from its folder."""
+
+from pathlib import Path
+
+import numpy as np
+from rich.console import Console
+
+from isopeel.case import Case, Stage
+from isopeel.errors import InputError
+from isopeel.folder import FILES, alone_in, places, stage_files
+from isopeel.results.run_file import StoredRun, read_run
+from isopeel.run import Result, go_through
+
+
+def resume_case(folder: Path, console: Console, to: str | None = None) -> Result:
+    """Go on with the run in a folder, as it was asked for, or to another last parameter.
+
+    What is complete is said so, and gets the files that it lacks. A run that found no equilibrium stays as it
+    is. The steps are those of the uninterrupted run, to the last bit. Raises as `run_case` does, and
+    InputError where there is no run in the folder.
+    """
+    if not folder.is_dir():
+        raise InputError("DIR", str(folder), "the folder of a run is needed, and it is no folder")
+    with alone_in(folder, "DIR"):
+        case, stored = _found(folder, to)
+        return go_through(case, folder, console, stored)
+
+
+def _found(folder: Path, to: str | None) -> tuple[Case, dict[int, StoredRun]]:
+    """The case of the run in a folder, and what is stored of its stages, by their numbers."""
+    files = [folder / FILES[0]] if (folder / FILES[0]).exists() else stage_files(folder)
+    if not files:
+        raise InputError(
+            "DIR", str(folder), f"the folder of a run is needed, and there is no {FILES[0]} in it"
+        )
+    # the stage that was begun last has the case as it was asked for last
+    newest = max(files, key=lambda path: int(path.parent.name.partition("-")[0]) if len(files) > 1 else 0)
+    text = read_run(newest).case_text
+    try:
+        case = Case.parse(text, str(newest))
+    except InputError as error:
+        raise InputError("DIR", str(folder), f"the case in it cannot be run any more: {error}") from error
+    case = case.overridden(to=to)
+    stages = case.stages()
+    where = places(case.name, [stage.name for stage in stages], folder)
+    stored = {}
+    for number, (stage, place) in enumerate(zip(stages, where, strict=True)):
+        if place.run_file in files:
+            # a later stage goes on from the end of this one, whatever has been lost before
+            stored[number] = read_run(place.run_file, journal=False)
+            _check_way(stored[number], stage, folder, to)
+        elif stored:
+            break
+    if not stored:
+        raise InputError("DIR", str(folder), f"{newest} is of another case than its name says")
+    return case, stored
+
+
+def _check_way(run: StoredRun, stage: Stage, folder: Path, to: str | None) -> None:
+    """Raise InputError where the steps of a stored run are not the first ones of a stage."""
+    column = run.curve.parameter_column
+    steps = [column.shown(parameter) for parameter in stage.parameters[: len(run.curve)]]
+    if not np.array_equal(run.curve.parameter, steps):
+        field, value = ("DIR", str(folder)) if to is None else ("--to", to)
+        reached = f"{len(run.curve)} to {run.curve.parameter[-1]:g} {column.unit}"
+        allowed = f"the steps so far, {reached}, are not on the way to it"
+        raise InputError(field, value, allowed)

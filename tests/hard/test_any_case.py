@@ -1,0 +1,123 @@
+"""Whatever a case file says, it runs or is refused with one line, in seconds."""
+
+import io
+import json
+import signal
+import tempfile
+from collections.abc import Callable
+from contextlib import redirect_stderr, redirect_stdout
+from pathlib import Path
+from time import perf_counter
+from types import FrameType
+from typing import Any
+
+import pytest
+from cases import OPTIONS, documents, toml
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+import isopeel.run
+from isopeel.cli import main
+
+# figures that Ctrl-C interrupts leave their files to be closed later
+pytestmark = [
+    pytest.mark.filterwarnings("ignore::ResourceWarning"),
+    pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning"),
+]
+
+LIMIT = 10.0  # seconds
+PATIENCE = 4.0  # with a run of many steps
+PATCH = {
+    "SplineList": [
+        {
+            "SplineType": "Bezier",
+            "para_dim": 2,
+            "dim": 2,
+            "degrees": [1, 1],
+            "control_points": [[0, 0], [10, 0], [0, 1], [10, 1]],
+        }
+    ]
+}
+
+
+class HangError(Exception):
+    """A case takes too long."""
+
+
+def outcome(text: str, options: list[str], figures: bool) -> tuple[int, str]:
+    """The exit code of a case, and what it wrote to standard error; HangError where it does not end."""
+
+    asked: list[bool] = []
+
+    def stop(_number: int, _frame: FrameType | None) -> None:
+        if asked or not list(Path(folder).glob("out/**/run.h5")):
+            raise HangError(text)
+        # it is on its way, but too many steps have been asked for
+        asked.append(True)
+        signal.raise_signal(signal.SIGINT)
+
+    written, error = io.StringIO(), io.StringIO()
+    before = signal.signal(signal.SIGALRM, stop)
+    began = perf_counter()
+    with tempfile.TemporaryDirectory() as folder, pytest.MonkeyPatch.context() as patch:
+        if not figures:
+            patch.setattr(isopeel.run, "save", lambda _, path: path.touch())
+        Path(folder, "case.toml").write_text(text, encoding="utf-8")
+        Path(folder, "patch.json").write_text(json.dumps(PATCH))
+        signal.setitimer(signal.ITIMER_REAL, PATIENCE, LIMIT - PATIENCE)
+        try:
+            with redirect_stdout(written), redirect_stderr(error):
+                code = main(["run", f"{folder}/case.toml", "--out", f"{folder}/out", *options])
+        finally:
+            signal.setitimer(signal.ITIMER_REAL, 0)
+            signal.signal(signal.SIGALRM, before)
+    assert perf_counter() - began < LIMIT + 1
+    return code, error.getvalue()
+
+
+def check(document: dict[str, Any], options: list[str], figures: bool) -> None:
+    """Either it runs, or it is told in the right way why not."""
+    code, error = outcome(toml(document), options, figures)
+    assert "Traceback" not in error
+    match code:
+        case 0:
+            assert error == ""
+        case 2:
+            assert error.startswith("isopeel: ")
+            assert error.endswith("\n")
+            assert len(error.splitlines()) == 1, error
+            assert len(error) < 3000
+        case 3:
+            assert error.startswith("isopeel: no equilibrium at ")
+        case 130:
+            assert error.startswith("isopeel: interrupted; what converged before is in ")
+        case _:
+            pytest.fail(f"exit code {code}: {error}")
+
+
+def any_case(examples: int) -> Callable[[Callable[..., None]], Callable[..., None]]:
+    """Ask for so many cases, the same ones each time."""
+
+    def decorate(test: Callable[..., None]) -> Callable[..., None]:
+        asked = given(documents(), st.sampled_from(OPTIONS), st.integers(0, 49).map(lambda n: n == 0))
+        limited = settings(
+            max_examples=examples,
+            deadline=None,  # HangError tells
+            derandomize=True,
+            database=None,
+            suppress_health_check=list(HealthCheck),
+        )
+        return limited(asked(test))
+
+    return decorate
+
+
+@any_case(200)
+def test_a_case_runs_or_says_why_not(document: dict[str, Any], options: list[str], figures: bool) -> None:
+    check(document, options, figures)
+
+
+@pytest.mark.long
+@any_case(2000)
+def test_two_thousand_cases(document: dict[str, Any], options: list[str], figures: bool) -> None:
+    check(document, options, figures)

@@ -1,0 +1,167 @@
+"""Files of runs that come from anywhere: refused with one line, and nothing else is read for them."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+
+from isopeel.errors import InputError
+from isopeel.problem import strip
+from isopeel.results.journal import journal_path
+from isopeel.results.provenance import Provenance
+from isopeel.results.run_file import read_run, run_attributes
+from isopeel.results.run_writer import RunWriter
+from isopeel.solve.trace import trace
+from isopeel.splines.rows import row_space
+
+PROBLEM, SPACE = strip(), row_space("L1", (20, 2))
+
+
+@pytest.fixture
+def path(tmp_path: Path) -> Path:
+    """The file of a run of four steps, which was killed: the last three are in its journal."""
+    file, kept = tmp_path / "run.h5", tmp_path / "kept"
+    attributes = run_attributes(PROBLEM, SPACE, Provenance({}, "", "", "", ""))
+    with RunWriter(file, PROBLEM.drive, "", attributes) as writer:
+        for step in trace(PROBLEM, SPACE, np.radians([0, 1, 2, 3])):
+            writer.append(step)
+        journal, saved = journal_path(file).read_bytes(), file.read_bytes()
+        kept.write_bytes(saved)
+    kept.replace(file)
+    journal_path(file).write_bytes(journal)
+    assert (read_run(file).journaled, len(read_run(file).curve)) == (3, 4)
+    return file
+
+
+def replaced(name: str, make: Callable[[h5py.File], object]) -> Callable[[h5py.File], None]:
+    def change(file: h5py.File) -> None:
+        del file[name]
+        file[name] = make(file)
+
+    return change
+
+
+def huge(name: str) -> Callable[[h5py.File], None]:
+    """An array of 8 TB that nothing was written to."""
+
+    def change(file: h5py.File) -> None:
+        shape = {1: (2**40,), 2: (2**20, 2**20), 3: (1, 2**39, 2)}[file[name].ndim]
+        del file[name]
+        file.create_dataset(name, shape, dtype="f8")
+
+    return change
+
+
+def packed(file: h5py.File) -> None:
+    """Zeros, a hundred thousand times as many as bytes."""
+    del file["last/displacement"]
+    file.create_dataset(
+        "last/displacement", (2**20, 2), dtype="f8", chunks=(2**18, 2), compression="gzip", fillvalue=0.0
+    )
+    file["last/displacement"][:] = 0.0
+
+
+def elsewhere(file: h5py.File) -> None:
+    file.create_dataset("base", (8, 2), dtype="f8", external=[("/etc/passwd", 0, 128)])
+
+
+def virtual(file: h5py.File) -> None:
+    layout = h5py.VirtualLayout((4, 2), dtype="f8")
+    layout[:] = h5py.VirtualSource("other.h5", "x", (4, 2))
+    file.create_virtual_dataset("base", layout)
+
+
+def drop(name: str) -> Callable[[h5py.File], None]:
+    def change(file: h5py.File) -> None:
+        del file[name]
+
+    return change
+
+
+def attribute(name: str, value: object) -> Callable[[h5py.File], None]:
+    def change(file: h5py.File) -> None:
+        file.attrs[name] = value
+
+    return change
+
+
+LIES: dict[str, Callable[[h5py.File], None]] = {
+    "a huge field": huge("fields/displacement"),
+    "a huge curve": huge("curve/moment"),
+    "a huge memory": huge("last/memory/corrections"),
+    "packed zeros": packed,
+    "bytes of another file": elsewhere,
+    "a virtual array": virtual,
+    "an external link": replaced("last", lambda _: h5py.ExternalLink("other.h5", "/last")),
+    "an external link to an array": replaced("curve/moment", lambda _: h5py.ExternalLink("o.h5", "/x")),
+    "a soft link": replaced("curve/moment", lambda _: h5py.SoftLink("/curve/theta_deg")),
+    "no curve": drop("curve"),
+    "no fields": drop("fields"),
+    "no case": drop("case"),
+    "no unknowns": drop("last/past/unknown_values"),
+    "a group for an array": replaced("curve/moment", lambda file: file.create_group("x")),
+    "an array for a group": replaced("last", lambda _: 1.0),
+    "texts for numbers": replaced("curve/moment", lambda _: ["a"]),
+    "single precision": replaced("curve/moment", lambda _: np.zeros(1, dtype="f4")),
+    "numbers for the case": replaced("case", lambda _: 3.0),
+    "a short column": replaced("curve/moment", lambda _: np.zeros(0)),
+    "counts below zero": replaced("curve/iterations", lambda _: np.array([-1])),
+    "counts of others": replaced("curve/iterations", lambda _: np.array([10**9])),
+    "fields of others": replaced("fields/displacement", lambda _: np.zeros((1, 3, 2))),
+    "three components": replaced("last/displacement", lambda _: np.zeros((63, 3))),
+    "another ending": attribute("ending", "won"),
+    "another format": attribute("format", 7),
+    "no identity": attribute("identity", "xyz"),
+    "a column of nowhere": lambda file: file["curve"].attrs.__setitem__("reaction", "../../etc"),
+}
+
+
+@pytest.mark.parametrize("lie", LIES)
+def test_a_file_that_lies_is_refused(lie: str, path: Path) -> None:
+    with h5py.File(path, "r+") as file:
+        LIES[lie](file)
+    with pytest.raises(InputError, match="the file of a run is needed") as caught:
+        read_run(path)
+    assert str(caught.value).count("\n") == 0
+
+
+def test_a_file_cut_anywhere_is_refused(path: Path) -> None:
+    whole = path.read_bytes()
+    for size in np.linspace(0, len(whole) - 1, 40).astype(int):
+        path.write_bytes(whole[:size])
+        with pytest.raises(InputError, match="the file of a run is needed"):
+            read_run(path)
+
+
+def test_a_journal_cut_anywhere_is_read_to_its_last_whole_record(path: Path) -> None:
+    run, journal = read_run(path), journal_path(path).read_bytes()
+    found = []
+    for size in range(len(journal) + 1):
+        journal_path(path).write_bytes(journal[:size])
+        part = read_run(path)
+        count = len(part.curve)
+        assert part.curve.reaction.tobytes() == run.curve.reaction[:count].tobytes()
+        found.append(count)
+    assert found == sorted(found)
+    assert set(found) == {1, 2, 3, 4}
+
+
+def test_a_journal_with_wrong_bits_is_not_believed(path: Path) -> None:
+    run, journal = read_run(path), journal_path(path).read_bytes()
+    rng = np.random.default_rng(1)
+    for place in rng.integers(0, len(journal), 200):
+        changed = bytearray(journal)
+        changed[place] ^= 1 << int(rng.integers(8))
+        journal_path(path).write_bytes(changed)
+        part = read_run(path)
+        # displacements carry no checksum: what goes on is not made of them
+        count = len(part.curve)
+        assert part.curve.reaction.tobytes() == run.curve.reaction[:count].tobytes()
+
+
+def test_the_journal_of_another_run_is_left_alone(path: Path) -> None:
+    with h5py.File(path, "r+") as file:
+        file.attrs["identity"] = "0" * 32
+    assert len(read_run(path).curve) == 1

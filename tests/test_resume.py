@@ -1,0 +1,214 @@
+"""`isopeel resume`: what goes on, what is complete, and what is refused."""
+
+import json
+import os
+import shutil
+import signal
+import subprocess
+import sys
+from collections.abc import Iterator
+from itertools import islice
+from pathlib import Path
+from time import sleep
+from typing import Any
+
+import pytest
+
+import isopeel
+from isopeel.cli import main
+from isopeel.folder import FILES, alone_in
+from isopeel.results.run_writer import RunWriter
+
+SMALL = ("--mesh", "20x2", "--space", "L1", "--to", "6", "--step", "1")
+OUT = Path("out/strip")
+
+
+@pytest.fixture(autouse=True)
+def _in_a_folder_of_its_own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+
+
+def interrupt_at(number: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Press Ctrl-C, twice, when so many steps have been taken."""
+
+    def interrupted(*arguments: Any, **options: Any) -> Iterator[isopeel.Step]:
+        yield from islice(isopeel.trace(*arguments, **options), number)
+        for _ in range(2):
+            signal.raise_signal(signal.SIGINT)
+
+    monkeypatch.setattr("isopeel.run.trace", interrupted)
+
+
+def rows(folder: Path = OUT) -> list[str]:
+    """The table of a run, without its times."""
+    return [line.rpartition(",")[0] for line in (folder / "curve.csv").read_text().splitlines()]
+
+
+def test_an_interrupted_run_goes_on(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["run", "strip", *SMALL, "--out", "whole"]) == 0
+    capsys.readouterr()
+    with monkeypatch.context() as patch:
+        interrupt_at(3, patch)
+        assert main(["run", "strip", *SMALL]) == 130
+    told = "interrupted; what converged before is in out/strip, and `isopeel resume out/strip` goes on"
+    assert capsys.readouterr().err == f"isopeel: {told}\n"
+    assert rows() == rows(Path("whole"))[:4]
+    assert {path.name for path in OUT.iterdir()} == {"run.h5", "curve.csv", "summary.json"}
+    assert main(["resume", "out/strip"]) == 0
+    assert rows() == rows(Path("whole"))
+    assert {path.name for path in OUT.iterdir()} == set(FILES)
+    summaries = [json.loads((folder / "summary.json").read_text()) for folder in (OUT, Path("whole"))]
+    for summary in summaries:
+        for key in ("wall_time_s", "started", "command_line"):
+            summary.pop(key, None)
+    assert summaries[0] == summaries[1]
+    for figure in ("curve.png", "shapes.png"):
+        assert (OUT / figure).read_bytes() == (Path("whole") / figure).read_bytes()
+
+
+def test_a_complete_run_is_said_to_be_so(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["run", "strip", *SMALL]) == 0
+    before = {path: path.read_bytes() for path in OUT.iterdir()}
+    (OUT / "shapes.png").unlink()
+    capsys.readouterr()
+    assert main(["resume", "out/strip"]) == 0
+    assert capsys.readouterr().out == "strip is complete: 7 steps, to 6 deg\n"
+    summary = OUT / "summary.json"  # which holds a time
+    assert {path: path.read_bytes() for path in OUT.iterdir() if path != summary} == {
+        path: content for path, content in before.items() if path != summary
+    }
+
+
+def test_a_run_goes_further_than_it_was_asked_to(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["run", "strip", *SMALL]) == 0
+    assert main(["run", "strip", *SMALL, "--to", "9", "--out", "whole"]) == 0
+    assert main(["resume", "out/strip", "--to", "9"]) == 0
+    assert rows() == rows(Path("whole"))
+    assert isopeel.load_case("strip").drive[0].to != "9.0 deg"
+    assert isopeel.Case.parse(isopeel.read_run(OUT / "run.h5").case_text).drive[0].to == "9.0 deg"
+    capsys.readouterr()
+    assert main(["resume", "out/strip", "--to", "4"]) == 2
+    assert "--to: '4' cannot be used; the steps so far, 10 to 9 degree, are not" in capsys.readouterr().err
+
+
+def test_a_run_without_an_equilibrium_stays_as_it_is(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["run", "strip", "--mesh", "10x1", "--space", "L1", "--to", "80", "--step", "20"]) == 3
+    told = capsys.readouterr().err
+    before = {path: path.read_bytes() for path in OUT.iterdir()}
+    assert main(["resume", "out/strip"]) == 3
+    assert capsys.readouterr().err == told
+    assert {path: path.read_bytes() for path in OUT.iterdir()} == before
+
+
+def test_what_is_no_run_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
+    Path("empty").mkdir()
+    Path("text").mkdir()
+    Path("text/run.h5").write_text("no HDF5")
+    for folder, told in (
+        ("none", "it is no folder"),
+        ("empty", "there is no run.h5 in it"),
+        ("text", "the file of a run is needed"),
+    ):
+        assert main(["resume", folder]) == 2
+        error = capsys.readouterr().err
+        assert told in error
+        assert error.count("\n") == 1
+    assert list(Path("empty").iterdir()) == []
+
+
+def test_two_processes_in_one_folder_are_refused(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["run", "strip", *SMALL]) == 0
+    capsys.readouterr()
+    with alone_in(OUT, "--out"):
+        for command in (["run", "strip", *SMALL], ["resume", "out/strip"]):
+            assert main(command) == 2
+            error = capsys.readouterr().err
+            assert "'out/strip' cannot be used; another process runs in it" in error
+            assert error.count("\n") == 1
+    assert main(["resume", "out/strip"]) == 0
+
+
+def test_a_folder_that_vanishes_is_made_again(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["run", "strip", *SMALL, "--out", "whole"]) == 0
+    append = RunWriter.append
+    monkeypatch.setattr("isopeel.results.run_writer._SAVE_SECONDS", 0.0)
+    monkeypatch.setattr("isopeel.results.run_writer._SAVE_SHARE", 1e9)
+
+    def vanishing(self: RunWriter, step: isopeel.Step) -> None:
+        if step.number == 3:
+            shutil.rmtree(OUT)
+        append(self, step)
+
+    capsys.readouterr()
+    with monkeypatch.context() as patch:
+        patch.setattr(RunWriter, "append", vanishing)
+        assert main(["run", "strip", *SMALL]) == 2
+    error = capsys.readouterr().err
+    assert "out/strip/run.h5 cannot be written: its folder vanished; it is there again" in error
+    assert error.count("\n") == 1
+    assert rows() == rows(Path("whole"))[:5]
+    assert main(["resume", "out/strip"]) == 0
+    assert rows() == rows(Path("whole"))
+
+
+def test_a_full_disk_keeps_what_was_saved(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["run", "strip", *SMALL, "--out", "whole"]) == 0
+    append = RunWriter.append
+
+    def fill_up(*_: object) -> int:
+        raise OSError(28, "No space left on device")
+
+    def filling(self: RunWriter, step: isopeel.Step) -> None:
+        if step.number == 3:
+            patch.setattr(Path, "write_bytes", fill_up)
+            patch.setattr(os, "writev", fill_up)
+        append(self, step)
+
+    capsys.readouterr()
+    with monkeypatch.context() as patch:
+        patch.setattr(RunWriter, "append", filling)
+        assert main(["run", "strip", *SMALL]) == 2
+    error = capsys.readouterr().err
+    assert "No space left on device; `isopeel resume out/strip` goes on with what is saved" in error
+    assert error.count("\n") == 1
+    assert len(isopeel.read_run(OUT / "run.h5").curve) == 3
+    assert main(["resume", "out/strip"]) == 0
+    assert rows() == rows(Path("whole"))
+
+
+COMMAND = [
+    sys.executable,
+    "-c",
+    # background processes of a shell may have it ignored
+    "import signal, sys; signal.signal(signal.SIGINT, signal.default_int_handler);"
+    "from isopeel.cli import main; sys.exit(main())",
+    *("run", "strip", "--mesh", "160x8"),
+]
+
+
+@pytest.mark.parametrize("again", [None, 0.0, 0.1, 0.3])
+def test_ctrl_c_ends_with_all_written(again: float | None) -> None:
+    """The second Ctrl-C comes while files are written, or when all is done."""
+    process = subprocess.Popen(COMMAND, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
+    while not (OUT / "run.journal").exists():
+        assert process.poll() is None
+        sleep(0.01)
+    sleep(0.2)
+    process.send_signal(signal.SIGINT)
+    if again is not None:
+        sleep(again)
+        process.send_signal(signal.SIGINT)
+    _, error = process.communicate(timeout=30)
+    assert process.returncode == 130, error
+    assert error.startswith(
+        b"isopeel: interrupted; what converged before is in out/strip, and `isopeel resume "
+    )
+    assert error.count(b"\n") == 1
+    assert {path.name for path in OUT.iterdir()} == {"run.h5", "curve.csv", "summary.json"}
+    assert isopeel.read_run(OUT / "run.h5").ending == "interrupted"
