@@ -40,7 +40,8 @@ from isopeel.results.provenance import Provenance
 from isopeel.results.run_file import RunWriter, read_run, run_attributes
 from isopeel.solve.linear import factorize
 from isopeel.solve.newton import NewtonSettings
-from isopeel.solve.trace import Step, trace
+from isopeel.solve.step import Step
+from isopeel.solve.trace import trace
 from isopeel.splines.rows import row_space
 
 PACKAGES = ("physics.adhesion", "physics.materials", "physics.substrates", "problem.shapes", "problem.drives")

@@ -7,7 +7,7 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
 from isopeel.problem import Drive
-from isopeel.solve.trace import Step
+from isopeel.solve.step import Step
 
 _REFRESHES_PER_SECOND = 5
 

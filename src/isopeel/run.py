@@ -24,7 +24,8 @@ from isopeel.results.curve import Curve
 from isopeel.results.provenance import Provenance
 from isopeel.results.run_file import Failure, RunWriter, StoredRun, read_run, run_attributes
 from isopeel.solve.newton import ConvergenceError, NewtonSettings
-from isopeel.solve.trace import State, Step, trace
+from isopeel.solve.step import State, Step
+from isopeel.solve.trace import trace
 from isopeel.splines.rows import RowSpace
 
 #: Files that a run leaves in its folder.
@@ -95,7 +96,7 @@ def _steps(case: Case, stage: Stage, space: RowSpace, base: State | None) -> Ite
             stage.problem,
             space,
             stage.parameters,
-            NewtonSettings(jumps=stage.jumps),
+            NewtonSettings(control=stage.control),
             base=base,
             contact_points=case.discretization.contact_points,
         )

@@ -10,7 +10,8 @@ from isopeel.problem import strip
 from isopeel.results.curve import Curve
 from isopeel.results.provenance import Provenance
 from isopeel.results.run_file import Failure, RunWriter, read_run, run_attributes
-from isopeel.solve.trace import Step, trace
+from isopeel.solve.step import Step
+from isopeel.solve.trace import trace
 from isopeel.splines.rows import row_space
 
 PROBLEM = strip()

@@ -19,7 +19,8 @@ from isopeel.processes import worker_pool
 from isopeel.results.provenance import Provenance
 from isopeel.results.run_file import Failure, RunWriter, StoredRun, read_run, run_attributes
 from isopeel.solve.newton import ConvergenceError, NewtonSettings
-from isopeel.solve.trace import State, trace
+from isopeel.solve.step import State
+from isopeel.solve.trace import trace
 
 _REPORT_SECONDS = 0.2  # between two reports of a run
 

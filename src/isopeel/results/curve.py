@@ -9,7 +9,7 @@ import numpy as np
 
 from isopeel.arrays import FloatArray, IntArray, frozen
 from isopeel.problem import Column, Drive
-from isopeel.solve.trace import Step
+from isopeel.solve.step import Step
 
 
 @dataclass(frozen=True, eq=False)

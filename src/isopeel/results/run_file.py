@@ -28,7 +28,7 @@ from isopeel.results.curve import Curve
 from isopeel.results.files import replacing
 from isopeel.results.provenance import Provenance
 from isopeel.solve.quasi_newton import Memory, Pair
-from isopeel.solve.trace import STATES_TO_GO_ON, State, Step
+from isopeel.solve.step import STATES_TO_GO_ON, State, Step
 from isopeel.splines.rows import RowSpace
 
 #: How a run ended; "running" is what the file of a killed run says.

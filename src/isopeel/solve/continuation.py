@@ -1,5 +1,6 @@
 """The equilibrium path as a curve, through limit points, by steps of its arc length."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -19,18 +20,24 @@ from isopeel.solve.linear import (
 )
 from isopeel.solve.newton import ConvergenceError, NewtonResult, NewtonSettings
 
-#: Of the parameter's step: where its derivative is taken. Errors of the square of it, and of round-off over it.
+#: Of the parameter's step: over which its derivative is taken. The error is of the square, and of round-off.
 _DIFFERENCE = 1e-3
 #: Corrections of one arc-length step; more mean that it was too long.
 _MOST_CORRECTIONS = 8
 #: Corrections that the radius is chosen for.
-_USUAL_CORRECTIONS = 4
+USUAL_CORRECTIONS = 4
 #: Cosine of the angle between the tangents at both ends of a step, at least.
-_LEAST_COSINE = 0.8
-#: Of the first radius.
-_SHORTEST = 2.0**-20
+LEAST_COSINE = 0.8
+#: The same where the radius may grow.
+CALM_COSINE = 0.95
+#: Of the first radius: a shorter step is given up.
+SHORTEST = 2.0**-20
 #: Share of the parameter in the tangent at a limit point, at most: its error in the parameter is the square.
 _TURNED = 1e-6
+#: Of the change of the parameter in a step: how near its value is approached before Newton's method ends it.
+_MET = 1e-10
+#: Trials of a search along the curve: enough to halve a step down to round-off.
+_MOST_TRIALS = 60
 
 
 @dataclass(frozen=True, eq=False)
@@ -119,30 +126,48 @@ class Curve:
         return self._corrected(y, parameter, row, corner, point)
 
     def at_parameter(self, one: Point, other: Point, parameter: float) -> Point:
-        """The point at a parameter between two with no limit point in between; raises ConvergenceError."""
+        """The point at a parameter between two with no limit point in between; raises ConvergenceError.
+
+        Newton's method from the chord finds it. Next to a limit point, where there are two, it may find the
+        other one: then the parameter is approached along the curve first.
+        """
         share = (parameter - one.parameter) / (other.parameter - one.parameter)
-        y = one.unknown_values + share * (other.unknown_values - one.unknown_values)
-        found = self._corrected(y, parameter, np.zeros(self._system.count), 1.0, other)
-        distance = self._distance(one, other)
-        if max(self._distance(one, found), self._distance(found, other)) > 1.5 * distance:
-            raise ConvergenceError("another branch was met", found.iterations, parameter)
-        return found
+        chord = one.unknown_values + share * (other.unknown_values - one.unknown_values)
+        length, rises = self._along(one, other), other.parameter > one.parameter
+        held = np.zeros(self._system.count)
+        try:
+            found = self._corrected(chord, parameter, held, 1.0, other)
+            if (found.turning > 0) == rises and 0 <= self._along(one, found) <= length:
+                return found
+        except (ConvergenceError, SingularError):
+            pass
+
+        def missed(point: Point) -> float:
+            return point.parameter - parameter
+
+        near = self._zero(missed, one, other, _MET * abs(other.parameter - one.parameter))
+        return self._corrected(near.unknown_values, parameter, held, 1.0, other)
 
     def limit_point(self, one: Point, other: Point) -> Point:
         """The limit point between two, whose tangents point forth and back; raises ConvergenceError."""
+        return self._zero(self.share, one, other, _TURNED)
+
+    def _zero(self, function: Callable[[Point], float], one: Point, other: Point, enough: float) -> Point:
+        """The point between two where a function vanishes, by regula falsi that halves an end that stays."""
         low, high = 0.0, self._along(one, other)
-        before, after = one.turning, other.turning
+        at_low, at_high = function(one), function(other)
+        rises = at_high > at_low
         found = other
-        while abs(self.share(found)) > _TURNED:
-            # Illinois: regula falsi that halves the value at the end that stays
-            radius = (low * after - high * before) / (after - before)
+        for _ in range(_MOST_TRIALS):
+            radius = (low * at_high - high * at_low) / (at_high - at_low)
             found = self.beyond(one, radius)
-            if (found.turning > 0) == (one.turning > 0):
-                low, before, after = radius, found.turning, after / 2
-            else:
-                high, after, before = radius, found.turning, before / 2
-            if high - low < 1e-14 * high:
+            value = function(found)
+            if abs(value) <= enough:
                 break
+            if (value < 0) == rises:
+                low, at_low, at_high = radius, value, at_high / 2
+            else:
+                high, at_high, at_low = radius, value, at_low / 2
         return found
 
     def _corrected(
@@ -191,7 +216,7 @@ class Curve:
         system = self._system
         u, load = system.state(y, parameter)
         at, matrix = system.linearize(u, load=load)
-        factor, negative = _factorized(system, u, load, matrix)
+        factor, negative = _factorized(matrix)
         values = at.residual
         if system.load_is_unknown:
             missed, column, row = system.control(u, parameter)
@@ -229,7 +254,7 @@ class Curve:
         return self._inner(one.along, one.turning, y, p)
 
 
-def _factorized(system: System, u: FloatArray, load: float, matrix: BandMatrix) -> tuple[Factor, int | None]:
+def _factorized(matrix: BandMatrix) -> tuple[Factor, int | None]:
     if matrix.storage == "general":
         return BandLU.of(matrix), None
     entries = matrix.entries.copy()

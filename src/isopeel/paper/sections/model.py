@@ -7,7 +7,7 @@ from isopeel.paper.study import STEP, Run
 from isopeel.paper.wording import UNIT
 from isopeel.report.document import Block, Text
 from isopeel.solve.newton import NewtonSettings
-from isopeel.solve.trace import PARABOLA_POINTS, PREDICTOR_POINTS
+from isopeel.solve.step import PARABOLA_POINTS, PREDICTOR_POINTS
 
 TITLE = "What was computed"
 REFERENCES_TITLE = "References"
