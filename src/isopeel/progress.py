@@ -31,10 +31,15 @@ def progress(console: Console, drive: Drive, steps: int) -> Iterator[Callable[[S
     )
     parameter, reaction = drive.parameter_column, drive.reaction_column
 
+    met: set[float] = set()
+
     def show(step: Step) -> None:
+        # a curve that turns back meets a parameter again
+        if step.kind == "requested":
+            met.add(step.parameter)
         bar.update(
             task,
-            completed=step.number + 1,
+            completed=len(met),
             description=f"{parameter.shown(step.parameter):7.2f} {parameter.unit}  "
             f"{reaction.name} {reaction.factor * step.reaction:.6g}  {len(step.iterations)} iterations",
         )

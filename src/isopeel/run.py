@@ -153,6 +153,7 @@ def failure_message(failure: Failure, column: Column, out: Path) -> str:
     unit = _short(column)
     lines = [
         f"no equilibrium at {failure.parameter:g} {unit}: {failure.reason}",
+        f"cause: {failure.cause}; {failure.hint}",
         *["iteration  energy residual per unknown"][: len(failure.iterations)],
         *(f"{number:9d}  {measure:.3e}" for number, measure in enumerate(failure.iterations, start=1)),
         f"everything that converged before is in {out}",
@@ -190,7 +191,7 @@ def _follow(steps: Iterable[Step], drive: Drive, count: int, writer: RunWriter, 
         writer.end("completed")
     except ConvergenceError as error:
         parameter = drive.parameter_column.shown(error.parameter)
-        writer.end("not converged", Failure(parameter, error.reason, error.iterations))
+        writer.end("not converged", Failure(parameter, error.reason, error.iterations, error.cause))
     except KeyboardInterrupt:
         if not writer.saved:
             raise

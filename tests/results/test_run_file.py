@@ -127,6 +127,8 @@ def test_columns_carry_their_units(tmp_path: Path) -> None:
         "released_energy": "E0 L0^3",
         "energy_residuals": "E0 L0^3",
         "seconds": "s",
+        "kind": "1",
+        "negative_eigenvalues": "1",
     }
 
 

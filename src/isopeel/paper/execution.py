@@ -165,4 +165,4 @@ def _compute(run: Run, key: str, store: Store) -> None:
             writer.end("completed")
         except ConvergenceError as error:
             angle = problem.drive.parameter_column.shown(error.parameter)
-            writer.end("not converged", Failure(angle, error.reason, error.iterations))
+            writer.end("not converged", Failure(angle, error.reason, error.iterations, error.cause))

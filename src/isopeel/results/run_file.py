@@ -27,6 +27,7 @@ from isopeel.problem import Column, Drive, Problem
 from isopeel.results.curve import Curve
 from isopeel.results.files import replacing
 from isopeel.results.provenance import Provenance
+from isopeel.solve.newton import HINTS, Cause
 from isopeel.solve.quasi_newton import Memory, Pair
 from isopeel.solve.step import STATES_TO_GO_ON, State, Step
 from isopeel.splines.rows import RowSpace
@@ -34,7 +35,7 @@ from isopeel.splines.rows import RowSpace
 #: How a run ended; "running" is what the file of a killed run says.
 Ending = Literal["running", "completed", "not converged", "interrupted"]
 
-_FORMAT = "isopeel run 5"
+_FORMAT = "isopeel run 6"
 _SAVE_SECONDS = 1.0
 _SAVE_SHARE = 0.02  # of the time may go into saving
 _ROUND_OFF = 1e-9
@@ -46,6 +47,12 @@ class Failure(NamedTuple):
     parameter: float  # in the unit of its column
     reason: str
     iterations: tuple[float, ...]  # energy residual per unknown
+    cause: Cause = "iteration limit"
+
+    @property
+    def hint(self) -> str:
+        """What to try."""
+        return HINTS[self.cause]
 
 
 @dataclass(frozen=True, eq=False)
@@ -261,30 +268,35 @@ def _stored(file: h5py.File) -> StoredRun:
         name = file["curve"].attrs[role]
         units = file["curve"][name].attrs
         columns[role] = Column(name, units["unit"], float(units["factor"]), units["words"])
+    reals = {
+        name: frozen(data[name])
+        for name in (
+            "stored_energy",
+            "adhesive_energy",
+            "dissipated_energy",
+            "released_energy",
+            "seconds",
+            "energy_residuals",
+        )
+    }
     curve = Curve(
-        columns["parameter"],
-        columns["reaction"],
-        frozen(data[columns["parameter"].name]),
-        frozen(data[columns["reaction"].name]),
-        data["iterations"],
-        *(
-            frozen(data[name])
-            for name in (
-                "stored_energy",
-                "adhesive_energy",
-                "dissipated_energy",
-                "released_energy",
-                "seconds",
-                "energy_residuals",
-            )
-        ),
+        parameter_column=columns["parameter"],
+        reaction_column=columns["reaction"],
+        parameter=frozen(data[columns["parameter"].name]),
+        reaction=frozen(data[columns["reaction"].name]),
+        iterations=data["iterations"],
+        kind=data["kind"],
+        negative_eigenvalues=data["negative_eigenvalues"],
+        **reals,
     )
     displacements = map(frozen, file["fields/displacement"][()])
     fields = dict(zip(file["fields/parameter"][()].tolist(), displacements, strict=True))
     failure = None
     if "failure" in file:
         found = file["failure"].attrs
-        failure = Failure(float(found["parameter"]), found["reason"], tuple(found["iterations"].tolist()))
+        failure = Failure(
+            float(found["parameter"]), found["reason"], tuple(found["iterations"].tolist()), found["cause"]
+        )
     last: tuple[State, ...] = ()
     if "last" in file:
         stored = file["last"]
@@ -324,4 +336,6 @@ def _columns(curve: Curve) -> tuple[tuple[Column, FloatArray | IntArray], ...]:
         (Column("released_energy", "E0 L0^3"), curve.released_energy),
         (Column("seconds", "s"), curve.seconds),
         (Column("energy_residuals", "E0 L0^3"), curve.energy_residuals),
+        (Column("kind", "1"), curve.kind),
+        (Column("negative_eigenvalues", "1"), curve.negative_eigenvalues),
     )

@@ -22,6 +22,8 @@ from isopeel.solve.step import Kind, Step
 
 #: Halvings of a step before it counts as one that ends at a limit point.
 _HALVINGS = 4
+#: Points of the curve that a limit point is looked for on: a step of the parameter has some ten at most.
+_MOST_SEARCHED = 40
 #: Points of one stretch of the curve; more mean that it leads nowhere.
 _MOST_POINTS = 5000
 #: Share of the parameter in a tangent that counts as regular; at the start of a stretch it is 0.7.
@@ -35,7 +37,7 @@ def controlled(path: Path, parameters: Iterable[float]) -> Iterator[Step]:
     control = path.settings.control
     found: Iterator[Found]
     if control == "newton":
-        found = (path.equilibrium(parameter) for parameter in parameters)
+        found = _plain(path, parameters)
     elif control == "auto":
         found = _cut(path, parameters)
     else:
@@ -50,6 +52,35 @@ def controlled(path: Path, parameters: Iterable[float]) -> Iterator[Step]:
                 return
             step = path.step(one, perf_counter() - began)
         yield step
+
+
+def _plain(path: Path, parameters: Iterable[float]) -> Iterator[Found]:
+    for parameter in parameters:
+        try:
+            yield path.equilibrium(parameter)
+        except ConvergenceError as error:
+            raise _diagnosed(path, error, parameter) from error
+
+
+def _diagnosed(path: Path, error: ConvergenceError, parameter: float) -> ConvergenceError:
+    """The failure with a limit point as its cause, where the curve has one before the parameter."""
+    if not path.history or path.history[-1].parameter == parameter:
+        return error
+    step = parameter - path.history[-1].parameter
+    try:
+        curve = Curve(path.system, path.settings, path.last_exact(), path.history[-1].parameter, step)
+        point, radius = curve.start, curve.radius
+        for _ in range(_MOST_SEARCHED):
+            point, found, radius = _next(path, curve, point, radius, step, [parameter])
+            if any(k is None for k, _ in found):
+                return ConvergenceError(error.reason, error.iterations, parameter, "limit point")
+            if found:
+                # the curve goes on to the parameter
+                break
+    except (ConvergenceError, SingularError):
+        # the curve cannot be followed: what is known of the failure stays
+        return error
+    return error
 
 
 def _cut(path: Path, parameters: Iterable[float]) -> Iterator[Found]:
@@ -68,12 +99,12 @@ def _cut(path: Path, parameters: Iterable[float]) -> Iterator[Found]:
             try:
                 found = path.equilibrium(aim, kind)
                 size *= 2
-            except ConvergenceError:
+            except ConvergenceError as error:
                 if whole and abs(size) > abs(whole) / 2**_HALVINGS:
                     size = min(abs(size), abs(parameter - last)) / 2 * np.sign(whole)
                     continue
                 if not path.has_energy:
-                    raise
+                    raise _diagnosed(path, error, aim) from error
                 found = path.landed(path.guesses(aim), aim)
                 size = whole
                 whole_rest = aim == parameter

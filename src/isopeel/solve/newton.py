@@ -31,7 +31,8 @@ Cause = Literal[
 #: Corrections without a smaller energy residual are a stall.
 _STALL = 10
 
-_HINTS: dict[Cause, str] = {
+#: What to try.
+HINTS: dict[Cause, str] = {
     "inverted element": "take smaller steps, or a mesh that is finer where the element is",
     "limit point": "follow the path beyond it with control = continuation or jump, or take a finer mesh",
     "stalled residual": "take smaller steps, or control = continuation",
@@ -97,7 +98,7 @@ class ConvergenceError(ArithmeticError):
     @property
     def hint(self) -> str:
         """What to try."""
-        return _HINTS[self.cause]
+        return HINTS[self.cause]
 
     def __reduce__(self) -> tuple[type["ConvergenceError"], tuple[str, tuple[float, ...], float, Cause]]:
         """Go from process to process with its parts."""

@@ -1,7 +1,7 @@
 """What a path is made of: its steps, and the states that it can go on from."""
 
 from dataclasses import dataclass
-from typing import Literal, NamedTuple
+from typing import Literal, NamedTuple, get_args
 from weakref import ReferenceType
 
 from isopeel.arrays import FloatArray
@@ -32,6 +32,7 @@ class State(NamedTuple):
 #: What a step is: at a parameter that was asked for; between two of them, where one was cut or a curve needs
 #: its points; at a limit point of the parameter; or on the branch that a jump has led to.
 Kind = Literal["requested", "between", "limit point", "jump"]
+KINDS: tuple[Kind, ...] = get_args(Kind)
 
 
 @dataclass(frozen=True, eq=False)

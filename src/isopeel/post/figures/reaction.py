@@ -13,6 +13,7 @@ from isopeel.post.reading import PlateauReading
 from isopeel.post.style import BLUE, DASHES, GREY, ONE_COLUMN, SHADE, TWO_COLUMNS, note_units, style
 from isopeel.problem import Column
 from isopeel.results.curve import Curve
+from isopeel.solve.step import KINDS
 
 
 def reaction_figure(
@@ -40,7 +41,10 @@ def reaction_figure(
 
 def _whole(axes: Axes, curve: Curve, closed_form: Expected | None) -> None:
     # a line through one step could not be seen
-    axes.plot(curve.parameter, curve.reaction, "." if len(curve) == 1 else "-", color=BLUE)
+    if len(curve) == 1:
+        axes.plot(curve.parameter, curve.reaction, ".", color=BLUE)
+    else:
+        _branches(axes, curve)
     axes.set_xlabel(_label(curve.parameter_column))
     axes.set_ylabel(_label(curve.reaction_column))
     last = curve.parameter[-1]
@@ -63,6 +67,32 @@ def _whole(axes: Axes, curve: Curve, closed_form: Expected | None) -> None:
         axes.plot([onset, onset], [0.0, reaction], color=GREY, linestyle=DASHES, linewidth=0.8)
         axes.annotate(f"onset {onset:.1f}{degree}", (onset, 0.0), (4, 3), **look)
     axes.set_ylim(min(0.0, curve.reaction.min()), 1.12 * max(reaction, curve.reaction.max()))
+
+
+def _branches(axes: Axes, curve: Curve) -> None:
+    """Stable states solid, unstable ones dashed and thin, with limit points and what jumps led to marked."""
+    jump, limit = KINDS.index("jump"), KINDS.index("limit point")
+    unstable = curve.negative_eigenvalues > 0
+    # a piece belongs to the state at either end that is no limit point, and a jump is no piece
+    pieces = np.where(curve.kind[1:] == limit, unstable[:-1], unstable[1:])
+    stable = np.append(
+        curve.reaction[:1], np.where(pieces | (curve.kind[1:] == jump), np.nan, curve.reaction[1:])
+    )
+    stable[:-1] = np.where(~pieces & (curve.kind[1:] != jump), curve.reaction[:-1], stable[:-1])
+    axes.plot(curve.parameter, stable, "-", color=BLUE)
+    if pieces.any():
+        rest = np.full(len(curve), np.nan)
+        rest[1:][pieces] = curve.reaction[1:][pieces]
+        rest[:-1][pieces] = curve.reaction[:-1][pieces]
+        axes.plot(curve.parameter, rest, "--", color=BLUE, linewidth=0.6, label="unstable")
+    for kind, marker, label in ((limit, "o", "limit points"), (jump, "v", "after a jump")):
+        at = curve.kind == kind
+        if at.any():
+            axes.plot(
+                curve.parameter[at], curve.reaction[at], marker, color=GREY, markersize=2.5, label=label
+            )
+    if axes.get_legend_handles_labels()[1]:
+        axes.legend(loc="lower right", fontsize=7)
 
 
 def _enlarged(axes: Axes, curve: Curve, plateau: PlateauReading) -> None:
