@@ -63,7 +63,7 @@ LAW = 'law = "van-der-waals"\nhamaker_constant = "1e-19 J"\nequilibrium_distance
         ),
         pytest.param(
             TAPE.replace('side = "right"', 'side = "right"\nfollows = true\npath_control = "jump"'),
-            "drive.path_control: jump cannot be used; projected and following forces have no energy",
+            "drive.path_control: 'jump' cannot be used; projected and following forces have no energy",
             id="a jump without an energy",
         ),
         pytest.param(
