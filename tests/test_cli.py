@@ -21,10 +21,10 @@ from isopeel.cli import main
 from isopeel.law import LAWS
 from isopeel.results.run_file import RunWriter
 from isopeel.solve.newton import ConvergenceError
+from isopeel.solve.step import KINDS
 
 SMALL = ("--mesh", "20x2", "--space", "L1", "--to", "3", "--step", "1")
 FILES = {"curve.csv", "run.h5", "summary.json", "curve.png", "shapes.png"}
-from isopeel.solve.step import KINDS
 
 
 @pytest.fixture(autouse=True)
