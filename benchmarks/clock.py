@@ -8,7 +8,7 @@ from typing import Any
 from unittest.mock import patch
 
 from isopeel.assembly.system import System
-from isopeel.solve import quasi_newton, trace
+from isopeel.solve import path, quasi_newton
 from isopeel.solve.blocks import BlockedFactor
 
 #: The parts of a load step, by what is called for each.
@@ -34,9 +34,9 @@ class Clock:
                 (quasi_newton, "approximate", "factor"),
                 (quasi_newton, "_product", "update"),
                 (System, "state", "state"),
-                (trace, "best_weights", "guess"),
-                (trace, "daxpy", "guess"),
-                (trace, "slope", "guess"),
+                (path, "best_weights", "guess"),
+                (path, "daxpy", "guess"),
+                (path, "slope", "guess"),
             ):
                 watched.enter_context(patch.object(owner, name, self._watched(part, getattr(owner, name))))
             yield

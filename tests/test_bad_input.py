@@ -62,8 +62,8 @@ LAW = 'law = "van-der-waals"\nhamaker_constant = "1e-19 J"\nequilibrium_distance
             id="a force for a displacement",
         ),
         pytest.param(
-            TAPE.replace('side = "right"', 'side = "right"\nfollows = true\njumps = true'),
-            "drive.jumps: True cannot be used; projected and following forces have no energy",
+            TAPE.replace('side = "right"', 'side = "right"\nfollows = true\npath_control = "jump"'),
+            "drive.path_control: 'jump' cannot be used; projected and following forces have no energy",
             id="a jump without an energy",
         ),
         pytest.param(

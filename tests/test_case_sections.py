@@ -98,14 +98,16 @@ def test_the_lower_face_may_adhere_to_its_mirror_image_or_hold_along_it() -> Non
 
 
 def test_a_stage_may_jump_and_a_case_says_what_it_is() -> None:
-    case = Case.parse(case_with(head='about = "A test."', drive="jumps = true"))
-    assert [stage.jumps for stage in case.stages()] == [True]
+    case = Case.parse(case_with(head='about = "A test."', drive='path_control = "jump"'))
+    assert [stage.control for stage in case.stages()] == ["jump"]
     assert case.about == "A test."
     plain = Case.parse(case_with())
-    assert [stage.jumps for stage in plain.stages()] == [False]
+    assert [stage.control for stage in plain.stages()] == ["auto"]
     assert plain.about == ""
-    with pytest.raises(InputError, match=r"drive\.jumps: 1 cannot be used; true or false"):
-        Case.parse(case_with(drive="jumps = 1"))
+    with pytest.raises(
+        InputError, match=r"drive\.path_control: 1 cannot be used; 'newton', 'auto', 'jump' or"
+    ):
+        Case.parse(case_with(drive="path_control = 1"))
 
 
 def test_sides_are_held_as_written() -> None:
@@ -256,7 +258,7 @@ BAD_TABLES = [
     ("discretization", "grading = [1.0, -2.0]", "discretization.grading", "two ratios"),
     ("drive", 'kind = "turn"', "drive.kind", "displacement, force"),
     ("drive", 'side = "front"', "drive.side", "'left'"),
-    ("drive", 'angle = "1 deg"', "drive.angle", "here the keys are name, to, step, jumps, kind, side"),
+    ("drive", 'angle = "1 deg"', "drive.angle", "here the keys are name, to, step, path_control, kind, side"),
     ("drive", 'name = "a b"', "drive.name", "letters, digits and '-'"),
     ("drive", 'kind = "displacement"\nside = "right"\nangle = 3', "drive.angle", "an angle is needed"),
     ("drive", STAGES[1][0].replace('to = "3 nm"', ""), "drive.to", "missing; a length is needed"),

@@ -41,7 +41,8 @@ from isopeel.results.run_file import read_run, run_attributes
 from isopeel.results.run_writer import RunWriter
 from isopeel.solve.linear import factorize
 from isopeel.solve.newton import NewtonSettings
-from isopeel.solve.trace import Step, trace
+from isopeel.solve.step import Step
+from isopeel.solve.trace import trace
 from isopeel.splines.rows import row_space
 
 PACKAGES = ("physics.adhesion", "physics.materials", "physics.substrates", "problem.shapes", "problem.drives")

@@ -49,12 +49,12 @@ def test_each_starts(name: str) -> None:
     """The first steps of the first stage, on the mesh of the case."""
     case = load_case(name)
     stage = case.stages()[0]
-    settings = NewtonSettings(jumps=stage.jumps)
+    settings = NewtonSettings(control=stage.control)
     steps = list(islice(trace(stage.problem, case.space(), stage.parameters, settings), 3))
     energies = [s.stored_energy + s.adhesive_energy + s.dissipated_energy for s in steps]
     assert [s.parameter for s in steps] == stage.parameters[:3].tolist()
-    # a drive does work on a body at rest, once it has found its rest
-    assert energies[2] > energies[1] or stage.jumps
+    # a drive does work on a body at rest; these two have to find theirs
+    assert energies[2] > energies[1] or name in ("cylinder-pull-off", "press-and-peel")
 
 
 def jkr(case: Case) -> float:

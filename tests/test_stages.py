@@ -72,7 +72,12 @@ def test_a_stored_stage_goes_on_bit_for_bit(tmp_path: Path) -> None:
 def test_nothing_of_an_earlier_run_is_left(tmp_path: Path) -> None:
     run_case(CASE, tmp_path, QUIET)
     # a step that asks for too much: the first stage ends early, and there is no second one any more
-    too_far = Case.parse(TEXT + STAGES.replace('"1 nm"', '"400 nm"', 1).replace('"0.25 nm"', '"100 nm"', 1))
+    too_far = Case.parse(
+        TEXT
+        + STAGES.replace('to = "1 nm"', 'path_control = "newton"\nto = "400 nm"', 1).replace(
+            '"0.25 nm"', '"100 nm"', 1
+        )
+    )
     run, folder = run_case(too_far, tmp_path, QUIET)
     assert (run.ending, folder) == ("not converged", tmp_path / "1-lift")
     assert list((tmp_path / "2-on").iterdir()) == []

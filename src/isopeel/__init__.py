@@ -42,7 +42,8 @@ if TYPE_CHECKING:
     from isopeel.results.curve import Curve
     from isopeel.results.run_file import StoredRun, read_run
     from isopeel.solve.newton import ConvergenceError, NewtonSettings
-    from isopeel.solve.trace import State, Step, trace
+    from isopeel.solve.step import State, Step
+    from isopeel.solve.trace import trace
     from isopeel.splines.rows import RowSpace, row_space
 
 __version__ = "0.1.0"
@@ -135,7 +136,8 @@ _MODULES = {
     "results.curve": ("Curve",),
     "results.run_file": ("StoredRun", "read_run"),
     "solve.newton": ("ConvergenceError", "NewtonSettings"),
-    "solve.trace": ("State", "Step", "trace"),
+    "solve.step": ("State", "Step"),
+    "solve.trace": ("trace",),
     "splines.rows": ("RowSpace", "row_space"),
 }
 _HOMES = {name: module for module, names in _MODULES.items() for name in names}

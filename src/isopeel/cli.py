@@ -100,6 +100,12 @@ def run(
     contact_points: Annotated[
         int | None, typer.Option(metavar="N", help="Gauss points of the adhesive force on an element.")
     ] = None,
+    control: Annotated[
+        str | None,
+        typer.Option(
+            metavar="auto|newton|continuation|jump", help="What to do where a step finds no equilibrium."
+        ),
+    ] = None,
 ) -> int:
     """Run CASE and leave its curve, figures, summary and fields in a folder."""
     try:
@@ -107,7 +113,13 @@ def run(
         from isopeel.run import run_case
 
         chosen = load_case(case).overridden(
-            space=space, mesh=mesh, to=to, step=step, traction=traction, contact_points=contact_points
+            space=space,
+            mesh=mesh,
+            to=to,
+            step=step,
+            traction=traction,
+            contact_points=contact_points,
+            control=control,
         )
         folder = out or Path("out") / chosen.name
         result = run_case(chosen, folder, _console())

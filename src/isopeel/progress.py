@@ -7,7 +7,7 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
 from isopeel.problem import Drive
-from isopeel.solve.trace import Step
+from isopeel.solve.step import Step
 
 _REFRESHES_PER_SECOND = 5
 
@@ -31,10 +31,15 @@ def progress(console: Console, drive: Drive, steps: int, before: int = 0) -> Ite
     )
     parameter, reaction = drive.parameter_column, drive.reaction_column
 
+    met: set[float] = set()
+
     def show(step: Step) -> None:
+        # a curve that turns back meets a parameter again
+        if step.kind == "requested":
+            met.add(step.parameter)
         bar.update(
             task,
-            completed=before + step.number + 1,
+            completed=before + len(met),
             description=f"{parameter.shown(step.parameter):7.2f} {parameter.unit}  "
             f"{reaction.name} {reaction.factor * step.reaction:.6g}  {len(step.iterations)} iterations",
         )

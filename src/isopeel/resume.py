@@ -10,6 +10,7 @@ from isopeel.errors import InputError
 from isopeel.folder import FILES, alone_in, places, stage_files
 from isopeel.results.run_file import StoredRun, read_run
 from isopeel.run import Result, go_through
+from isopeel.solve.step import KINDS
 
 
 def resume_case(folder: Path, console: Console, to: str | None = None) -> Result:
@@ -59,8 +60,9 @@ def _found(folder: Path, to: str | None) -> tuple[Case, dict[int, StoredRun]]:
 def _check_way(run: StoredRun, stage: Stage, folder: Path, to: str | None) -> None:
     """Raise InputError where the steps of a stored run are not the first ones of a stage."""
     column = run.curve.parameter_column
-    steps = [column.shown(parameter) for parameter in stage.parameters[: len(run.curve)]]
-    if not np.array_equal(run.curve.parameter, steps):
+    steps = [column.shown(parameter) for parameter in stage.parameters]
+    asked_for = run.curve.parameter[run.curve.kind == KINDS.index("requested")]
+    if not np.isin(asked_for, steps).all():
         field, value = ("DIR", str(folder)) if to is None else ("--to", to)
         reached = f"{len(run.curve)} to {run.curve.parameter[-1]:g} {column.unit}"
         allowed = f"the steps so far, {reached}, are not on the way to it"

@@ -7,12 +7,12 @@ from pathlib import Path
 from time import perf_counter
 from typing import Any, NamedTuple
 
+import numpy as np
 from psutil import virtual_memory
 from rich.box import SIMPLE_HEAD
 from rich.console import Console
 from rich.table import Table
 
-from isopeel.arrays import FloatArray
 from isopeel.case import Case, Stage, load_case, shipped_cases
 from isopeel.errors import InputError
 from isopeel.folder import FILES, Place, alone_in, check_folder, places
@@ -22,7 +22,7 @@ from isopeel.post.fields import depth_inside
 from isopeel.post.figures import reaction_figure, save, shapes_figure
 from isopeel.post.reading import read_plateau
 from isopeel.post.summary import summarize
-from isopeel.problem import Column, Drive
+from isopeel.problem import Column
 from isopeel.progress import progress
 from isopeel.results.curve import Curve
 from isopeel.results.files import replacing
@@ -30,7 +30,8 @@ from isopeel.results.provenance import Provenance
 from isopeel.results.run_file import Failure, StoredRun, read_run, run_attributes
 from isopeel.results.run_writer import RunWriter
 from isopeel.solve.newton import ConvergenceError, NewtonSettings
-from isopeel.solve.trace import State, Step, trace
+from isopeel.solve.step import State, Step
+from isopeel.solve.trace import trace
 from isopeel.splines.rows import RowSpace
 
 
@@ -103,21 +104,31 @@ def go_through(
 
 def is_complete(run: StoredRun, stage: Stage) -> bool:
     """Whether a stored run has come to the end of a stage."""
-    return run.ending == "completed" and len(run.curve) == len(stage.parameters)
+    return run.ending == "completed" and _met(stage, run) == len(stage.parameters)
+
+
+def _met(stage: Stage, run: StoredRun | None) -> int:
+    """How many of the parameters of a stage have been met by a stored run, where the path goes on from."""
+    if run is None or run.last is None:
+        return 0
+    (places,) = np.nonzero(stage.parameters == run.last.parameter)
+    return int(places[0]) + 1 if len(places) else 0
 
 
 def _steps(
     case: Case, stage: Stage, space: RowSpace, base: State | None, found: StoredRun | None
 ) -> Iterable[Step]:
     """The steps of a stage, after those that are stored."""
-    begun = found is not None and found.last is not None
+    last = None if found is None else found.last
+    passed, rest = np.split(stage.parameters, [_met(stage, found)])
     try:
         steps = trace(
             stage.problem,
             space,
-            stage.parameters[len(found.curve) :] if found is not None and begun else stage.parameters,
-            NewtonSettings(jumps=stage.jumps),
-            start=[found.last] if found is not None and found.last is not None else (),
+            rest,
+            NewtonSettings(control=stage.control),
+            start=() if last is None else [last],
+            passed=passed.tolist(),
             base=base,
             contact_points=case.discretization.contact_points,
         )
@@ -177,7 +188,7 @@ def _run_stage(
     with Interrupts() as interrupts:
         try:
             with writer:
-                _follow(steps, problem.drive, stage.parameters, writer, interrupts, console)
+                _follow(steps, stage, _met(stage, found), writer, interrupts, console)
         finally:
             # whatever comes in between, the table holds what the file does
             if writer.saved:
@@ -210,6 +221,7 @@ def failure_message(failure: Failure, column: Column, out: Path) -> str:
     unit = _short(column)
     lines = [
         f"no equilibrium at {failure.parameter:g} {unit}: {failure.reason}",
+        f"cause: {failure.cause}; {failure.hint}",
         *["iteration  energy residual per unknown"][: len(failure.iterations)],
         *(f"{number:9d}  {measure:.3e}" for number, measure in enumerate(failure.iterations, start=1)),
         f"everything that converged before is in {out}",
@@ -227,15 +239,16 @@ def cases_table() -> Table:
 
 def _follow(
     steps: Iterable[Step],
-    drive: Drive,
-    parameters: FloatArray,
+    stage: Stage,
+    met: int,
     writer: RunWriter,
     interrupts: Interrupts,
     console: Console,
 ) -> None:
     """Hand the steps to their consumers, and note how they end."""
+    drive = stage.problem.drive
     try:
-        with progress(console, drive, len(parameters), len(writer.curve)) as show:
+        with progress(console, drive, len(stage.parameters), met) as show:
             for step in steps:
                 with interrupts.held():
                     writer.append(step)
@@ -243,7 +256,7 @@ def _follow(
         writer.end("completed")
     except ConvergenceError as error:
         parameter = drive.parameter_column.shown(error.parameter)
-        writer.end("not converged", Failure(parameter, error.reason, error.iterations))
+        writer.end("not converged", Failure(parameter, error.reason, error.iterations, error.cause))
     except KeyboardInterrupt:
         if len(writer.curve) == 0:
             raise

@@ -49,6 +49,8 @@ def long_curve() -> Curve:
         zeros,
         zeros,
         zeros,
+        np.zeros(1201, dtype=np.int64),
+        np.zeros(1201, dtype=np.int64),
     )
 
 

@@ -26,6 +26,8 @@ def curve_of(angles: FloatArray, moments: FloatArray) -> Curve:
         zeros,
         zeros,
         zeros,
+        np.zeros(len(angles), dtype=np.int64),
+        np.zeros(len(angles), dtype=np.int64),
     )
 
 

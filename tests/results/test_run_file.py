@@ -12,7 +12,8 @@ from isopeel.results.curve import Curve
 from isopeel.results.provenance import Provenance
 from isopeel.results.run_file import Failure, read_run, run_attributes
 from isopeel.results.run_writer import RunWriter
-from isopeel.solve.trace import Step, trace
+from isopeel.solve.step import Step
+from isopeel.solve.trace import trace
 from isopeel.splines.rows import row_space
 
 PROBLEM = strip()
@@ -132,6 +133,8 @@ def test_columns_carry_their_units(tmp_path: Path) -> None:
         "released_energy": "E0 L0^3",
         "energy_residuals": "E0 L0^3",
         "seconds": "s",
+        "kind": "1",
+        "negative_eigenvalues": "1",
     }
 
 

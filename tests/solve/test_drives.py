@@ -22,7 +22,8 @@ from isopeel.problem import (
 )
 from isopeel.solve.linear import Border, Bordered, factorize
 from isopeel.solve.newton import NewtonSettings
-from isopeel.solve.trace import Step, trace
+from isopeel.solve.step import Step
+from isopeel.solve.trace import trace
 from isopeel.splines.rows import row_space
 
 # weaker and softer than the strip's, so that a coarse mesh resolves the front

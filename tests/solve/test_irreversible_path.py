@@ -10,7 +10,7 @@ from isopeel.arrays import FloatArray
 from isopeel.assembly.system import System
 from isopeel.physics.adhesion import AdhesionLaw
 from isopeel.solve.newton import NewtonSettings
-from isopeel.solve.trace import State
+from isopeel.solve.step import State
 
 # about half the strip's strength and its work, so that the front is wide enough for a coarse mesh
 LAW = Exponential(0.03, 0.015)

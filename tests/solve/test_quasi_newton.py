@@ -9,7 +9,8 @@ from isopeel.solve.linear import BandCholesky
 from isopeel.solve.newton import NewtonSettings, newton
 from isopeel.solve.predictor import best_weights, slope
 from isopeel.solve.quasi_newton import Pair, QuasiNewton, _product
-from isopeel.solve.trace import Step, trace
+from isopeel.solve.step import Step
+from isopeel.solve.trace import trace
 from isopeel.splines.rows import row_space
 
 ANGLES = np.radians(np.arange(0.0, 64.0, 0.5))

@@ -19,7 +19,7 @@ from isopeel.problem import Traction
 from isopeel.solve.linear import BandCholesky, BandLU, NotPositiveDefiniteError, factorize
 from isopeel.solve.newton import newton
 from isopeel.solve.predictor import extrapolate
-from isopeel.solve.trace import State
+from isopeel.solve.step import State
 
 
 def moment_at(

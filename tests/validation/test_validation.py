@@ -22,7 +22,7 @@ from isopeel.processes import Done, WorkerLostError
 from isopeel.report.document import to_markdown
 from isopeel.results.provenance import Provenance
 from isopeel.solve.newton import ConvergenceError
-from isopeel.solve.trace import Step
+from isopeel.solve.step import Step
 from isopeel.validation import bending, cantilever, check, curvature, cylinder, hertz, report, tapes
 from isopeel.validation.check import Result, Row
 from isopeel.validation.report import CHECKS, make_document

@@ -130,8 +130,9 @@ class Case(Section):
         step: str | float | None = None,
         traction: str | None = None,
         contact_points: int | None = None,
+        control: str | None = None,
     ) -> Self:
-        """Return the case with other values, `to` and `step` those of the last stage.
+        """Return the case with other values, `to` and `step` those of the last stage, `control` of all.
 
         They are texts with units; plain numbers are degrees where an angle is needed. Raises InputError whose
         field is the option of the command line, such as --mesh.
@@ -143,24 +144,33 @@ class Case(Section):
             ("drive", "step"): step,
             ("adhesion", "traction"): traction,
             ("discretization", "contact_points"): contact_points,
+            ("drive", "path_control"): control,
         }
         changes = {path: value for path, value in given.items() if value is not None}
         document = dict(self._document)
         for (section, key), value in changes.items():
             table = document.get(section, {})
-            entry = {key: self._parameter(value) if section == "drive" else value}
-            document[section] = [*table[:-1], table[-1] | entry] if isinstance(table, list) else table | entry
+            entry = {key: self._parameter(value) if key in ("to", "step") else value}
+            if not isinstance(table, list):
+                document[section] = table | entry
+            elif key == "path_control":
+                document[section] = [stage | entry for stage in table]
+            else:
+                document[section] = [*table[:-1], table[-1] | entry]
         try:
             return self._checked(document)
         except InputError as error:
             for (section, key), value in changes.items():
                 several_stages = section == "drive" and isinstance(document[section], list)
-                place = f"{section}.{len(self.drive)}" if several_stages else section
+                # what all stages have is blamed on the first
+                number = 1 if key == "path_control" else len(self.drive)
+                place = f"{section}.{number}" if several_stages else section
                 blamed = [f"{place}.{key}"]
                 if key == "to" and step is None:
                     blamed.append(f"{place}.step")  # which was good until the way became longer
                 if error.field in blamed:
-                    raise InputError(f"--{key.replace('_', '-')}", value, error.allowed) from error
+                    option = "control" if key == "path_control" else key.replace("_", "-")
+                    raise InputError(f"--{option}", value, error.allowed) from error
             raise
 
     def _parameter(self, value: object) -> object:
@@ -214,7 +224,7 @@ class Case(Section):
                 name=stage.label,
                 problem=Problem(self.name, body, adhesion, fixed, stage.drive()),
                 parameters=stage.parameters(),
-                jumps=stage.jumps,
+                control=stage.path_control,
                 fields_every=self.output.fields_every if stage is last else stage.usual_fields_every,
                 window=self.reading.window if self.reading and stage is last else None,
             )

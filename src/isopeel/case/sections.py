@@ -20,6 +20,7 @@ from isopeel.case.values import (
     read_quantity,
     several,
 )
+from isopeel.controls import Control
 from isopeel.errors import InputError
 from isopeel.physics.adhesion import AdhesionLaw
 from isopeel.physics.adhesion.mirrored import Mirrored
@@ -165,7 +166,9 @@ class DriveSection(KindSection):
     ] = None
     to: Any = "120 deg"
     step: Any = "0.1 deg"
-    jumps: FlagKey = False
+    path_control: Annotated[
+        Control, Field(description="'newton', 'auto', 'jump' or 'continuation' is needed")
+    ] = "auto"
 
     @model_validator(mode="after")
     def _can_be_made(self) -> Self:

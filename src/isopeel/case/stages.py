@@ -8,6 +8,7 @@ import numpy as np
 
 from isopeel.arrays import FloatArray
 from isopeel.case.values import read_quantity
+from isopeel.controls import Control
 from isopeel.errors import InputError
 from isopeel.problem import Problem
 from isopeel.quantities import Dimension
@@ -21,14 +22,14 @@ MOST_STEPS = 100_000
 class Stage:
     """A problem, whose drive is that of the stage, and the parameters (n,) of its steps, from 0 on.
 
-    Where it has `jumps`, the path goes on with another equilibrium where its own ends. The plateau is read in
-    the `window`, and fields are kept at multiples of `fields_every`: in degrees, or in L0 and E0.
+    Its `control` says how the path goes on where a step finds no equilibrium. The plateau is read in the
+    `window`, and fields are kept at multiples of `fields_every`: in degrees, or in L0 and E0.
     """
 
     name: str
     problem: Problem
     parameters: FloatArray
-    jumps: bool
+    control: Control
     fields_every: float
     window: tuple[float, float] | None
 

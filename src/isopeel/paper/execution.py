@@ -20,7 +20,8 @@ from isopeel.results.provenance import Provenance
 from isopeel.results.run_file import Failure, StoredRun, read_run, run_attributes
 from isopeel.results.run_writer import RunWriter
 from isopeel.solve.newton import ConvergenceError, NewtonSettings
-from isopeel.solve.trace import State, trace
+from isopeel.solve.step import State
+from isopeel.solve.trace import trace
 
 _REPORT_SECONDS = 0.2  # between two reports of a run
 
@@ -165,4 +166,4 @@ def _compute(run: Run, key: str, store: Store) -> None:
             writer.end("completed")
         except ConvergenceError as error:
             angle = problem.drive.parameter_column.shown(error.parameter)
-            writer.end("not converged", Failure(angle, error.reason, error.iterations))
+            writer.end("not converged", Failure(angle, error.reason, error.iterations, error.cause))

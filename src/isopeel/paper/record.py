@@ -16,7 +16,8 @@ from isopeel.results.files import replacing
 from isopeel.results.provenance import PACKAGES
 from isopeel.results.run_file import StoredRun
 from isopeel.solve.newton import ConvergenceError, NewtonSettings
-from isopeel.solve.trace import State, trace
+from isopeel.solve.step import State
+from isopeel.solve.trace import trace
 
 _FORMAT = "isopeel paper 2"
 

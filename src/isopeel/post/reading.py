@@ -84,10 +84,15 @@ def plateau_mean(curve: Curve, window: tuple[float, float]) -> float | None:
 
 
 def _rising(curve: Curve) -> tuple[FloatArray, FloatArray]:
-    """Parameter and reaction (steps,), from the other end where the run goes towards smaller parameters."""
+    """Parameter and reaction (steps,), from the other end where the run goes towards smaller parameters.
+
+    Where a curve turns back, only what lies beyond all that was before.
+    """
     falls = len(curve) > 0 and curve.parameter[-1] < curve.parameter[0]
+    way = -curve.parameter if falls else curve.parameter
+    beyond = way > np.append(-np.inf, np.maximum.accumulate(way)[:-1]) if len(curve) else slice(None)
     order = slice(None, None, -1 if falls else 1)
-    return curve.parameter[order], curve.reaction[order]
+    return curve.parameter[beyond][order], curve.reaction[beyond][order]
 
 
 def _covers(parameter: FloatArray, window: tuple[float, float]) -> bool:

@@ -11,6 +11,7 @@ from isopeel.post.closed_form import Expected
 from isopeel.post.reading import PlateauReading, onset_angle, plateau_mean, unreadable
 from isopeel.results.curve import Curve
 from isopeel.results.run_file import StoredRun
+from isopeel.solve.step import KINDS
 
 
 def summarize(
@@ -25,9 +26,9 @@ def summarize(
     """Collect what a run says, as plain numbers and texts; `note` says why a value is None.
 
     Parameter and reaction are in the units of their columns, which `units` names, slopes per unit of the
-    parameter. The plateau is read in the `window`, if there is one. A jump is a step that released more than
-    a thousandth of what the energies varied by. `inside` is how deep (in L0) the body has come to lie in the
-    substrate, `wall_time` (seconds) that of the whole run, with its compilation.
+    parameter. The plateau is read in the `window`, if there is one. A jump is a step of that kind, or one
+    that released more than a thousandth of what the energies varied by. `inside` is how deep (in L0) the
+    body has come to lie in the substrate, `wall_time` (seconds) that of the whole run, with its compilation.
     """
     curve, attributes, failure = run.curve, run.attributes, run.failure
     iterations = int(curve.iterations.sum())
@@ -70,6 +71,8 @@ def summarize(
         and {
             parameter.name: failure.parameter,
             "reason": failure.reason,
+            "cause": failure.cause,
+            "hint": failure.hint,
             # JSON knows no inf
             "iterations": [measure if isfinite(measure) else None for measure in failure.iterations],
         },
@@ -83,7 +86,8 @@ def _jumps(curve: Curve) -> IntArray:
     if not len(curve):
         return np.empty(0, dtype=np.int64)
     varied = np.ptp(curve.stored_energy) + np.ptp(curve.adhesive_energy)
-    return np.flatnonzero(curve.released_energy > 1e-3 * varied)
+    jumped = curve.kind == KINDS.index("jump")
+    return np.flatnonzero(jumped | (curve.released_energy > 1e-3 * varied))
 
 
 def _notes(

@@ -11,7 +11,7 @@ import numpy as np
 from isopeel.arrays import FloatArray, IntArray, frozen
 from isopeel.problem import Column, Drive
 from isopeel.results.files import replacing
-from isopeel.solve.trace import Step
+from isopeel.solve.step import KINDS, Step
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,6 +32,8 @@ class Curve:
     released_energy: FloatArray  # in jumps
     seconds: FloatArray
     energy_residuals: FloatArray  # per unknown, of the corrections of all steps, one step after the other
+    kind: IntArray  # numbers of KINDS
+    negative_eigenvalues: IntArray  # of the tangent, none in a stable state; -1 where not counted
 
     @classmethod
     def of(cls, steps: Iterable[Step], drive: Drive) -> "Curve":
@@ -47,10 +49,12 @@ class Curve:
                 s.released_energy,
                 s.seconds,
                 len(s.iterations),
+                KINDS.index(s.kind),
+                -1 if s.negative_eigenvalues is None else s.negative_eigenvalues,
             )
             for s in steps
         ]
-        table = np.array(rows, dtype=np.float64).reshape(len(rows), 8)
+        table = np.array(rows, dtype=np.float64).reshape(len(rows), 10)
         parameter = [drive.parameter_column.shown(value) for value in table[:, 0]]
         return cls(
             drive.parameter_column,
@@ -64,6 +68,8 @@ class Curve:
             frozen(table[:, 5]),
             frozen(table[:, 6]),
             frozen(np.array([residual for s in steps for residual in s.iterations], dtype=np.float64)),
+            table[:, 8].astype(np.int64),
+            table[:, 9].astype(np.int64),
         )
 
     def followed_by(self, others: Iterable["Curve"]) -> "Curve":
@@ -96,6 +102,8 @@ class Curve:
             "adhesive_energy": self.adhesive_energy,
             "dissipated_energy": self.dissipated_energy,
             "released_energy": self.released_energy,
+            "kind": np.array(KINDS)[self.kind],
+            "negative_eigenvalues": self.negative_eigenvalues,
             "seconds": self.seconds,
         }
         with replacing(path) as part, part.open("w", newline="", encoding="utf-8") as file:

@@ -33,8 +33,9 @@ from isopeel.results.files import replacing
 from isopeel.results.journal import Record, read_journal
 from isopeel.results.provenance import Provenance
 from isopeel.results.untrusted import UntrustedError
+from isopeel.solve.newton import HINTS, Cause
 from isopeel.solve.quasi_newton import Memory, Pair
-from isopeel.solve.trace import Past, State
+from isopeel.solve.step import KINDS, Past, State
 from isopeel.splines.rows import RowSpace
 
 #: How a run ended; "running" is what the file of a killed run says.
@@ -51,6 +52,12 @@ class Failure(NamedTuple):
     parameter: float  # in the unit of its column
     reason: str
     iterations: tuple[float, ...]  # energy residual per unknown
+    cause: Cause = "iteration limit"
+
+    @property
+    def hint(self) -> str:
+        """What to try."""
+        return HINTS[self.cause]
 
 
 @dataclass(frozen=True, eq=False)
@@ -231,9 +238,13 @@ def _stored(file: h5py.File) -> StoredRun:
     failure = None
     if "failure" in file:
         found = untrusted.group(file, "failure")
+        causes: dict[str, Cause] = {cause: cause for cause in HINTS}
         iterations = np.atleast_1d(untrusted.attribute(found, "iterations")).astype(np.float64)
         failure = Failure(
-            untrusted.number(found, "parameter"), untrusted.words(found, "reason"), tuple(iterations.tolist())
+            untrusted.number(found, "parameter"),
+            untrusted.words(found, "reason"),
+            tuple(iterations.tolist()),
+            causes[untrusted.words(found, "cause")],
         )
     run = StoredRun(
         untrusted.text(file, "case"),
@@ -267,9 +278,12 @@ def _stored_curve(group: h5py.Group) -> Curve:
     names = ("stored_energy", "adhesive_energy", "dissipated_energy", "released_energy", "seconds")
     others = {name: frozen(untrusted.floats(group, name, 1)) for name in names}
     residuals = frozen(untrusted.floats(group, "energy_residuals", 1))
-    lengths = {len(iterations), *map(len, (*main.values(), *others.values()))}
+    kind, negative = (untrusted.whole_numbers(group, name, 1) for name in ("kind", "negative_eigenvalues"))
+    lengths = {len(kind), len(negative), len(iterations), *map(len, (*main.values(), *others.values()))}
     if len(lengths) > 1 or (iterations < 0).any() or iterations.sum() != len(residuals):
         raise UntrustedError("the columns of its curve do not fit together")
+    if not np.isin(kind, np.arange(len(KINDS))).all():
+        raise UntrustedError("a kind of a step is unknown")
     return Curve(
         columns["parameter"],
         columns["reaction"],
@@ -277,6 +291,8 @@ def _stored_curve(group: h5py.Group) -> Curve:
         main["reaction"],
         iterations,
         energy_residuals=residuals,
+        kind=kind,
+        negative_eigenvalues=negative,
         **others,
     )
 
@@ -292,4 +308,6 @@ def _columns(curve: Curve) -> tuple[tuple[Column, FloatArray | IntArray], ...]:
         (Column("released_energy", "E0 L0^3"), curve.released_energy),
         (Column("seconds", "s"), curve.seconds),
         (Column("energy_residuals", "E0 L0^3"), curve.energy_residuals),
+        (Column("kind", "1"), curve.kind),
+        (Column("negative_eigenvalues", "1"), curve.negative_eigenvalues),
     )

@@ -16,7 +16,7 @@ from isopeel.results.curve import Curve
 from isopeel.results.fields import Fields
 from isopeel.results.journal import Journal, Record
 from isopeel.results.run_file import Ending, Failure, StoredRun, write_run
-from isopeel.solve.trace import Step
+from isopeel.solve.step import Step
 
 _SAVE_SECONDS = 1.0
 _SAVE_SHARE = 0.02  # of the time may go into saving
@@ -69,6 +69,7 @@ class RunWriter:
         self._run = replace(after or nothing, case_text=case_text, ending="running", failure=None)
         self._fields.take_all(self._run.fields)
         self._last = self._run.last
+        self._resumes = True
         self._journal: Journal | None = None
         self._next_save = 0.0
         self.saved: bool = False
@@ -85,13 +86,15 @@ class RunWriter:
     ) -> None:
         """Save what has come."""
         try:
-            if (self._rows and not self._is_behind) or self.ending not in ("running", "interrupted"):
+            ended = self.ending not in ("running", "interrupted")
+            whole = ended or (len(self._rows) > 0 and self._resumes and not self._is_behind)
+            if whole:
                 self._save()
         finally:
             if self._journal is not None:
                 self._journal.close()
-        # where the save failed, the journal holds what the file does not
-        if self._journal is not None:
+        # else, or where the save failed, the journal holds what the file does not
+        if self._journal is not None and whole:
             self._journal.remove()
 
     def append(self, step: Step) -> None:
@@ -102,13 +105,15 @@ class RunWriter:
             step, displacement=empty, openings=empty, unknown_values=empty[:, 0], past=(), memory=None
         )
         self._rows.append(row)
-        self._last = step.state
+        self._resumes = step.resumes
+        if step.resumes:
+            self._last = step.state
         self._fields.take(float(self._drive.parameter_column.shown(step.parameter)), step.displacement)
         if self._is_behind:
             return
-        if self._journal is None or perf_counter() >= self._next_save:
+        if step.resumes and (self._journal is None or perf_counter() >= self._next_save):
             self._save()
-        else:
+        elif self._journal is not None:
             number = len(self._run.curve) + len(self._rows) - 1
             self._journal.append(number, Record(Curve.of([row], self._drive), step.displacement))
 

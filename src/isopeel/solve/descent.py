@@ -1,5 +1,7 @@
 """The jump to the next stable equilibrium: a damped search along which the energy falls."""
 
+from typing import NamedTuple
+
 import numpy as np
 
 from isopeel.arrays import FloatArray
@@ -22,7 +24,14 @@ _ROUND_OFF = 1e-12  # of the displacement
 _FLAT = 1e-13  # of the energy: a decrease below it is round-off
 
 
-def descend(system: System, start: FloatArray, parameter: float) -> FloatArray:
+class Descent(NamedTuple):
+    """Where a search ended, y (count,), and whether it did so because no step was short enough."""
+
+    unknown_values: FloatArray
+    at_floor: bool = False
+
+
+def descend(system: System, start: FloatArray, parameter: float) -> Descent:
     """Follow falling energy from a start y (count,), at one value of the parameter, to near a minimum.
 
     Newton's method with a shifted tangent, K + shift x 1 where K is not positive definite, and steps halved
@@ -41,7 +50,7 @@ def descend(system: System, start: FloatArray, parameter: float) -> FloatArray:
             direction = -_solve(system, factor, equilibrium, u, parameter)
         except (NotPositiveDefiniteError, SingularError):
             # forces that are not finite, which Newton's method will tell of
-            return y
+            return Descent(y)
         slope = float(equilibrium.residual @ direction[: system.constraints.count])
         # the control of a load does work: before it is satisfied, energy need not fall, but be finite
         size = abs(parameter) + float(np.abs(u).max())
@@ -51,7 +60,7 @@ def descend(system: System, start: FloatArray, parameter: float) -> FloatArray:
         while not (np.isfinite(trial) if astray else trial <= energy + _SUFFICIENT * step * min(slope, 0.0)):
             step /= 2
             if step < _SHORTEST:
-                return y
+                return Descent(y, at_floor=True)
             trial = potential_energy(system, y + step * direction, parameter)
         if not (astray or trial < energy):
             break
@@ -61,7 +70,7 @@ def descend(system: System, start: FloatArray, parameter: float) -> FloatArray:
         energy = trial
         # try to do with less the next time
         shift = shift / 10 if shift > _SMALLEST_SHIFT else 0.0
-    return y
+    return Descent(y)
 
 
 def potential_energy(system: System, y: FloatArray, parameter: float) -> float:

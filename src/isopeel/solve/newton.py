@@ -1,11 +1,13 @@
 """Newton's method at one value of the drive's parameter."""
 
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 
 from isopeel.arrays import FloatArray
 from isopeel.assembly.system import BandMatrix, Equilibrium, System
+from isopeel.controls import Control
 from isopeel.solve.linear import (
     Border,
     Bordered,
@@ -15,15 +17,45 @@ from isopeel.solve.linear import (
     factorize,
 )
 
+#: Why no equilibrium was found.
+Cause = Literal[
+    "inverted element",
+    "limit point",
+    "stalled residual",
+    "line search",
+    "non-finite traction",
+    "singular tangent",
+    "iteration limit",
+]
+
+#: Corrections without a smaller energy residual are a stall.
+_STALL = 10
+
+#: What to try.
+HINTS: dict[Cause, str] = {
+    "inverted element": "take smaller steps, or a mesh that is finer where the element is",
+    "limit point": "follow the path beyond it with control = continuation or jump, or take a finer mesh",
+    "stalled residual": "take smaller steps, or control = continuation",
+    "line search": "take smaller steps, or a finer mesh",
+    "non-finite traction": "take smaller steps, or see whether the body meets the substrate",
+    "singular tangent": "hold the body so that it cannot move freely, or take control = continuation",
+    "iteration limit": "take smaller steps, or control = auto, which cuts them",
+}
+
 
 @dataclass(frozen=True)
 class NewtonSettings:
-    """When Newton's method stops.
+    """When Newton's method stops, and how a path goes on there.
 
     It ends with the first correction whose energy residual per unknown, |R . dz|/n, is below `tolerance`
     times the elastic scale E x area of the body; the correction itself is still applied. `iteration_limit`
-    corrections are made at most. Where that finds no equilibrium, as past a limit point, a path with `jumps`
-    goes on from the next stable equilibrium that falling energy leads to.
+    corrections are made at most.
+
+    `control` says what happens where that finds no equilibrium, as past a limit point. `newton`: the path
+    ends. `auto`: the step is cut, and where the smallest one fails too, the path jumps to the next stable
+    equilibrium that falling energy leads to, if there is an energy. `jump`: the limit point is located, and
+    the path jumps from there, as in a test that prescribes the parameter. `continuation`: the path is
+    followed through limit points, as a curve on which the parameter may fall.
 
     `plain` makes a new tangent for every correction. Without it a path keeps its tangents as long as they
     serve, with a hundredth of the tolerance, since their last correction leaves more than that of Newton's
@@ -32,7 +64,7 @@ class NewtonSettings:
 
     tolerance: float = 1e-20
     iteration_limit: int = 25
-    jumps: bool = False
+    control: Control = "newton"
     plain: bool = False
 
 
@@ -51,18 +83,26 @@ class NewtonResult:
 class ConvergenceError(ArithmeticError):
     """No equilibrium was found at a value of the drive's parameter.
 
-    Holds the reason, the energy residuals of the iterations made, and the parameter.
+    Holds the reason in words, the energy residuals of the iterations made, the parameter, and the cause.
     """
 
-    def __init__(self, reason: str, iterations: tuple[float, ...], parameter: float) -> None:
+    def __init__(
+        self, reason: str, iterations: tuple[float, ...], parameter: float, cause: Cause = "iteration limit"
+    ) -> None:
         self.reason = reason
         self.iterations = iterations
         self.parameter = parameter
+        self.cause = cause
         super().__init__(f"no equilibrium at {parameter:g}: {reason}")
 
-    def __reduce__(self) -> tuple[type["ConvergenceError"], tuple[str, tuple[float, ...], float]]:
+    @property
+    def hint(self) -> str:
+        """What to try."""
+        return HINTS[self.cause]
+
+    def __reduce__(self) -> tuple[type["ConvergenceError"], tuple[str, tuple[float, ...], float, Cause]]:
         """Go from process to process with its parts."""
-        return type(self), (self.reason, self.iterations, self.parameter)
+        return type(self), (self.reason, self.iterations, self.parameter, self.cause)
 
 
 def newton(system: System, start: FloatArray, parameter: float, settings: NewtonSettings) -> NewtonResult:
@@ -83,16 +123,23 @@ def newton(system: System, start: FloatArray, parameter: float, settings: Newton
                 u, load = system.state(y, parameter)
                 return NewtonResult(y, u, load, _accepted(system, u, load), tuple(measures))
     except _StoppedError as error:
-        raise ConvergenceError(str(error), tuple(measures), parameter) from error
+        raise ConvergenceError(str(error), tuple(measures), parameter, error.cause) from error
     reason = (
         f"the energy residual per unknown is {measures[-1]:.1e} after {len(measures)} iterations,"
         f" not below {threshold:.1e}"
     )
-    raise ConvergenceError(reason, tuple(measures), parameter)
+    # Newton's method squares its error where it converges: ten more corrections would have told
+    stalled = len(measures) > _STALL and measures[-1] > min(measures[:-_STALL])
+    cause: Cause = "stalled residual" if stalled else "iteration limit"
+    raise ConvergenceError(reason, tuple(measures), parameter, cause)
 
 
 class _StoppedError(ArithmeticError):
     """The iteration cannot go on; says why."""
+
+    def __init__(self, reason: str, cause: Cause) -> None:
+        self.cause = cause
+        super().__init__(reason)
 
 
 def _correction(system: System, y: FloatArray, parameter: float) -> tuple[FloatArray, float]:
@@ -101,14 +148,14 @@ def _correction(system: System, y: FloatArray, parameter: float) -> tuple[FloatA
     equilibrium, matrix = system.linearize(u, load=load)
     residual = equilibrium.residual
     if not np.isfinite(residual).all():
-        raise _StoppedError(_inversion(system, u) or "the forces are not finite")
+        raise _unsound(system, u)
     try:
         if system.load_is_unknown:
             correction, residual = _under_control(system, u, load, parameter, residual, matrix)
         else:
             correction = -_factorized(system, u, load, matrix)[0].solve(residual)
     except SingularError as error:
-        raise _StoppedError(f"the tangent is singular: {error}") from error
+        raise _StoppedError(f"the tangent is singular: {error}", "singular tangent") from error
     return correction, abs(float(residual @ correction)) / len(correction)
 
 
@@ -139,11 +186,18 @@ def _factorized(system: System, u: FloatArray, load: float, matrix: BandMatrix) 
 def _accepted(system: System, u: FloatArray, load: float) -> Equilibrium:
     equilibrium = system.equilibrium(u, load)
     if not np.isfinite(equilibrium.residual).all():
-        raise _StoppedError(_inversion(system, u) or "the forces are not finite")
+        raise _unsound(system, u)
     # a law that stays finite where the body is turned inside out may balance there
     if equilibrium.lowest_determinant <= 0:
-        raise _StoppedError(_inversion(system, u) or "an element is inverted")
+        raise _StoppedError(_inversion(system, u) or "an element is inverted", "inverted element")
     return equilibrium
+
+
+def _unsound(system: System, u: FloatArray) -> _StoppedError:
+    inversion = _inversion(system, u)
+    if inversion is None:
+        return _StoppedError("the forces are not finite", "non-finite traction")
+    return _StoppedError(inversion, "inverted element")
 
 
 def _inversion(system: System, u: FloatArray) -> str | None:

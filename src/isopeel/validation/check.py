@@ -11,7 +11,8 @@ from isopeel.errors import InputError
 from isopeel.problem import Problem
 from isopeel.report.document import Picture
 from isopeel.solve.newton import ConvergenceError, NewtonSettings
-from isopeel.solve.trace import Step, trace
+from isopeel.solve.step import Step
+from isopeel.solve.trace import trace
 from isopeel.splines.rows import RowSpace
 
 C = TypeVar("C")

@@ -19,7 +19,7 @@ from isopeel.problem import AdhesiveSide, Body, FixedSide, MovedSide, Problem
 from isopeel.problem.shapes.quarter_cylinder import QuarterCylinder
 from isopeel.report.document import Picture
 from isopeel.solve.newton import NewtonSettings
-from isopeel.solve.trace import Step
+from isopeel.solve.step import Step
 from isopeel.splines.rows import row_space
 from isopeel.validation.check import Check, Result, Row, traced
 
@@ -86,7 +86,7 @@ def pull_off(strength: float, elements: tuple[int, int] = _ELEMENTS) -> PulledOf
         cylinder(law, end),
         row_space("N2", elements, 2, (_GRADING, _GRADING)),
         path,
-        NewtonSettings(jumps=True),
+        NewtonSettings(control="auto"),
         _fallen,
     )
     return PulledOff(

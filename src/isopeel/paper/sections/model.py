@@ -8,7 +8,7 @@ from isopeel.paper.wording import UNIT
 from isopeel.report.document import Block, Text
 from isopeel.solve.newton import NewtonSettings
 from isopeel.solve.predictor import MOST_STATES
-from isopeel.solve.trace import PARABOLA_POINTS
+from isopeel.solve.step import PARABOLA_POINTS
 
 TITLE = "What was computed"
 REFERENCES_TITLE = "References"

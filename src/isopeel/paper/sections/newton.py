@@ -9,7 +9,7 @@ from isopeel.paper.results import Results
 from isopeel.paper.study import Run
 from isopeel.report.document import Block, Picture, Table, Text
 from isopeel.report.wording import number
-from isopeel.solve.trace import PARABOLA_POINTS
+from isopeel.solve.step import PARABOLA_POINTS
 
 TITLE = "Newton's method"
 #: The spaces whose runs end early on one of the meshes, and one whose runs do not.

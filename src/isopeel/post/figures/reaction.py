@@ -13,6 +13,7 @@ from isopeel.post.reading import PlateauReading
 from isopeel.post.style import BLUE, DASHES, GREY, ONE_COLUMN, SHADE, TWO_COLUMNS, note_units, style
 from isopeel.problem import Column
 from isopeel.results.curve import Curve
+from isopeel.solve.step import KINDS
 
 
 def reaction_figure(
@@ -21,26 +22,33 @@ def reaction_figure(
     closed_form: Expected | None = None,
     units: str = "",
 ) -> Figure:
-    """Draw the reaction over the drive's parameter, and in a second panel the plateau, if one was read.
+    """Draw the reaction over the drive's parameter, and in further panels the plateau, if one was read, and
+    the widest snap-back of a curve that turns back.
 
     The closed form is drawn where the run reaches its onset of peeling; `units` says what L0 and E0 are.
     """
     with style():
-        width = TWO_COLUMNS if plateau else ONE_COLUMN
+        turn = _widest_turn(curve)
+        panels = 1 + (plateau is not None) + (turn is not None)
+        width = ONE_COLUMN if panels == 1 else TWO_COLUMNS
         figure = Figure(figsize=(width, 2.6), layout="constrained")
-        columns = (1, 2) if plateau else (1, 1)
-        first, *others = figure.subplots(*columns, squeeze=False)[0]
+        first, *others = figure.subplots(1, panels, squeeze=False)[0]
         note_units(figure, units)
         _whole(first, curve, closed_form)
         if plateau:
             first.axvspan(*plateau.window, color=SHADE, linewidth=0)
             _enlarged(others[0], curve, plateau)
+        if turn is not None:
+            _turned(others[-1], curve, turn)
         return figure
 
 
 def _whole(axes: Axes, curve: Curve, closed_form: Expected | None) -> None:
     # a line through one step could not be seen
-    axes.plot(curve.parameter, curve.reaction, "." if len(curve) == 1 else "-", color=BLUE)
+    if len(curve) == 1:
+        axes.plot(curve.parameter, curve.reaction, ".", color=BLUE)
+    else:
+        _branches(axes, curve)
     axes.set_xlabel(_label(curve.parameter_column))
     axes.set_ylabel(_label(curve.reaction_column))
     last = curve.parameter[-1]
@@ -63,6 +71,52 @@ def _whole(axes: Axes, curve: Curve, closed_form: Expected | None) -> None:
         axes.plot([onset, onset], [0.0, reaction], color=GREY, linestyle=DASHES, linewidth=0.8)
         axes.annotate(f"onset {onset:.1f}{degree}", (onset, 0.0), (4, 3), **look)
     axes.set_ylim(min(0.0, curve.reaction.min()), 1.12 * max(reaction, curve.reaction.max()))
+
+
+def _widest_turn(curve: Curve) -> tuple[int, int] | None:
+    """The two limit points one after the other between which the parameter turns back the most."""
+    limits = np.flatnonzero(curve.kind == KINDS.index("limit point"))
+    back = np.abs(np.diff(curve.parameter[limits]))
+    # of a path that jumps, no piece between two limit points is unstable
+    back[curve.negative_eigenvalues[limits[:-1] + 1] < 1] = 0.0
+    if not back.any():
+        return None
+    k = int(np.argmax(back))
+    return int(limits[k]), int(limits[k + 1])
+
+
+def _turned(axes: Axes, curve: Curve, turn: tuple[int, int]) -> None:
+    """Enlarge a snap-back, with as much on either side of it as it is wide."""
+    _branches(axes, curve)
+    parameter, reaction = curve.parameter[list(turn)], curve.reaction[list(turn)]
+    width = np.ptp(parameter)
+    axes.set_xlim(parameter.min() - width, parameter.max() + width)
+    axes.set_ylim(reaction.min() - 0.8 * np.ptp(reaction), reaction.max() + 0.5 * np.ptp(reaction))
+    axes.set_xlabel(_label(curve.parameter_column))
+
+
+def _branches(axes: Axes, curve: Curve) -> None:
+    """Stable states solid, unstable ones dashed and thin, with limit points and what jumps led to marked."""
+    jump, limit = KINDS.index("jump"), KINDS.index("limit point")
+    unstable = curve.negative_eigenvalues > 0
+    # a piece belongs to the state at either end that is no limit point, and a jump is no piece
+    pieces = np.where(curve.kind[1:] == limit, unstable[:-1], unstable[1:])
+    stable = np.append(
+        curve.reaction[:1], np.where(pieces | (curve.kind[1:] == jump), np.nan, curve.reaction[1:])
+    )
+    stable[:-1] = np.where(~pieces & (curve.kind[1:] != jump), curve.reaction[:-1], stable[:-1])
+    axes.plot(curve.parameter, stable, "-", color=BLUE)
+    if pieces.any():
+        rest = np.full(len(curve), np.nan)
+        rest[1:][pieces] = curve.reaction[1:][pieces]
+        rest[:-1][pieces] = curve.reaction[:-1][pieces]
+        axes.plot(curve.parameter, rest, "--", color=BLUE, linewidth=0.6, label="unstable")
+    for kind, marker, label in ((limit, "o", "limit points"), (jump, "v", "after a jump")):
+        at = curve.kind == kind
+        if at.any():
+            axes.plot(curve.parameter[at], curve.reaction[at], marker, color=GREY, markersize=2, label=label)
+    if axes.get_legend_handles_labels()[1]:
+        axes.legend(loc="lower right", fontsize=7)
 
 
 def _enlarged(axes: Axes, curve: Curve, plateau: PlateauReading) -> None:

@@ -1,0 +1,266 @@
+"""The equilibrium path as a curve, through limit points, by steps of its arc length."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from isopeel.arrays import FloatArray
+from isopeel.assembly.system import BandMatrix, Equilibrium, System
+from isopeel.solve.inertia import BandLDL
+from isopeel.solve.linear import (
+    BandCholesky,
+    BandLU,
+    Border,
+    Bordered,
+    Factor,
+    NotPositiveDefiniteError,
+    SingularError,
+)
+from isopeel.solve.newton import ConvergenceError, NewtonResult, NewtonSettings
+
+#: Of the parameter's step: over which its derivative is taken. The error is of the square, and of round-off.
+_DIFFERENCE = 1e-3
+#: Corrections of one arc-length step; more mean that it was too long.
+_MOST_CORRECTIONS = 8
+#: Corrections that the radius is chosen for.
+USUAL_CORRECTIONS = 4
+#: Cosine of the angle between the tangents at both ends of a step, at least.
+LEAST_COSINE = 0.8
+#: The same where the radius may grow.
+CALM_COSINE = 0.95
+#: Of the first radius: a shorter step is given up.
+SHORTEST = 2.0**-20
+#: Share of the parameter in the tangent at a limit point, at most: its error in the parameter is the square.
+_TURNED = 1e-6
+#: Of the change of the parameter in a step: how near its value is approached before Newton's method ends it.
+_MET = 1e-10
+#: Trials of a search along the curve: enough to halve a step down to round-off.
+_MOST_TRIALS = 60
+
+
+@dataclass(frozen=True, eq=False)
+class Point:
+    """An equilibrium on the curve, and the curve's unit tangent there, in the metric of its arc length."""
+
+    parameter: float
+    unknown_values: FloatArray  # (count,)
+    along: FloatArray  # (count,), the tangent's part of the unknowns
+    turning: float  # the tangent's part of the parameter: it vanishes at a limit point
+    negative: int | None  # eigenvalues of the tangent matrix; not known without a potential
+    displacement: FloatArray
+    load: float
+    equilibrium: Equilibrium
+    iterations: tuple[float, ...]
+
+    @property
+    def result(self) -> NewtonResult:
+        """The same as Newton's method has it."""
+        return NewtonResult(
+            self.unknown_values, self.displacement, self.load, self.equilibrium, self.iterations
+        )
+
+
+class _Tangent(NamedTuple):
+    """Linearization of F(y, p) at a state."""
+
+    at: Equilibrium
+    values: FloatArray  # F, (count,)
+    factor: Factor  # of dF/dy
+    by_parameter: FloatArray  # dF/dp, (count,)
+    negative: int | None
+    displacement: FloatArray
+    load: float
+
+
+class Curve:
+    """Equilibria F(y, p) = 0 as a curve, near a state whose slope dy/dp gives its arc length a scale.
+
+    ds^2 = |dy|^2 / n + (scale dp)^2 over the n unknowns of the displacement, where `scale` is the root of
+    |dy/dp|^2 / n at the first point: there the parameter and the unknowns count the same, whatever their
+    units. Steps are Keller's: the tangent as a guess, and corrections at right angles to it with the exact
+    linearization (Keller, Numerical Solution of Bifurcation and Nonlinear Eigenvalue Problems, 1977).
+    """
+
+    def __init__(
+        self, system: System, settings: NewtonSettings, y: FloatArray, parameter: float, step: float
+    ) -> None:
+        self._system = system
+        self._threshold = settings.tolerance * system.energy_scale
+        self._difference = _DIFFERENCE * abs(step)
+        self._n = system.constraints.count
+        tangent = self._linearize(y, parameter)
+        slope = -tangent.factor.solve(tangent.by_parameter)
+        self._scale = float(np.sqrt(slope[: self._n] @ slope[: self._n] / self._n))
+        size = np.sqrt(2.0) * self._scale
+        direction = np.sign(step)
+        #: Where the curve begins.
+        self.start = Point(
+            parameter,
+            y,
+            direction * slope / size,
+            float(direction / size),
+            tangent.negative,
+            tangent.displacement,
+            tangent.load,
+            tangent.at,
+            (),
+        )
+        #: Radius that the first step of the parameter would have.
+        self.radius = float(size * abs(step))
+
+    def share(self, point: Point) -> float:
+        """Share of the parameter in the tangent: 1/sqrt(2) at the start, and zero at a limit point."""
+        return self._scale * point.turning
+
+    def cosine(self, one: Point, other: Point) -> float:
+        """Of the angle between the tangents of two points."""
+        return self._inner(one.along, one.turning, other.along, other.turning)
+
+    def beyond(self, point: Point, radius: float) -> Point:
+        """The point at a distance along the tangent of another; raises ConvergenceError."""
+        row, corner = self._row(point)
+        y = point.unknown_values + radius * point.along
+        parameter = point.parameter + radius * point.turning
+        return self._corrected(y, parameter, row, corner, point)
+
+    def at_parameter(self, one: Point, other: Point, parameter: float) -> Point:
+        """The point at a parameter between two with no limit point in between; raises ConvergenceError.
+
+        Newton's method from the chord finds it. Next to a limit point, where there are two, it may find the
+        other one: then the parameter is approached along the curve first.
+        """
+        share = (parameter - one.parameter) / (other.parameter - one.parameter)
+        chord = one.unknown_values + share * (other.unknown_values - one.unknown_values)
+        length, rises = self._along(one, other), other.parameter > one.parameter
+        held = np.zeros(self._system.count)
+        try:
+            found = self._corrected(chord, parameter, held, 1.0, other)
+            if (found.turning > 0) == rises and 0 <= self._along(one, found) <= length:
+                return found
+        except (ConvergenceError, SingularError):
+            pass
+
+        def missed(point: Point) -> float:
+            return point.parameter - parameter
+
+        near = self._zero(missed, one, other, _MET * abs(other.parameter - one.parameter))
+        return self._corrected(near.unknown_values, parameter, held, 1.0, other)
+
+    def limit_point(self, one: Point, other: Point) -> Point:
+        """The limit point between two, whose tangents point forth and back; raises ConvergenceError."""
+        return self._zero(self.share, one, other, _TURNED)
+
+    def _zero(self, function: Callable[[Point], float], one: Point, other: Point, enough: float) -> Point:
+        """The point between two where a function vanishes, by regula falsi that halves an end that stays."""
+        low, high = 0.0, self._along(one, other)
+        at_low, at_high = function(one), function(other)
+        rises = at_high > at_low
+        found = other
+        for _ in range(_MOST_TRIALS):
+            radius = (low * at_high - high * at_low) / (at_high - at_low)
+            found = self.beyond(one, radius)
+            value = function(found)
+            if abs(value) <= enough:
+                break
+            if (value < 0) == rises:
+                low, at_low, at_high = radius, value, at_high / 2
+            else:
+                high, at_high, at_low = radius, value, at_low / 2
+        return found
+
+    def _corrected(
+        self, y: FloatArray, parameter: float, row: FloatArray, corner: float, towards: Point
+    ) -> Point:
+        measures: list[float] = []
+        for _ in range(_MOST_CORRECTIONS):
+            t = self._linearize(y, parameter)
+            if not np.isfinite(t.values).all() or t.at.lowest_determinant <= 0:
+                raise ConvergenceError("an element is inverted", tuple(measures), parameter)
+            eliminated = t.factor.solve(t.by_parameter)
+            partial = t.factor.solve(t.values)
+            change = float(row @ partial) / (corner - float(row @ eliminated))
+            correction = -partial - change * eliminated
+            # with signs, terms of an indefinite tangent could cancel
+            measures.append(float(np.abs(t.values * correction).sum()) / len(y))
+            if not np.isfinite(measures[-1]):
+                break
+            y, parameter = y + correction, parameter + change
+            if measures[-1] <= self._threshold:
+                return self._point(y, parameter, towards, tuple(measures))
+        raise ConvergenceError("the arc-length step does not converge", tuple(measures), parameter)
+
+    def _point(self, y: FloatArray, parameter: float, towards: Point, iterations: tuple[float, ...]) -> Point:
+        t = self._linearize(y, parameter)
+        row, corner = self._row(towards)
+        eliminated = t.factor.solve(t.by_parameter)
+        turning = 1.0 / (corner - float(row @ eliminated))
+        along = -turning * eliminated
+        size = np.sqrt(self._inner(along, turning, along, turning))
+        if not np.isfinite(size) or t.at.lowest_determinant <= 0:
+            raise ConvergenceError("an element is inverted", iterations, parameter)
+        return Point(
+            parameter,
+            y,
+            along / size,
+            float(turning / size),
+            t.negative,
+            t.displacement,
+            t.load,
+            t.at,
+            iterations,
+        )
+
+    def _linearize(self, y: FloatArray, parameter: float) -> _Tangent:
+        system = self._system
+        u, load = system.state(y, parameter)
+        at, matrix = system.linearize(u, load=load)
+        factor, negative = _factorized(matrix)
+        values = at.residual
+        if system.load_is_unknown:
+            missed, column, row = system.control(u, parameter)
+            values = np.append(values, missed)
+            bordered = Bordered.of(factor, Border(column, row))
+            factor = bordered
+            if negative is not None and float(row @ bordered.eliminated) < 0:
+                negative -= 1  # what the control holds
+        h = self._difference
+        by_parameter = (self._values(y, parameter + h) - self._values(y, parameter - h)) / (2 * h)
+        return _Tangent(at, values, factor, by_parameter, negative, u, load)
+
+    def _values(self, y: FloatArray, parameter: float) -> FloatArray:
+        u, load = self._system.state(y, parameter)
+        residual = self._system.equilibrium(u, load).residual
+        if not self._system.load_is_unknown:
+            return residual
+        return np.append(residual, self._system.control(u, parameter)[0])
+
+    def _row(self, point: Point) -> tuple[FloatArray, float]:
+        row = point.along / self._n
+        row[self._n :] = 0.0
+        return row, self._scale**2 * point.turning
+
+    def _inner(self, y: FloatArray, p: float, other_y: FloatArray, other_p: float) -> float:
+        n = self._n
+        return float(y[:n] @ other_y[:n]) / n + self._scale**2 * p * other_p
+
+    def _distance(self, one: Point, other: Point) -> float:
+        y, p = other.unknown_values - one.unknown_values, other.parameter - one.parameter
+        return float(np.sqrt(self._inner(y, p, y, p)))
+
+    def _along(self, one: Point, other: Point) -> float:
+        y, p = other.unknown_values - one.unknown_values, other.parameter - one.parameter
+        return self._inner(one.along, one.turning, y, p)
+
+
+def _factorized(matrix: BandMatrix) -> tuple[Factor, int | None]:
+    if matrix.storage == "general":
+        return BandLU.of(matrix), None
+    entries = matrix.entries.copy()
+    try:
+        return BandCholesky.of(matrix), 0
+    except NotPositiveDefiniteError:
+        matrix.entries[:] = entries
+    factor = BandLDL.of(matrix)
+    return factor, factor.negative

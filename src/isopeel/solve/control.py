@@ -1,0 +1,259 @@
+"""What a path does where a step of its parameter finds no equilibrium: end, cut the step, jump, or turn."""
+
+from collections.abc import Generator, Iterable, Iterator, Sequence
+from itertools import pairwise
+from time import perf_counter
+
+import numpy as np
+from threadpoolctl import ThreadpoolController
+
+from isopeel.solve.continuation import (
+    CALM_COSINE,
+    LEAST_COSINE,
+    SHORTEST,
+    USUAL_CORRECTIONS,
+    Curve,
+    Point,
+)
+from isopeel.solve.linear import SingularError
+from isopeel.solve.newton import ConvergenceError
+from isopeel.solve.path import Found, Path
+from isopeel.solve.step import Kind, Past, Step
+
+#: Halvings of a step before it counts as one that ends at a limit point.
+_HALVINGS = 4
+#: Points of the curve that a limit point is looked for on: a step of the parameter has some ten at most.
+_MOST_SEARCHED = 40
+#: Points of one stretch of the curve; more mean that it leads nowhere.
+_MOST_POINTS = 5000
+#: Share of the parameter in a tangent that counts as regular; at the start of a stretch it is 0.7.
+_REGULAR = 0.5
+#: Radii of the start that a jump is tried from, off the limit point.
+_PUSHES = (0.25, 1.0, 4.0)
+
+
+def controlled(path: Path, parameters: Iterable[float], passed: Sequence[float]) -> Iterator[Step]:
+    """Yield the steps of a path through parameters, under the control of its settings.
+
+    `passed` are values that the path has met before.
+    """
+    control = path.settings.control
+    found: Iterator[Found]
+    if control == "newton":
+        found = _plain(path, parameters)
+    elif control == "auto":
+        found = _cut(path, parameters)
+    else:
+        found = _along_the_curve(path, [*passed, *parameters], len(passed), jumps=control == "jump")
+    libraries = ThreadpoolController()
+    while True:
+        began = perf_counter()
+        # narrow bands and vectors of this length gain nothing from threads, and lose by their start
+        with libraries.limit(limits=1, user_api="blas"):
+            one = next(found, None)
+            if one is None:
+                return
+            step = path.step(one, perf_counter() - began)
+        yield step
+
+
+def _plain(path: Path, parameters: Iterable[float]) -> Iterator[Found]:
+    for parameter in parameters:
+        try:
+            yield path.equilibrium(parameter)
+        except ConvergenceError as error:
+            raise _diagnosed(path, error, parameter) from error
+
+
+def _diagnosed(path: Path, error: ConvergenceError, parameter: float) -> ConvergenceError:
+    """The failure with a limit point as its cause, where the curve has one before the parameter.
+
+    Not where elements are inverted: that is told with its place, and a smaller step may do.
+    """
+    if error.cause == "inverted element" or not path.history or path.history[-1].parameter == parameter:
+        return error
+    step = parameter - path.history[-1].parameter
+    try:
+        curve = Curve(path.system, path.settings, path.last_exact(), path.history[-1].parameter, step)
+        point, radius = curve.start, curve.radius
+        for _ in range(_MOST_SEARCHED):
+            point, found, radius = _next(path, curve, point, radius, step, [parameter])
+            if any(k is None for k, _ in found):
+                return ConvergenceError(error.reason, error.iterations, parameter, "limit point")
+            if found:
+                # the curve goes on to the parameter
+                break
+    except (ConvergenceError, SingularError):
+        # the curve cannot be followed: what is known of the failure stays
+        return error
+    return error
+
+
+def _cut(path: Path, parameters: Iterable[float]) -> Iterator[Found]:
+    """Steps that are cut where they fail, and grow again; where the smallest fails, a jump.
+
+    What is reached by a cut step is a step of its own: a path goes on from there bit for bit, and an
+    irreversible joint has opened there.
+    """
+    for parameter in parameters:
+        last = path.history[-1].parameter if path.history else parameter
+        size = whole = parameter - last
+        while True:
+            whole_rest = abs(size) >= abs(parameter - last)
+            aim = parameter if whole_rest else last + size
+            kind: Kind = "requested" if whole_rest else "between"
+            try:
+                found = path.equilibrium(aim, kind)
+                size *= 2
+            except ConvergenceError as error:
+                if whole and abs(size) > abs(whole) / 2**_HALVINGS:
+                    size = min(abs(size), abs(parameter - last)) / 2 * np.sign(whole)
+                    continue
+                if not path.has_energy:
+                    raise _diagnosed(path, error, aim) from error
+                found = path.landed(path.guesses(aim), aim)
+                size = whole
+                whole_rest = aim == parameter
+            yield found._replace(resumes=whole_rest)
+            last = aim
+            if whole_rest:
+                break
+
+
+def _along_the_curve(path: Path, values: Sequence[float], index: int, *, jumps: bool) -> Iterator[Found]:
+    """Steps of the parameter where the path is regular, and of the arc length elsewhere.
+
+    Such a step is cheap, as its tangent is kept. Along the arc length each of the values is met as often as
+    the curve passes it, until it is regular again.
+    """
+    while index < len(values):
+        if not path.history or path.history[-1].parameter == values[index]:
+            try:
+                yield path.equilibrium(values[index])
+            except ConvergenceError:
+                # a stage that lets go of what was held begins with a jump, whatever the control
+                if not path.has_energy:
+                    raise
+                yield path.landed(path.guesses(values[index]), values[index])
+            index += 1
+        elif found := path.regular(values[index]):
+            yield found
+            index += 1
+        else:
+            index = yield from _stretch(path, values, index, jumps=jumps)
+
+
+def _stretch(path: Path, values: Sequence[float], index: int, *, jumps: bool) -> Generator[Found, None, int]:
+    """Follow the curve until it is regular again, or jumps; return which value comes next."""
+    step = values[index] - path.history[-1].parameter
+    curve = Curve(path.system, path.settings, path.last_exact(), path.history[-1].parameter, step)
+    first, end = _leg(values, index, step)
+    forwards = np.sign(step)
+    point, radius = curve.start, curve.radius
+    for _ in range(_MOST_POINTS):
+        ahead, found, radius = _next(path, curve, point, radius, step, values[first:end])
+        for k, at in found:
+            if k is None:
+                yield Found(at.parameter, at.result, "limit point", at.negative, resumes=False)
+                if jumps and point.negative == 0:
+                    yield _jump(path, curve, at)._replace(resumes=False)
+                    # what comes next lies beyond the limit point
+                    while index < end and (values[index] - at.parameter) * forwards <= 0:
+                        index += 1
+                    return index
+                continue
+            calm = abs(curve.share(at)) > _REGULAR and at.negative in (0, None)
+            ends = first + k >= index and at.turning * forwards > 0 and (calm or first + k == end - 1)
+            yield Found(values[first + k], at.result, "requested", at.negative, resumes=ends)
+            if ends:
+                return first + k + 1
+        point = ahead
+        if point.parameter not in values[first:end]:
+            yield Found(point.parameter, point.result, "between", point.negative, resumes=False)
+    raise ConvergenceError(
+        f"{_MOST_POINTS} points of the curve do not lead on", (), point.parameter, "iteration limit"
+    )
+
+
+def _next(
+    path: Path, curve: Curve, point: Point, radius: float, step: float, values: Sequence[float]
+) -> tuple[Point, list[tuple[int | None, Point]], float]:
+    """The next point, what lies on the way to it, and the radius to go on with.
+
+    On the way lie the values of the parameter, by their numbers, and a limit point without one. Raises
+    ConvergenceError where the shortest step fails.
+    """
+    while True:
+        try:
+            new = curve.beyond(point, radius)
+            cosine = curve.cosine(point, new)
+            if cosine < LEAST_COSINE or (
+                path.has_energy and not path.fits(_past(path, point), _past(path, new), step)
+            ):
+                reason = "the curve turns too sharply for the shortest step"
+                raise ConvergenceError(reason, new.iterations, point.parameter, "stalled residual")
+            found = _on_the_way(curve, point, new, values)
+        except (ConvergenceError, SingularError) as error:
+            radius /= 2
+            if radius >= SHORTEST * curve.radius:
+                continue
+            if isinstance(error, ConvergenceError):
+                raise
+            raise ConvergenceError(str(error), (), point.parameter, "singular tangent") from error
+        if cosine > CALM_COSINE:
+            radius *= float(np.clip(USUAL_CORRECTIONS / len(new.iterations), 0.5, 2.0))
+        # a longer step could miss a snap-back
+        return new, found, min(radius, curve.radius)
+
+
+def _on_the_way(
+    curve: Curve, point: Point, new: Point, values: Sequence[float]
+) -> list[tuple[int | None, Point]]:
+    limit = curve.limit_point(point, new) if (new.turning > 0) != (point.turning > 0) else None
+    ends = [point, new] if limit is None else [point, limit, new]
+    found: list[tuple[int | None, Point]] = []
+    for one, other in pairwise(ends):
+        passed = _passed(values, one.parameter, other.parameter)
+        found += [(k, curve.at_parameter(one, other, values[k])) for k in passed]
+        if other is limit:
+            found.append((None, other))
+    return found
+
+
+def _jump(path: Path, curve: Curve, limit: Point) -> Found:
+    """The stable equilibrium at the parameter of a limit point that its fall in energy leads to."""
+    energy = _past(path, limit).energy
+    for push in _PUSHES:
+        start = limit.unknown_values + push * curve.radius * limit.along
+        found = path.landed([start, limit.unknown_values], limit.parameter)
+        result = found.result
+        landed, _ = path.system.potential(
+            result.equilibrium, result.displacement, result.load, limit.parameter
+        )
+        if landed < energy:
+            return found
+    raise ConvergenceError(
+        "no other stable equilibrium was found beyond the limit point", (), limit.parameter, "limit point"
+    )
+
+
+def _past(path: Path, point: Point) -> Past:
+    return path.past(point.parameter, point.unknown_values, point.displacement, point.load, point.equilibrium)
+
+
+def _leg(values: Sequence[float], index: int, step: float) -> tuple[int, int]:
+    """First and end of the values around one that go the same way as a step."""
+    first, end = index, index + 1
+    while first > 0 and (values[first] - values[first - 1]) * step > 0:
+        first -= 1
+    while end < len(values) and (values[end] - values[end - 1]) * step > 0:
+        end += 1
+    return first, end
+
+
+def _passed(values: Sequence[float], one: float, other: float) -> list[int]:
+    """Numbers of the values beyond one parameter, up to another, in the order in which they are passed."""
+    found = [
+        k for k, value in enumerate(values) if 0 < (value - one) * np.sign(other - one) <= abs(other - one)
+    ]
+    return sorted(found, key=lambda k: abs(values[k] - one))
