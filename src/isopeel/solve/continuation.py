@@ -245,10 +245,6 @@ class Curve:
         n = self._n
         return float(y[:n] @ other_y[:n]) / n + self._scale**2 * p * other_p
 
-    def _distance(self, one: Point, other: Point) -> float:
-        y, p = other.unknown_values - one.unknown_values, other.parameter - one.parameter
-        return float(np.sqrt(self._inner(y, p, y, p)))
-
     def _along(self, one: Point, other: Point) -> float:
         y, p = other.unknown_values - one.unknown_values, other.parameter - one.parameter
         return self._inner(one.along, one.turning, y, p)
