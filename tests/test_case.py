@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from isopeel.case import Case, load_case, parse_mesh, shipped_cases
+from isopeel.case.case import LARGEST_FILE
 from isopeel.errors import InputError
 from isopeel.physics.adhesion import (
     AdhesionLaw,
@@ -339,11 +340,12 @@ def test_bad_overrides_name_the_option(option: str, value: object) -> None:
 
 
 def test_files_that_are_no_case_are_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    broken, binary, nested, digits = (tmp_path / f"{name}.toml" for name in ("a", "b", "c", "d"))
+    broken, binary, nested, digits, large = (tmp_path / f"{name}.toml" for name in "abcde")
     broken.write_text('name = "x"\nlength 3\n')
     binary.write_bytes(b"name\xff")
-    nested.write_text("a = " + "[" * 100_000)
+    nested.write_text("a = " + "[" * 10_000)
     digits.write_text("a = " + "1" * 5000)
+    large.write_text("#" * (LARGEST_FILE + 1))
     for path, allowed in (
         (tmp_path / "none.toml", "does not exist"),
         (tmp_path, "is no file"),
@@ -351,6 +353,7 @@ def test_files_that_are_no_case_are_refused(tmp_path: Path, monkeypatch: pytest.
         (binary, "byte 4"),
         (nested, "not TOML"),
         (digits, "not TOML"),
+        (large, f"at most {LARGEST_FILE} bytes"),
     ):
         with pytest.raises(InputError) as caught:
             load_case(path)
