@@ -141,3 +141,20 @@ def test_a_failed_attempt_leaves_the_last_state_bit_for_bit() -> None:
     (on,) = trace(problem, space, [1.0], settings, start=[step.state for step in steps])
     *_, never_failed = trace(problem, space, [0.0, 0.5, 1.0], settings)
     np.testing.assert_array_equal(on.unknown_values, never_failed.unknown_values)
+
+
+@pytest.mark.parametrize("control", ["auto", "jump", "continuation"])
+def test_a_path_goes_on_bit_for_bit_from_each_step_that_says_so(control: Control) -> None:
+    settings = NewtonSettings(control=control)
+    steps, states = [], []
+    for step in trace(block(), SPACE, PULL, settings):
+        steps.append(step)
+        states.append(step.state)  # which has the solver's memory as long as the path is there
+    resuming = [k for k, step in enumerate(steps) if step.resumes]
+    assert 0 < len(resuming) < len(steps)
+    assert resuming[-1] == len(steps) - 1
+    for k in resuming:
+        met = int(np.flatnonzero(steps[k].parameter == PULL)[0]) + 1
+        rest = trace(block(), SPACE, PULL[met:], settings, start=[states[k]], passed=PULL[:met].tolist())
+        again = [(step.parameter, step.reaction, step.kind, step.negative_eigenvalues) for step in rest]
+        assert again == [(s.parameter, s.reaction, s.kind, s.negative_eigenvalues) for s in steps[k + 1 :]]
