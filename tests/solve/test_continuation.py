@@ -109,8 +109,9 @@ def test_a_joint_that_only_opens_snaps_back_as_if_it_could_heal() -> None:
         one, other = ([step for step in steps if step.kind == kind] for steps in (ours, theirs))
         assert len(one) == len(other) >= count
         for attribute in ("parameter", "reaction"):
-            ends = [[getattr(step, attribute) for step in steps] for steps in (one, other)]
-            np.testing.assert_allclose(*ends, rtol=0, atol=1e-8)  # next to limit points, where K is soft
+            found, expected = ([getattr(step, attribute) for step in steps] for steps in (one, other))
+            # next to limit points, K is soft
+            np.testing.assert_allclose(found, expected, rtol=0, atol=1e-8)
     assert ours[-1].dissipated_energy == 0
     assert theirs[-1].dissipated_energy > 0.9 * law.work_of_adhesion * LENGTH
 
