@@ -26,7 +26,7 @@ _DIFFERENCE = 1e-3
 #: Tangents that the corrections of one arc-length step take; more mean that it was too long.
 _MOST_TANGENTS = 4
 #: Tangents that the radius is chosen for.
-USUAL_TANGENTS = 1
+USUAL_TANGENTS = 2
 #: Of the energy residual before: a kept tangent is quick enough where a correction leaves no more. A new one
 #: takes as long as some twenty corrections.
 _QUICK = 0.3
