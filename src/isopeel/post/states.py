@@ -14,6 +14,9 @@ from isopeel.problem import Problem
 from isopeel.splines.nurbs import Side
 from isopeel.splines.rows import RowSpace
 
+#: Cells along and across a body from which on bends and fields look smooth.
+SMOOTH = (300, 16)
+
 _OPPOSITE: dict[Side, Side] = {"left": "right", "right": "left", "bottom": "top", "top": "bottom"}
 _NO_PULL = 1e-6  # of Young's modulus: less is round-off
 _ALIKE = 0.95  # of the strongest pull
@@ -43,8 +46,18 @@ class BodyState:
     driven: FloatArray  # (3, 2) start, middle and end of the driven side
 
 
-def body_state(problem: Problem, space: RowSpace, parameter: float, displacement: FloatArray) -> BodyState:
-    """Sample what a picture shows of coefficients (size, 2) of a displacement, as `sample_fields` does."""
+def body_state(
+    problem: Problem,
+    space: RowSpace,
+    parameter: float,
+    displacement: FloatArray,
+    per_element: tuple[int, int] | None = None,
+) -> BodyState:
+    """Sample what a picture shows of coefficients (size, 2) of a displacement, as `sample_fields` does.
+
+    Without a number of cells per element there are so many that bends and fields look smooth on coarse and
+    on graded meshes too.
+    """
     adhesion = problem.adhesion
     along = np.linspace(adhesion.start, adhesion.end, 10 * max(space.elements) + 1)
     adhering, opposite = (
@@ -52,9 +65,9 @@ def body_state(problem: Problem, space: RowSpace, parameter: float, displacement
         for side in (adhesion.side, _OPPOSITE[adhesion.side])
     )
     driven = side_positions(problem, space, displacement, problem.drive.side, np.array([0.0, 0.5, 1.0]))
-    # so many cells that bends and fields look smooth on coarse meshes too
-    along_xi, along_eta = (np.diff(axis.breakpoints).max() for axis in (space.rows[0], space.across))
-    cells = ceil(300 * along_xi), ceil(16 * along_eta)
+    largest = (np.diff(axis.breakpoints).max() for axis in (space.rows[0], space.across))
+    smooth = [ceil(cells * size) for cells, size in zip(SMOOTH, largest, strict=True)]
+    cells = per_element or (smooth[0], smooth[1])
     return BodyState(
         parameter, sample_fields(problem, space, displacement, cells), adhering, opposite, driven
     )
