@@ -137,6 +137,7 @@ def _curve(curve: Curve) -> Content:
         "iterations": packed(curve.iterations, "i4"),
         "stored_energy": packed(curve.stored_energy, "f4"),
         "adhesive_energy": packed(curve.adhesive_energy, "f4"),
+        "released_energy": packed(curve.released_energy, "f4"),
         "kind": packed(curve.kind, "u1"),
         "pieces": packed(pieces, "u1"),  # before each step: stable, unstable, jumped
         "kinds": list(KINDS),
@@ -150,7 +151,8 @@ def _views(curve: Curve, found: Findings) -> list[Content]:
     if found.closed_form is not None and is_reached(found.closed_form, curve):
         low, high = min(0.0, low), max(high, found.closed_form.reaction)
     first, last = float(curve.parameter.min()), float(curve.parameter.max())
-    views = [{"name": "whole", "x": [first, last], "y": _wider(low, high, 0.06)}]
+    # with room for marks at the ends, and for the words of theory
+    views = [{"name": "whole", "x": _wider(first, last, 0.02), "y": _wider(low, high, 0.1)}]
     if found.plateau is not None:
         start, end = _wider(*found.plateau.window, 0.15)
         inside = values[(curve.parameter >= start) & (curve.parameter <= end)]
@@ -181,10 +183,11 @@ def _theory(curve: Curve, found: Findings) -> Content | None:
 
 
 def _around(windows: list[Window]) -> Window:
-    """A window around windows, with as much again, so that it holds what a picture of another shape shows."""
+    """A window around windows, so much larger that it holds what pictures up to three times as wide show."""
     x, y = (np.array([getattr(window, axis) for window in windows]) for axis in "xy")
     size = max(float(np.ptp(x)), float(np.ptp(y)))
-    return Window(*((float(v.min()) - 0.5 * size, float(v.max()) + 0.5 * size) for v in (x, y)))
+    wider = ((x, 1.0 * size), (y, 0.5 * size))
+    return Window(*((float(ends.min()) - more, float(ends.max()) + more) for ends, more in wider))
 
 
 def _grid(state: BodyState) -> list[int]:

@@ -6,7 +6,7 @@ from typing import Any
 
 from isopeel.page.content import column_words, field_steps, plain
 from isopeel.post.figures.reaction import unstable_pieces
-from isopeel.post.summary import short_unit, summary_rows, units_note
+from isopeel.post.summary import summary_rows, units_note
 from isopeel.results.run_file import Failure
 from isopeel.solve.step import KINDS
 from isopeel.stored import StoredStage
@@ -30,12 +30,12 @@ def paragraph(text: str, kind: str = "") -> str:
 def ending(stored: StoredStage) -> str:
     """How a stage ended, with cause and hint where it did not come to its end."""
     run, column = stored.run, stored.run.curve.parameter_column
-    unit = short_unit(column)
+    unit = plain(column.unit) if column.unit == "degree" else f" {plain(column.unit)}"
     steps = f"{len(run.curve)} steps"
     if len(run.curve):
-        steps += f", to {run.curve.parameter[-1]:g} {plain(unit)}"
+        steps += f", to {run.curve.parameter[-1]:g}{unit}"
     if run.failure is not None:
-        return _box(_failure(run.failure, plain(unit)) + paragraph(f"What converged before: {steps}."))
+        return _box(_failure(run.failure, unit) + paragraph(f"What converged before: {steps}."))
     match run.ending:
         case "completed":
             return paragraph(f"Completed: {steps}.")
@@ -49,7 +49,7 @@ def ending(stored: StoredStage) -> str:
 def _failure(failure: Failure, unit: str) -> str:
     residuals = ", ".join(f"{measure:.1e}" for measure in failure.iterations)
     lines = [
-        f"No equilibrium at {failure.parameter:g} {unit}: {failure.reason}.",
+        f"No equilibrium at {failure.parameter:g}{unit}: {failure.reason}.",
         f"Cause: {failure.cause}. What to try: {failure.hint}.",
         *([f"Energy residual per unknown before each correction: {residuals}."] if residuals else []),
     ]
@@ -97,19 +97,17 @@ def states_table(stored: StoredStage, shown: int) -> str:
 def curve_legend(stored: StoredStage, plateau: bool) -> str:
     """What the marks on a curve mean, of those that are on it."""
     curve = stored.run.curve
-    kinds = {KINDS[kind] for kind in curve.kind}
+    kinds = {KINDS[kind] for kind in curve.kind[1:]}
     marked = {
         "state": ("stored state", True),
         "chosen": ("shown", True),
         "unstable": ("unstable", bool(unstable_pieces(curve).any())),
         "jumped": ("jump", "jump" in kinds),
         "limit": ("limit point", "limit point" in kinds),
+        "shaded": ("where the plateau is read", plateau),
     }
     keys = [(kind, words) for kind, (words, there) in marked.items() if there]
-    marks = [f'<span class="key {kind}"></span>{words}' for kind, words in keys]
-    if plateau:
-        marks.append("shaded: where the plateau is read")
-    return " ".join(marks)
+    return " ".join(f'<span class="entry"><span class="key {kind}"></span>{words}</span>' for kind, words in keys)
 
 
 def provenance(stages: Sequence[StoredStage]) -> str:

@@ -9,7 +9,7 @@ from isopeel.physics.batch import evaluate_substrate
 from isopeel.physics.substrates import Substrate
 from isopeel.post.states import Window
 
-_POINTS = 401  # each way
+_POINTS = 501  # each way
 _DIGITS = 6
 
 #: x, y, x, y and so on along a line.

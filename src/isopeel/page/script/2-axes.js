@@ -32,6 +32,11 @@ function ticksOf([low, high], count) {
   return { values, digits: Math.max(0, -Math.floor(Math.log10(step) + 1e-9)) };
 }
 
+/** Those that are whole numbers, where there is nothing in between. */
+function wholeOf(ticks) {
+  return { values: ticks.values.filter(Number.isInteger), digits: 0 };
+}
+
 const SUPERSCRIPTS = "⁰¹²³⁴⁵⁶⁷⁸⁹";
 
 function withMinus(text) {
@@ -57,7 +62,7 @@ function shown(value, digits = 6) {
 class Axes {
   /**
    * `equal` widens the part so that lengths are the same both ways. `names` are of x and y, the latter written
-   * on top, where it needs no turning of one's head.
+   * on top, where it needs no turning of one's head; `whole` where there are whole numbers only.
    */
   constructor(canvas, [left, right], [low, high], names, { equal = false, whole = false } = {}) {
     Object.assign(this, cleared(canvas), { colors: colors(), names });
@@ -86,12 +91,13 @@ class Axes {
     this.yRange = yRange;
     const scale = 10 ** this.exponent;
     this.yTicks = ticksOf(yRange.map((value) => value / scale), rows);
-    if (whole) this.yTicks = { values: this.yTicks.values.filter(Number.isInteger), digits: 0 };
+    if (whole) this.yTicks = wholeOf(this.yTicks);
     const widths = this.yTicks.values.map(
       (value) => this.context.measureText(withMinus(value.toFixed(this.yTicks.digits))).width);
     this.left = Math.max(...widths, 8) + 14;
     this.right = this.width - 10;
     this.xTicks = ticksOf(xRange, Math.max(2, Math.min(8, (this.right - this.left) / 70)));
+    if (whole) this.xTicks = wholeOf(this.xTicks);
   }
 
   x(value) {
@@ -158,8 +164,7 @@ class Axes {
     context.textBaseline = "alphabetic";
     context.fillText(this.names.x, right, this.height - 4);
     context.textAlign = "left";
-    const power = this.exponent ? ` · ${powerOfTen(-this.exponent)}` : "";
-    context.fillText(this.names.y + power, 2, 13);
+    context.fillText(this.exponent ? this.names.y.replace("/", `/ ${powerOfTen(this.exponent)}`) : this.names.y, 2, 13);
   }
 }
 

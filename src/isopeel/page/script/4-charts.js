@@ -10,6 +10,7 @@ class Curve {
     this.iterations = numbersOf(stored.iterations, Int32Array);
     this.storedEnergy = numbersOf(stored.stored_energy, Float32Array);
     this.adhesiveEnergy = numbersOf(stored.adhesive_energy, Float32Array);
+    this.releasedEnergy = numbersOf(stored.released_energy, Float32Array);
     this.kind = numbersOf(stored.kind, Uint8Array);
     this.pieces = numbersOf(stored.pieces, Uint8Array);
     this.kinds = stored.kinds;
@@ -51,15 +52,22 @@ class Curve {
 
   /** What is said of a step. */
   telling(k) {
+    const parameter = Curve.told(this.parameter, k, 6);
+    const reaction = `${this.reaction.symbol} = ${Curve.told(this.reaction, k, 6)}`;
+    const count = this.iterations[k];
+    return `${parameter} · ${reaction} · ${count} ${count === 1 ? "iteration" : "iterations"}`;
+  }
+
+  /** What else is known of a step: its number, its kind, and its energies. */
+  details(k) {
     const kind = this.kinds[this.kind[k]];
     const parts = [
-      Curve.told(this.parameter, k, 6),
-      `${this.reaction.symbol} = ${Curve.told(this.reaction, k, 6)}`,
-      `${this.iterations[k]} iterations`,
-      ...(kind === "requested" ? [] : [kind]),
-      ...(this.pieces[k] === UNSTABLE ? ["unstable"] : []),
+      `step ${k}${kind === "requested" ? "" : `, ${kind}`}${this.pieces[k] === UNSTABLE ? ", unstable" : ""}`,
+      `stored energy ${shown(this.storedEnergy[k], 5)}`,
+      `adhesive energy ${shown(this.adhesiveEnergy[k], 5)}`,
+      ...(kind === "jump" ? [`released ${shown(this.releasedEnergy[k], 3)}`] : []),
     ];
-    return parts.join(" · ");
+    return `${parts.join(" · ")} E₀ L₀³`;
   }
 
   label(column) {
@@ -155,7 +163,7 @@ class Curve {
         const y = axes.y(this.iterations[k]);
         context.fillRect(axes.x(k) - thick / 2, y, thick, axes.bottom - y);
       };
-      for (let k = 0; k < this.length; k++) bar(k, 0.5, axes.colors.curve);
+      for (let k = 0; k < this.length; k++) bar(k, 1, axes.colors.curve);
       context.fillStyle = axes.colors.mark;
       const x = axes.x(chosen);
       context.fillRect(x - 1, axes.top, 2, axes.bottom - axes.top);
@@ -171,6 +179,7 @@ class Tractions {
   constructor(stage, states) {
     this.position = numbersOf(stage.side.position, Float32Array);
     this.points = stage.side.points;
+    this.whole = [this.position[0], this.position[this.position.length - 1]]; // the ends of the face
     this.places = numbersOf(stage.side.places, Float32Array); // of the points of the deformed face
     // one scale for all states, so that a peak that moves keeps its size
     const all = states.flatMap((state) => Array.from(state.adhesion)).filter(Number.isFinite);
@@ -180,11 +189,6 @@ class Tractions {
     this.yRange = [low - margin, high + margin];
   }
 
-  /** The ends of the face. */
-  get whole() {
-    return [this.position[0], this.position[this.position.length - 1]];
-  }
-
   /** The part of the face that is seen in the picture of the front. */
   partOf(state) {
     const [left, right, low, high] = state.front;
@@ -192,7 +196,7 @@ class Tractions {
       const [x, y] = [state.adhering[2 * k], state.adhering[2 * k + 1]];
       return x >= left && x <= right && y >= low && y <= high;
     });
-    return seen.length > 1 ? [seen[0], seen[seen.length - 1]] : this.whole;
+    return seen.length > 1 && seen.length < this.places.length ? [seen[0], seen[seen.length - 1]] : this.whole;
   }
 
   draw(canvas, state, close) {
@@ -201,7 +205,7 @@ class Tractions {
     const axes = new Axes(canvas, close ? part : this.whole, this.yRange, names);
     axes.inside((context) => {
       const { shade, curve, mark, line } = axes.colors;
-      if (!close) {
+      if (!close && part !== this.whole) {
         context.fillStyle = shade;
         context.fillRect(axes.x(part[0]), axes.top, axes.x(part[1]) - axes.x(part[0]), axes.bottom);
       }

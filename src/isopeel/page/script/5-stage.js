@@ -19,14 +19,14 @@ class Stage {
     this.slider = this.find("input");
     this.canvas = Object.fromEntries(
       ["curve", "body", "front", "tractions", "iterations", "colors"].map((name) => [name, this.find(`canvas.${name}`)]));
-    this.find(".viewer").hidden = false;
+    section.classList.add("ready");
     this.fillViews(this.find(".curve-views"), content.views, (view) => { this.view = view; });
     this.fillViews(this.find(".side-views"), [{ name: "whole face" }, { name: "at the front" }],
       (view) => { this.close = view.name === "at the front"; });
     this.listen();
     this.choose(this.states.length - 1);
     // the first call comes at once, and others where the window changes or a screen is turned
-    new ResizeObserver(() => this.draw()).observe(this.find(".viewer"));
+    new ResizeObserver(() => this.draw()).observe(this.find(".panels"));
     for (const query of ["(prefers-color-scheme: dark)", "print"]) {
       window.matchMedia(query).addEventListener("change", () => this.draw());
     }
@@ -154,7 +154,7 @@ class Stage {
     this.tractions.draw(canvas.tractions, state, this.close);
     this.iterationAxes = this.curve.drawIterations(canvas.iterations, state.step);
     const exponent = drawColorBar(canvas.colors, this.palette, content.scale);
-    this.find(".power").textContent = exponent ? ` · ${powerOfTen(-exponent)}` : "";
+    this.find(".power").textContent = exponent ? ` / ${powerOfTen(exponent)}` : "";
   }
 
   drawCurve() {
@@ -162,7 +162,9 @@ class Stage {
     const step = this.steps[this.chosen];
     this.curveAxes = this.curve.draw(
       this.canvas.curve, this.view, content.theory, content.window, this.steps, step, this.hovered);
-    this.find(".curve-readout").textContent = this.curve.telling(this.hovered ?? step);
+    const told = this.hovered ?? step;
+    this.find(".curve-readout").textContent =
+      (this.hovered === null ? "" : `${this.curve.telling(told)} · `) + this.curve.details(told);
   }
 
   /** Where the picture of the front is in that of the whole body. */
