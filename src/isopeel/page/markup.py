@@ -107,7 +107,9 @@ def curve_legend(stored: StoredStage, plateau: bool) -> str:
         "shaded": ("where the plateau is read", plateau),
     }
     keys = [(kind, words) for kind, (words, there) in marked.items() if there]
-    return " ".join(f'<span class="entry"><span class="key {kind}"></span>{words}</span>' for kind, words in keys)
+    return " ".join(
+        f'<span class="entry"><span class="key {kind}"></span>{words}</span>' for kind, words in keys
+    )
 
 
 def provenance(stages: Sequence[StoredStage]) -> str:
