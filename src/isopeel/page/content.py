@@ -36,7 +36,7 @@ from isopeel.stored import StoredStage
 #: A picture of the front is drawn with fewer dots across.
 _DOTS = 8_000
 _ALONG_SIDE = 400  # points of the adhering face
-_TRACTIONS = 600  # points of them, at least, or what the elements have
+_TRACTIONS = 1200  # points of them, about
 
 #: Sizes that the script reads into its panels.
 Content = dict[str, Any]
@@ -213,7 +213,7 @@ def _traction_points(stored: StoredStage) -> FloatArray:
     """Where on an element the tractions are looked at."""
     adhesion, knots = stored.stage.problem.adhesion, stored.space.rows[0].breakpoints
     elements = sum(end > adhesion.start and start < adhesion.end for start, end in pairwise(knots))
-    return np.linspace(0.0, 1.0, min(17, max(5, ceil(_TRACTIONS / elements) + 1)))
+    return np.linspace(0.0, 1.0, min(17, max(3, ceil(_TRACTIONS / elements) + 1)))
 
 
 def _side(stored: StoredStage, state: BodyState) -> Content:
