@@ -18,6 +18,7 @@ from isopeel import InputError
 from isopeel.cli import main
 from isopeel.page import content
 from isopeel.page.content import field_steps, plain, stage_content
+from isopeel.page.markup import curve_legend
 from isopeel.page.region import substrate_region
 from isopeel.page.write import page, write_page
 from isopeel.physics.substrates import Circle, Flat
@@ -25,6 +26,7 @@ from isopeel.post.fields import sample_fields
 from isopeel.post.states import Window
 from isopeel.post.summary import find
 from isopeel.results.run_file import Ending, StoredRun, read_run, write_run
+from isopeel.solve.step import KINDS
 from isopeel.stored import StoredStage, stored_stages
 
 # elements that may stay open
@@ -145,6 +147,33 @@ def test_a_state_is_that_of_the_step_whose_displacement_was_kept(stage: StoredSt
     assert field_steps(run) == {0: 0.0, 3: 9.0, 4: 10.0, 5: 13.0}
     with pytest.raises(InputError, match="at a parameter without a step"):
         field_steps(path(stage.run, [0.0, 1.0], [0.5]))
+
+
+def test_branches_and_jumps_are_told_apart(stage: StoredStage) -> None:
+    kinds = ("requested", "limit point", "between", "limit point", "requested", "jump")
+    run = path(stage.run, [0.0, 2.0, 1.8, 1.5, 3.0, 3.0], [0.0, 3.0])
+    curve = replace(
+        run.curve,
+        kind=np.array([KINDS.index(kind) for kind in kinds]),
+        negative_eigenvalues=np.array([0, 0, 1, 0, 0, 0]),
+        reaction=np.array([0.0, 1.0, 0.9, 0.8, 1.1, 0.7]),
+    )
+    stored = replace(stage, run=replace(run, curve=curve))
+    shown = contents(stored)
+    # before each step: unstable between the limit points, and a jump to the last
+    assert list(b64decode(shown["curve"]["pieces"])) == [0, 0, 1, 1, 0, 2]
+    whole, turn = shown["views"]
+    assert (whole["name"], turn["name"]) == ("whole", "widest snap-back")
+    # as wide again on either side
+    assert turn["x"] == pytest.approx([1.0, 2.5])
+    legend = curve_legend(stored, plateau=False)
+    assert re.findall("</span>([a-z ]+)</span>", legend) == [
+        "stored state",
+        "shown",
+        "unstable",
+        "jump",
+        "limit point",
+    ]
 
 
 def test_what_is_no_number_is_refused(folder: Path, tmp_path: Path) -> None:

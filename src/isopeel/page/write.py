@@ -96,7 +96,7 @@ def _section(name: str, stored: StoredStage, several: bool, most_bytes: int) -> 
         reaction=escape(column_words(run.curve.reaction_column)["words"]),
         curve_legend=markup.curve_legend(stored, found.plateau is not None),
         adheres_to=content["substrate"]["words"],
-        damage="; by the law without damage" if stage.problem.adhesion.irreversible else "",
+        damage="(the law without its damage)" if stage.problem.adhesion.irreversible else "",
         summary=markup.summary(stored, summarize(stored.title, run, found, seconds)),
         table=markup.states_table(stored, len(content["states"])),
     )

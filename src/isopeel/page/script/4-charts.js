@@ -145,9 +145,11 @@ class Curve {
     context.setLineDash([5, 4]);
     const y = axes.y(theory.reaction);
     strokeLine(context, [[axes.left, y], [axes.right, y]]);
-    context.textBaseline = "bottom";
     context.textAlign = "left";
-    context.fillText(`${theory.source} ${shown(theory.reaction, 5)}`, axes.left + 6, y - 3);
+    const above = y - axes.top > 16; // where there is room for words
+    context.textBaseline = above ? "bottom" : "top";
+    context.fillText(`${theory.source} ${shown(theory.reaction, 5)}`, axes.left + 6, y + (above ? -3 : 4));
+    context.textBaseline = "bottom";
     if (theory.onset !== null) {
       const x = axes.x(theory.onset);
       strokeLine(context, [[x, axes.bottom], [x, y]]);
@@ -162,12 +164,13 @@ class Curve {
     const names = { x: "step", y: "iterations" };
     const axes = new Axes(canvas, [-0.5, this.length - 0.5], [0, most * 1.08], names, { whole: true });
     axes.inside((context) => {
-      const width = (axes.right - axes.left) / this.length;
+      // whole pixels from one bar to the next, as parts of them would make stripes
       const bar = (k, least, color) => {
-        const thick = Math.max(least, width > 4 ? width - 1 : width);
+        const [from, to] = [Math.round(axes.x(k - 0.5)), Math.round(axes.x(k + 0.5))];
+        const width = Math.max(least, to - from > 4 ? to - from - 1 : to - from);
         context.fillStyle = color;
         const y = axes.y(this.iterations[k]);
-        context.fillRect(axes.x(k) - thick / 2, y, thick, axes.bottom - y);
+        context.fillRect(from, y, width, axes.bottom - y);
       };
       for (let k = 0; k < this.length; k++) bar(k, 1, axes.colors.curve);
       context.fillStyle = axes.colors.mark;

@@ -154,7 +154,7 @@ class Stage {
     this.tractions.draw(canvas.tractions, state, this.close);
     this.iterationAxes = this.curve.drawIterations(canvas.iterations, state.step);
     const exponent = drawColorBar(canvas.colors, this.palette, content.scale);
-    this.find(".power").textContent = exponent ? ` / ${powerOfTen(exponent)}` : "";
+    this.find(".power").textContent = exponent ? `, in ${powerOfTen(exponent)}` : "";
   }
 
   drawCurve() {
