@@ -269,6 +269,8 @@ def test_a_run_without_a_step_has_a_page_too(tmp_path: Path) -> None:
     found = Elements(page((replace(stopped, run=replace(nothing, fields={})),)))
     assert any("No equilibrium" in text for text in found.texts["p"])
     assert json.loads(found.texts["script"][0])["stages"] == {}
+    found = Elements(page((replace(stopped, run=replace(stopped.run, fields={})),)))
+    assert json.loads(found.texts["script"][0])["stages"] == {}
 
 
 def test_a_run_of_one_step_has_one_state(stage: StoredStage) -> None:

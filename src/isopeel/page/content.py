@@ -33,12 +33,11 @@ from isopeel.results.run_file import StoredRun
 from isopeel.solve.step import KINDS
 from isopeel.stored import StoredStage
 
-#: A picture of the front is drawn with fewer dots across.
-_DOTS = 8_000
-_ALONG_SIDE = 400  # points of the adhering face
-_TRACTIONS = 1200  # points of them, about
+_DOTS = 8_000  # across the front: more than a screen has
+_ALONG_SIDE = 400  # pieces of the face that adheres
+_TRACTIONS = 1_200  # points along it, about
 
-#: Sizes that the script reads into its panels.
+#: What JSON can hold.
 Content = dict[str, Any]
 
 

@@ -24,14 +24,15 @@ def table(headings: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
 
 def paragraph(text: str, kind: str = "") -> str:
     """A paragraph of plain text."""
-    return f"<p{f' class={chr(34)}{kind}{chr(34)}' if kind else ''}>{escape(text)}</p>\n"
+    opening = f'<p class="{kind}">' if kind else "<p>"
+    return f"{opening}{escape(text)}</p>\n"
 
 
 def ending(stored: StoredStage) -> str:
     """How a stage ended, with cause and hint where it did not come to its end."""
     run, column = stored.run, stored.run.curve.parameter_column
     unit = plain(column.unit) if column.unit == "degree" else f" {plain(column.unit)}"
-    steps = f"{len(run.curve)} steps"
+    steps = f"{len(run.curve)} {'step' if len(run.curve) == 1 else 'steps'}"
     if len(run.curve):
         steps += f", to {run.curve.parameter[-1]:g}{unit}"
     if run.failure is not None:

@@ -76,11 +76,11 @@ def page(stages: tuple[StoredStage, ...]) -> str:
 
 
 def _section(name: str, stored: StoredStage, several: bool, most_bytes: int) -> tuple[str, Content | None]:
-    """The part of a page on a stage, and what its script shows, where there is a step."""
+    """The part of a page on a stage, and what its script shows, where there is a state to show."""
     run, stage = stored.run, stored.stage
     heading = f"<h2>{escape(stored.title)}</h2>\n" if several else ""
     ending = markup.ending(stored)
-    if not len(run.curve):
+    if not len(run.curve) or not run.fields:
         return f'<section id="{name}">\n{heading}{ending}</section>\n', None
     if not all(np.isfinite(values).all() for values in (run.curve.parameter, run.curve.reaction)):
         raise InputError("DIR", str(stored.folder), "its curve holds what is no number")
