@@ -1,7 +1,7 @@
 // The curve, the iterations and the tractions.
 
 const [STABLE, UNSTABLE, JUMP] = [0, 1, 2]; // what lies between a step and the one before
-const MOST_MARKED = 80; // steps, each of which is marked: more would hide the line
+const LEAST_SPACING = 7; // CSS pixels between steps that are marked: closer marks would hide the line
 
 /** Columns of a stage's curve. */
 class Curve {
@@ -107,7 +107,8 @@ class Curve {
         const x = this.parameter.values[k];
         return x >= view.x[0] && x <= view.x[1];
       });
-      if (seen.length <= MOST_MARKED) for (const k of seen) disc(k, 1.2, curve, curve);
+      const marked = axes.right - axes.left >= LEAST_SPACING * seen.length;
+      if (marked) for (const k of seen) disc(k, 1.2, curve, curve);
       for (const k of this.of("limit point")) disc(k, 1.5, quiet, quiet);
       for (const k of states) disc(k, 3.5, paper, curve);
       if (hovered !== null) {

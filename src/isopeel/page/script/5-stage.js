@@ -1,6 +1,7 @@
 // The panels of a stage, which all show one of its stored states.
 
 const FRAME_MILLISECONDS = 450; // for a state, where they play by themselves
+const HEIGHT_OF_AXES = 66; // in CSS pixels, of their names and numbers
 
 class Stage {
   constructor(section, content, palette) {
@@ -25,8 +26,8 @@ class Stage {
       (view) => { this.close = view.name === "at the front"; });
     this.listen();
     this.choose(this.states.length - 1);
-    // the first call comes at once, and others where the window changes or a screen is turned
-    new ResizeObserver(() => this.draw()).observe(this.find(".panels"));
+    // where the window changes or a screen is turned; later, as drawing changes heights
+    new ResizeObserver(() => requestAnimationFrame(() => this.draw())).observe(this.find(".panels"));
     for (const query of ["(prefers-color-scheme: dark)", "print"]) {
       window.matchMedia(query).addEventListener("change", () => this.draw());
     }
@@ -146,15 +147,24 @@ class Stage {
     this.drawCurve();
     const names = { x: "x / L₀", y: "y / L₀" };
     const [left, right, low, high] = content.whole;
+    const [l, r, b, t] = state.front;
+    this.fit(canvas.body, (right - left) / (high - low));
+    this.fit(canvas.front, (r - l) / (t - b));
     const axes = new Axes(canvas.body, [left, right], [low, high], names, { equal: true });
     this.whole.draw(axes, state, false);
     this.drawFrontFrame(axes, state.front);
-    const [l, r, b, t] = state.front;
     this.front.draw(new Axes(canvas.front, [l, r], [b, t], names, { equal: true }), state, true);
     this.tractions.draw(canvas.tractions, state, this.close);
     this.iterationAxes = this.curve.drawIterations(canvas.iterations, state.step);
     const exponent = drawColorBar(canvas.colors, this.palette, content.scale);
     this.find(".power").textContent = exponent ? `, in ${powerOfTen(exponent)}` : "";
+  }
+
+  /** Make a picture as high as it needs to be, where it has the width of the page to itself. */
+  fit(canvas, aspect) {
+    const alone = !window.matchMedia("(min-width: 60rem)").matches;
+    const height = canvas.getBoundingClientRect().width / aspect + HEIGHT_OF_AXES;
+    canvas.style.height = alone ? `${Math.min(Math.max(height, 150), 400)}px` : "";
   }
 
   drawCurve() {
