@@ -275,3 +275,24 @@ def validate(
     if found.failed:
         return _fail(NOT_CONVERGED, f"numbers beyond what is allowed: {found.failed}, see {found.page}")
     return COMPLETED
+
+
+@app.command()
+def export(
+    folder: Annotated[Path, typer.Argument(metavar="DIR", help="Folder of a run.")],
+    out: Annotated[
+        Path | None, typer.Option(metavar="DIR", help="Folder of the files; DIR/paraview when left out.")
+    ] = None,
+    linear: Annotated[
+        int | None,
+        typer.Option(metavar="N", help="Cut each element into N x N straight cells, not into Bezier cells."),
+    ] = None,
+) -> int:
+    """Write the fields of a run for ParaView, as Bezier cells that hold curved shapes exactly."""
+    try:
+        from isopeel.export import export_run
+
+        export_run(folder, out, linear, _console())
+    except KeyboardInterrupt:
+        return _fail(INTERRUPTED, "interrupted; the same command writes all files anew")
+    return COMPLETED
