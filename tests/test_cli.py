@@ -360,6 +360,7 @@ def paper() -> Iterator[subprocess.Popen[bytes]]:
 PATIENCE = 30
 
 
+@pytest.mark.posix
 @pytest.mark.parametrize("wait", [0.0, 2.0])  # while workers start, and later
 def test_ctrl_c_ends_the_paper_at_once(paper: subprocess.Popen[bytes], wait: float) -> None:
     sleep(wait)

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 COMPLETED, BAD_INPUT, NOT_CONVERGED, INTERRUPTED = 0, 2, 3, 130
 
-app = typer.Typer(add_completion=False, pretty_exceptions_enable=False)
+app = typer.Typer(pretty_exceptions_enable=False)
 
 
 _ControlOption = Annotated[
@@ -293,4 +293,25 @@ def report(
     from isopeel.page.write import write_page
 
     _console().print(f"the report is {write_page(folder, out)}", soft_wrap=True)
+    return COMPLETED
+
+
+@app.command()
+def export(
+    folder: Annotated[Path, typer.Argument(metavar="DIR", help="Folder of a run.")],
+    out: Annotated[
+        Path | None, typer.Option(metavar="DIR", help="Folder of the files; DIR/paraview when left out.")
+    ] = None,
+    linear: Annotated[
+        int | None,
+        typer.Option(metavar="N", help="Cut each element into N x N straight cells, not into Bezier cells."),
+    ] = None,
+) -> int:
+    """Write the fields of a run for ParaView, as Bezier cells that hold curved shapes exactly."""
+    try:
+        from isopeel.export import export_run
+
+        export_run(folder, out, linear, _console())
+    except KeyboardInterrupt:
+        return _fail(INTERRUPTED, "interrupted; the same command writes all files anew")
     return COMPLETED

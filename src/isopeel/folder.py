@@ -1,5 +1,6 @@
 """The folder of a run: what lies where, and that one process alone writes to it."""
 
+import re
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -52,8 +53,23 @@ def places(name: str, stages: Sequence[str], out: Path) -> list[Place]:
 
 
 def stage_files(out: Path) -> list[Path]:
-    """The files of runs that lie in folders of stages."""
-    return list(out.glob(f"[0-9]*-*/{FILES[0]}"))
+    """The files of runs that lie in folders of stages, in the order of these."""
+    numbered = {path: re.match(r"\d{1,9}(?=-)", path.parent.name) for path in out.glob(f"*-*/{FILES[0]}")}
+    return [path for _, path in sorted((int(number[0]), path) for path, number in numbered.items() if number)]
+
+
+def run_files(folder: Path) -> list[Path]:
+    """The files of the runs in a folder: its only one, or those of the stages so far.
+
+    Raises InputError where there is none.
+    """
+    if not folder.is_dir():
+        raise InputError("DIR", str(folder), "the folder of a run is needed, and it is no folder")
+    files = [folder / FILES[0]] if (folder / FILES[0]).exists() else stage_files(folder)
+    if not files:
+        allowed = f"the folder of a run is needed, and there is no {FILES[0]} in it"
+        raise InputError("DIR", str(folder), allowed)
+    return files
 
 
 def check_folder(out: Path) -> None:
