@@ -51,17 +51,23 @@ def places(name: str, stages: Sequence[str], out: Path) -> list[Place]:
 
 def stage_files(out: Path) -> list[Path]:
     """The files of runs that lie in folders of stages."""
-    return list(out.glob(f"[0-9]*-*/{FILES[0]}"))
+    found = out.glob(f"[0-9]*-*/{FILES[0]}")
+    return [path for path in found if path.parent.name.partition("-")[0].isdecimal()]
 
 
-def check_folder(out: Path) -> None:
-    """Make a folder. Raises InputError where it, or a file in it, could not be written."""
+def make_folder(out: Path) -> None:
+    """Make a folder. Raises InputError where no file could be written to it."""
     try:
         out.mkdir(parents=True, exist_ok=True)
         TemporaryFile(dir=out).close()
     except OSError as error:
         allowed = f"a folder that can be written is needed: {error.strerror}"
         raise InputError("--out", str(out), allowed) from error
+
+
+def check_folder(out: Path) -> None:
+    """Make the folder of a run. Raises InputError where it, or a file in it, could not be written."""
+    make_folder(out)
     for name in FILES:
         if (out / name).exists() and not (out / name).is_file():
             raise InputError("--out", str(out), f"{name} in it must be a file, where there is one")
