@@ -275,3 +275,31 @@ def validate(
     if found.failed:
         return _fail(NOT_CONVERGED, f"numbers beyond what is allowed: {found.failed}, see {found.page}")
     return COMPLETED
+
+
+@app.command()
+def plot(
+    folder: Annotated[Path, typer.Argument(metavar="DIR", help="Folder of a run, or of one of its stages.")],
+    only: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="PART", help="Figure: curve, plateau, shapes, front or tractions; repeatable, else all."
+        ),
+    ] = None,
+    at: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="VALUE",
+            help="Parameter of a state to show, such as '20 nm'; a number means degrees; repeatable.",
+        ),
+    ] = None,
+    suffix: Annotated[str, typer.Option("--format", metavar="png|svg|pdf", help="Kind of file.")] = "png",
+    out: Annotated[
+        Path | None, typer.Option(metavar="DIR", help="Folder of the figures; DIR/figures when left out.")
+    ] = None,
+) -> int:
+    """Draw the figures of a stored run: its curve and plateau, deformed shapes, front and tractions."""
+    from isopeel.plot import plot_run
+
+    plot_run(folder, only or [], at or [], suffix, out, _console())
+    return COMPLETED

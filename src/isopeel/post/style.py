@@ -164,6 +164,18 @@ def space_style(name: str) -> SpaceStyle:
     return SpaceStyle(_LEFT_COLORS[which % len(_LEFT_COLORS)], marker, DOTS)
 
 
+_LINES: tuple[LineStyle, ...] = ("-", DASHES, DOT_DASHES, DOTS, LONG_DASHES, DOT_DOT_DASHES)
+_COLORS = (BLUE, VERMILION, GREEN, ORANGE, PURPLE, SKY, "#000000")
+
+
+def line_style(number: int) -> dict[str, Any]:
+    """Look of one of several lines, by its number from zero: told apart by colour, and in grey by dashes.
+
+    The first 42 differ.
+    """
+    return {"color": _COLORS[number % len(_COLORS)], "linestyle": _LINES[number % len(_LINES)]}
+
+
 def note_units(figure: Figure, units: str) -> None:
     """Write what L0 and E0 are, such as "L0 = 1 nm, E0 = 2 GPa", small at the lower right of a figure."""
     if units:
