@@ -303,3 +303,43 @@ def plot(
 
     plot_run(folder, only or [], at or [], suffix, out, _console())
     return COMPLETED
+
+
+@app.command()
+def compare(
+    folders: Annotated[
+        list[Path], typer.Argument(metavar="DIR...", help="Folders of two runs or more, or of stages.")
+    ],
+    suffix: Annotated[str, typer.Option("--format", metavar="png|svg|pdf", help="Kind of figure.")] = "png",
+    out: Annotated[Path, typer.Option(metavar="DIR", help="Folder of the table and the figure.")] = Path(
+        "out/compare"
+    ),
+) -> int:
+    """Lay the curves of stored runs over each other, and tabulate what was read from them."""
+    from isopeel.compare import compare_runs
+
+    compare_runs(folders, suffix, out, _console())
+    return COMPLETED
+
+
+@app.command()
+def animate(
+    folder: Annotated[Path, typer.Argument(metavar="DIR", help="Folder of a run, or of one of its stages.")],
+    suffix: Annotated[str, typer.Option("--format", metavar="mp4|gif", help="Kind of file.")] = "mp4",
+    fps: Annotated[
+        float | None,
+        typer.Option(metavar="N", help="Stored states per second; a few seconds in all when left out."),
+    ] = None,
+    size: Annotated[str, typer.Option(metavar="WxH", help="Width and height in pixels.")] = "1280x600",
+    out: Annotated[
+        Path | None, typer.Option(metavar="DIR", help="Folder of the file; DIR/figures when left out.")
+    ] = None,
+) -> int:
+    """Animate a stored run: the deformed body, and beside it the curve with a mark that moves along it."""
+    try:
+        from isopeel.animate import animate_run
+
+        animate_run(folder, suffix, fps, size, out, _console())
+    except KeyboardInterrupt:
+        return _fail(INTERRUPTED, "interrupted")
+    return COMPLETED

@@ -14,6 +14,9 @@ from isopeel.results.journal import journal_path
 #: Files that a run leaves in its folder.
 FILES = ("run.h5", "curve.csv", "summary.json", "curve.png", "shapes.png")
 
+#: Folder inside that of a run for figures that are drawn from it later.
+FIGURES = "figures"
+
 
 class Place(NamedTuple):
     """Where the files of a stage go, what it is called, and which files it makes outdated."""

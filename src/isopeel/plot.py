@@ -9,7 +9,7 @@ from rich.console import Console
 
 from isopeel.chosen import shown_stages, stored_parameters
 from isopeel.errors import InputError
-from isopeel.folder import make_folder
+from isopeel.folder import FIGURES, make_folder
 from isopeel.post.figures import (
     front_figure,
     plateau_figure,
@@ -21,13 +21,10 @@ from isopeel.post.figures import (
 from isopeel.post.figures.shapes import MOST_SHAPES, spread
 from isopeel.post.front import front_profile
 from isopeel.post.reading import unreadable
-from isopeel.post.style import FORMATS
+from isopeel.post.style import check_format
 from isopeel.post.summary import Findings, find, units_note
 from isopeel.results.files import replacing
 from isopeel.stored import StoredStage
-
-#: Folder inside that of a run that figures go to, where no other one is asked for.
-FIGURES = "figures"
 
 
 class _Shown(NamedTuple):
@@ -57,8 +54,7 @@ def plot_run(
     is that of the last of them. Raises InputError where a part, a parameter or a format makes no sense, or a
     part that was asked for cannot be drawn, OSError where a file cannot be written.
     """
-    if f".{suffix}" not in FORMATS:
-        raise InputError("--format", suffix, f"it is one of {', '.join(name[1:] for name in FORMATS)}")
+    check_format(suffix)
     for part in only:
         if part not in PARTS:
             raise InputError("--only", part, f"it is one of {', '.join(PARTS)}")
@@ -94,7 +90,7 @@ def _unread(shown: _Shown) -> str:
     window, theory = shown.found.window, shown.found.closed_form
     if window is None:
         return "the case names no window to read it in"
-    return str(unreadable(shown.stored.run.curve, window, theory and theory.period))
+    return str(unreadable(shown.stored.run.curve, window, theory.period if theory else None))
 
 
 def _curve(shown: _Shown) -> Figure:
@@ -104,7 +100,7 @@ def _curve(shown: _Shown) -> Figure:
 def _plateau(shown: _Shown) -> Figure:
     plateau, theory = shown.found.plateau, shown.found.closed_form
     assert plateau is not None  # it was looked at before
-    return plateau_figure(shown.stored.run.curve, plateau, theory and theory.period, shown.units)
+    return plateau_figure(shown.stored.run.curve, plateau, theory.period if theory else None, shown.units)
 
 
 def _shapes(shown: _Shown) -> Figure:

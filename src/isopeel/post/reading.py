@@ -55,7 +55,7 @@ def unreadable(curve: Curve, window: tuple[float, float], period: float | None =
     """
     check_window(window)
     start, end = window
-    parameter, _ = _rising(curve)
+    parameter, _ = rising(curve)
     inside = parameter[_inside(parameter, window)]
     unit = curve.parameter_column.unit
     if not _covers(parameter, window):
@@ -77,13 +77,13 @@ def unreadable(curve: Curve, window: tuple[float, float], period: float | None =
 
 def plateau_mean(curve: Curve, window: tuple[float, float]) -> float | None:
     """Mean reaction in a window of the parameter; None where the curve does not cover it."""
-    parameter, reaction = _rising(curve)
+    parameter, reaction = rising(curve)
     if not _covers(parameter, window):
         return None
     return float(reaction[_inside(parameter, window)].mean())
 
 
-def _rising(curve: Curve) -> tuple[FloatArray, FloatArray]:
+def rising(curve: Curve) -> tuple[FloatArray, FloatArray]:
     """Parameter and reaction (steps,), from the other end where the run goes towards smaller parameters.
 
     Where a curve turns back, only what lies beyond all that was before.
@@ -117,7 +117,7 @@ def read_plateau(
     """
     if unreadable(curve, window, period) is not None:
         return None
-    parameter, reaction = _rising(curve)
+    parameter, reaction = rising(curve)
     mean = None if period is None else running_mean(parameter, reaction, period)
     return read_window(parameter, reaction, window, mean)
 
@@ -158,7 +158,7 @@ class Oscillation(NamedTuple):
 
 def oscillation(curve: Curve, plateau: PlateauReading, period: float | None = None) -> Oscillation:
     """What a plateau was read from, with the same `period` as there."""
-    parameter, reaction = _rising(curve)
+    parameter, reaction = rising(curve)
     mean = None if period is None else running_mean(parameter, reaction, period)
     at, values, _, taken_out, _ = _without_drift(parameter, reaction, plateau.window, mean)
     return Oscillation(at, values - values.mean(), taken_out)

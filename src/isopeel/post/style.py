@@ -63,6 +63,12 @@ def style() -> Iterator[None]:
         yield
 
 
+def check_format(suffix: str) -> None:
+    """Raise InputError, for --format, unless figures can be written in a format, such as png."""
+    if f".{suffix}" not in FORMATS:
+        raise InputError("--format", suffix, f"it is one of {', '.join(name[1:] for name in FORMATS)}")
+
+
 def save(figure: Figure, path: Path) -> None:
     """Write a figure; InputError for a suffix that is not one of FORMATS."""
     if path.suffix.lower() not in FORMATS:

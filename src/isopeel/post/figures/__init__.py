@@ -1,5 +1,6 @@
 """Figures, each a pure function from data to a figure; `save` writes it."""
 
+from isopeel.post.figures.comparison import comparison_figure
 from isopeel.post.figures.front import front_figure
 from isopeel.post.figures.law import law_figure
 from isopeel.post.figures.plateau import plateau_figure
@@ -10,6 +11,7 @@ from isopeel.post.figures.tractions import tractions_figure
 from isopeel.post.style import save
 
 __all__ = [
+    "comparison_figure",
     "front_figure",
     "law_figure",
     "plateau_figure",

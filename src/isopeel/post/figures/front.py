@@ -56,7 +56,7 @@ def front_figure(
         draw_elements(upper, state.fields, 2)
         draw_outline(upper, state.fields, 3)
         mark_adhering(upper, state, 1.8, 4)
-        shafts = LineCollection(_evenly(arrows, window), colors=BLUE, linewidths=0.7, zorder=3.5)
+        shafts = LineCollection(list(_evenly(arrows, window)), colors=BLUE, linewidths=0.7, zorder=3.5)
         upper.add_collection(shafts, autolim=False)
         upper.plot(*arrows[:, 1].T, color=BLUE, linewidth=1.0, zorder=3.5)
         at = shown_parameter(problem.drive.parameter_column, parameter)

@@ -1,7 +1,11 @@
 """Words at axes and marks: quantities with their units, and numbers."""
 
 import re
+from math import floor, log10
 
+import numpy as np
+
+from isopeel.arrays import FloatArray
 from isopeel.problem import Column
 
 
@@ -24,3 +28,8 @@ def scientific(value: float) -> str:
 def shown_parameter(column: Column, value: float) -> str:
     """A parameter of a drive with its unit, as "110°"."""
     return f"{value:g}" + ("°" if column.unit == "degree" else f" {mathematical(column.unit)}")
+
+
+def power_of_ten(values: FloatArray, scale: float) -> int:
+    """Exponent of the largest of values, which are differences of numbers of a scale, up to round-off."""
+    return floor(log10(max(float(np.abs(values).max(initial=0.0)), abs(scale) * 1e-12, 1e-300)))

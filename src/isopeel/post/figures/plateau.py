@@ -1,13 +1,12 @@
 """The window of a curve from which its plateau, its amplitude and its slopes are read."""
 
-from math import floor, log10
 from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from isopeel.post.figures.labels import axis_label, mathematical, scientific
+from isopeel.post.figures.labels import axis_label, mathematical, power_of_ten, scientific
 from isopeel.post.reading import Oscillation, PlateauReading, oscillation
 from isopeel.post.style import BLUE, DASHES, GREY, SHADE, TWO_COLUMNS, VERMILION, note_units, style
 from isopeel.results.curve import Curve
@@ -50,7 +49,7 @@ def _draw_oscillation(
     axes: Axes, curve: Curve, plateau: PlateauReading, read: Oscillation, period: float | None
 ) -> None:
     values = read.values
-    exponent = floor(log10(max(np.abs(values).max(), abs(plateau.mean) * 1e-12)))  # below is round-off
+    exponent = power_of_ten(values, plateau.mean)
     scaled = values / 10.0**exponent
     slopes = np.diff(values) / np.diff(read.parameter)
     axes.axhline(0, color=GREY, linewidth=0.6)

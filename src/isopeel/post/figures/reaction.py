@@ -1,6 +1,5 @@
 """The reaction curve of a run, with its plateau enlarged."""
 
-from math import floor, log10
 from typing import Any
 
 import numpy as np
@@ -10,7 +9,7 @@ from numpy.typing import NDArray
 
 from isopeel.arrays import FloatArray
 from isopeel.post.closed_form import Expected
-from isopeel.post.figures.labels import axis_label, mathematical, scientific
+from isopeel.post.figures.labels import axis_label, mathematical, power_of_ten, scientific
 from isopeel.post.reading import PlateauReading
 from isopeel.post.style import BLUE, DASHES, DOTS, GREY, ONE_COLUMN, SHADE, TWO_COLUMNS, note_units, style
 from isopeel.results.curve import Curve
@@ -145,7 +144,7 @@ def _enlarged(axes: Axes, curve: Curve, plateau: PlateauReading) -> None:
     margin = 0.15 * (end - start)
     inside = (curve.parameter >= start - margin) & (curve.parameter <= end + margin)
     deviation = curve.reaction[inside] - plateau.mean
-    exponent = floor(log10(max(np.abs(deviation).max(), abs(plateau.mean) * 1e-12)))
+    exponent = power_of_ten(deviation, plateau.mean)
     deviation = deviation / 10.0**exponent
     axes.axvspan(start, end, color=SHADE, linewidth=0)
     drift = plateau.drift * (end - start) / 2 / 10.0**exponent
