@@ -3,6 +3,7 @@
 import re
 from collections.abc import Callable, Iterable, Iterator
 from fractions import Fraction
+from itertools import chain
 from pathlib import Path
 
 import imageio_ffmpeg
@@ -79,7 +80,8 @@ def _pictures(stage: StoredStage, size: tuple[int, int], next_one: Callable[[], 
 
 
 def _write_mp4(path: Path, pictures: Iterable[Picture], size: tuple[int, int], fps: float) -> None:
-    count = 0
+    every = iter(pictures)
+    first, count = next(every), 0  # no file is begun before there is a picture
     # its writer keeps Ctrl-C from ffmpeg, and ends it when the generator is closed; blocks of two pixels are
     # what the colours of all players need
     writer = imageio_ffmpeg.write_frames(
@@ -92,7 +94,7 @@ def _write_mp4(path: Path, pictures: Iterable[Picture], size: tuple[int, int], f
     )
     writer.send(None)
     try:
-        for picture in pictures:
+        for picture in chain([first], every):
             writer.send(picture)
             count += 1
     finally:

@@ -343,3 +343,21 @@ def animate(
     except KeyboardInterrupt:
         return _fail(INTERRUPTED, "interrupted")
     return COMPLETED
+
+
+@app.command()
+def view(
+    folder: Annotated[Path, typer.Argument(metavar="DIR", help="Folder of a run, or of one of its stages.")],
+    at: Annotated[
+        str | None,
+        typer.Option(metavar="VALUE", help="Parameter of the state to begin with; a number means degrees."),
+    ] = None,
+    screenshot: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="Write a PNG picture instead of opening a window.")
+    ] = None,
+) -> int:
+    """Show the deformed body of a stored run in a window, with a slider (needs isopeel[view])."""
+    from isopeel.view import view_run
+
+    view_run(folder, at, screenshot, _console())
+    return COMPLETED

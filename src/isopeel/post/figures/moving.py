@@ -24,8 +24,8 @@ class MovingFigure:
     """A picture of (width, height) pixels, drawn anew for each of the states.
 
     `fields` maps values of the drive's parameter, in the unit of its column, to displacement coefficients
-    (size, 2). Window and colours are those that hold all states; of a body that is thick for what adheres, such
-    as a cylinder, the window shows the fronts alone.
+    (size, 2). Window and colours are those that hold all states; of a body that is thick for what adheres,
+    such as a cylinder, the window shows the fronts alone.
     """
 
     def __init__(
