@@ -97,6 +97,8 @@ class Viewer:
         scale = stress_scale(self._states)
         #: The number, from zero, of the state that is shown.
         self.shown: int = 0
+        #: Of VTK, once it has been added.
+        self.slider: Any = None
         self._body = _mesh(pyvista, self._states[0].fields)
         window = whole_window(self._states)
         # in front of the body, which would hide half of it
@@ -145,7 +147,7 @@ class Viewer:
         self.show(number)
         if not last:
             return
-        slider = self.plotter.add_slider_widget(
+        self.slider = self.plotter.add_slider_widget(
             lambda value: self.show(round(value)),
             (0, last),
             value=number,
@@ -156,13 +158,14 @@ class Viewer:
             pointb=(0.6, 0.1),
         )
 
-        def move(by: int) -> None:
-            self.show(self.shown + by)
-            slider.GetRepresentation().SetValue(self.shown)
-            self.plotter.render()
+        self.plotter.add_key_event("Right", lambda: self.move(1))
+        self.plotter.add_key_event("Left", lambda: self.move(-1))
 
-        self.plotter.add_key_event("Right", lambda: move(1))
-        self.plotter.add_key_event("Left", lambda: move(-1))
+    def move(self, by: int) -> None:
+        """Go so many states on, and the slider with them."""
+        self.show(self.shown + by)
+        self.slider.GetRepresentation().SetValue(self.shown)
+        self.plotter.render()
 
 
 def _points(places: FloatArray, height: float = 0.0) -> FloatArray:
