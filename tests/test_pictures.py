@@ -282,3 +282,26 @@ def test_a_run_of_one_step_has_figures(runs: Path, tmp_path: Path) -> None:
     out = tmp_path / "out"
     assert main(["compare", str(tmp_path / "one"), str(tmp_path / "two"), "--out", str(out)]) == 0
     assert (out / "compare.png").is_file()
+
+
+def test_a_new_run_takes_away_what_was_drawn_of_the_old_one(tmp_path: Path) -> None:
+    run = [
+        "run",
+        "strip",
+        "--mesh",
+        "20x2",
+        "--space",
+        "L1",
+        "--to",
+        "2",
+        "--step",
+        "1",
+        "--out",
+        str(tmp_path),
+    ]
+    assert main(run) == 0
+    assert main(["plot", str(tmp_path), "--only", "curve", "--format", "pdf"]) == 0
+    mine = tmp_path / "figures" / "mine.pdf"
+    mine.touch()
+    assert main(run) == 0
+    assert list((tmp_path / "figures").iterdir()) == [mine]

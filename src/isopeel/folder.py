@@ -14,8 +14,8 @@ from isopeel.results.journal import journal_path
 #: Files that a run leaves in its folder.
 FILES = ("run.h5", "curve.csv", "summary.json", "curve.png", "shapes.png")
 
-#: Folder inside that of a run for figures that are drawn from it later.
-FIGURES = "figures"
+#: Folder inside that of a run for what is drawn from it later, and the names of that, whatever the format.
+FIGURES, DRAWN = "figures", ("curve", "plateau", "shapes", "front", "tractions", "animation")
 
 
 class Place(NamedTuple):
@@ -45,11 +45,20 @@ def places(name: str, stages: Sequence[str], out: Path) -> list[Place]:
             folder,
             title,
             # what later stages and runs with other stages have left
-            [path / file for path in earlier - set(folders[: number + 1]) for file in kept]
-            + [folder / file for file in FILES[1:]],
+            [
+                file
+                for path in earlier - set(folders[: number + 1])
+                for file in (*(path / name for name in kept), *_drawn(path))
+            ]
+            + [*(folder / file for file in FILES[1:]), *_drawn(folder)],
         )
         for number, (folder, title) in enumerate(zip(folders, titles, strict=True))
     ]
+
+
+def _drawn(folder: Path) -> list[Path]:
+    """What has been drawn from the run in a folder."""
+    return [path for path in (folder / FIGURES).glob("*.*") if path.stem in DRAWN]
 
 
 def stage_files(out: Path) -> list[Path]:

@@ -1,5 +1,7 @@
 """The peeling front of one state: its stress, what pulls at it, and how well the body holds against that."""
 
+from typing import Any
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
@@ -111,11 +113,13 @@ def _seen(profile: FrontProfile, window: Window) -> tuple[float, float]:
 def _draw_tensions(axes: Axes, profile: FrontProfile, seen: tuple[float, float]) -> None:
     x = profile.position
     axes.axhline(0, color="black", linewidth=0.5, zorder=1)
-    in_body = r"in the body, $-n_o \cdot P N$"
-    axes.plot(*broken(x, -profile.body_traction), color=ORANGE, linewidth=2.2, label=in_body)
-    axes.plot(
-        *broken(x, -profile.adhesive_traction), color=BLUE, linewidth=1.1, label="of the adhesion, $-T$"
+    curves = (
+        (profile.adhesive_traction, BLUE, 1.1, "of the adhesion, $-T$"),
+        (profile.body_traction, ORANGE, 2.2, r"in the body, $-n_o \cdot P N$"),
     )
+    for order, (traction, color, width, label) in enumerate(curves):
+        look: dict[str, Any] = {"color": color, "linewidth": width, "label": label, "zorder": 3 - order / 2}
+        axes.plot(*broken(x, -traction), **look)
     for start, end in x[::2, [0, -1]].tolist():
         if start < seen[1] and end > seen[0]:
             shade_element(axes, start, end)

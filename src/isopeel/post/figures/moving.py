@@ -65,6 +65,11 @@ class MovingFigure:
                 mesh, ax=self._body, label=FIELD_LABEL, location="bottom", aspect=40, pad=0.02
             )
             note_units(self._figure, units)
+            # laid out once, with a title: pictures that are laid out one by one would tremble
+            self._body.set_title("0", loc="left")
+            for _ in range(2):
+                self._canvas.draw()  # type: ignore[no-untyped-call]
+            self._figure.set_layout_engine("none")
 
     def __len__(self) -> int:
         """Number of states."""
