@@ -147,6 +147,17 @@ def test_an_mp4_has_a_picture_for_each_state(runs: Path) -> None:
     assert (np.abs(first - last).max(axis=2) > 100).sum() > 300
 
 
+def test_more_states_are_stored_for_an_animation(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    run = ("run", "strip", "--mesh", "20x2", "--space", "L1", "--to", "2", "--step", "0.5")
+    assert main([*run, "--fields-every", "0.5", "--out", str(tmp_path)]) == 0
+    assert list(read_run(tmp_path / "run.h5").fields) == [0.0, 0.5, 1.0, 1.5, 2.0]
+    assert main(["animate", str(tmp_path), "--format", "gif", "--size", "400x200"]) == 0
+    with Image.open(tmp_path / "figures" / "animation.gif") as image:
+        assert image.n_frames == 5  # type: ignore[attr-defined]
+    for value in ("0", "2 nm"):
+        assert f"--fields-every: '{value}' cannot be used" in refused(capsys, *run, "--fields-every", value)
+
+
 def test_animations_that_cannot_be_made(
     runs: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -155,7 +166,7 @@ def test_animations_that_cannot_be_made(
     stored = read_run(runs / "L1" / "run.h5")
     one_state = replace(stored, fields={0.0: stored.fields[0.0]})
     write_run(tmp_path / "run.h5", one_state)
-    assert "two states or more" in refused(capsys, "animate", tmp_path)
+    assert "two stored states or more" in refused(capsys, "animate", tmp_path)
 
 
 @pytest.mark.parametrize("suffix", ["mp4", "gif"])

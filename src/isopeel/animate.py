@@ -45,9 +45,7 @@ def animate_run(
     stages = shown_stages(folder)
     moving = [stage for stage in stages if len(stage.run.fields) > 1]
     if not moving:
-        allowed = (
-            "two states or more must be stored in it; a case keeps more with a smaller output.fields_every"
-        )
+        allowed = "two stored states or more are needed; `isopeel run --fields-every` stores more"
         raise InputError("DIR", str(folder), allowed)
     for stage in moving:
         into = stage.folder / FIGURES if out is None else out / stage.folder.relative_to(folder)

@@ -106,6 +106,10 @@ def run(
             metavar="auto|newton|continuation|jump", help="What to do where a step finds no equilibrium."
         ),
     ] = None,
+    fields_every: Annotated[
+        str | None,
+        typer.Option(metavar="VALUE", help="Parameter between stored displacements, written likewise."),
+    ] = None,
 ) -> int:
     """Run CASE and leave its curve, figures, summary and fields in a folder."""
     try:
@@ -120,6 +124,7 @@ def run(
             traction=traction,
             contact_points=contact_points,
             control=control,
+            fields_every=fields_every,
         )
         folder = out or Path("out") / chosen.name
         result = run_case(chosen, folder, _console())
