@@ -16,7 +16,7 @@ from isopeel.errors import InputError
 from isopeel.folder import make_folder
 from isopeel.physics.batch import evaluate_substrate
 from isopeel.post.fields import SampledFields
-from isopeel.post.states import Window, body_state, stress_scale, whole_window
+from isopeel.post.states import BodyState, Window, body_state, common_view
 from isopeel.post.style import FIELD_MAP, SHADE, VERMILION
 from isopeel.post.summary import short_unit, units_note
 from isopeel.problem import Problem
@@ -93,17 +93,17 @@ class Viewer:
         self._pyvista = pyvista
         self._column = stage.stage.problem.drive.parameter_column
         problem = stage.stage.problem
-        self._states = [body_state(problem, stage.space, at, u) for at, u in stage.run.fields.items()]
-        scale = stress_scale(self._states)
+        self._stage, self._parameters = stage, list(stage.run.fields)
+        window, scale = common_view(problem, stage.space, stage.run.fields)
+        first = self._state(0)
         #: The number, from zero, of the state that is shown.
         self.shown: int = 0
         #: Of VTK, once it has been added.
         self.slider: Any = None
-        self._body = _mesh(pyvista, self._states[0].fields)
-        window = whole_window(self._states)
+        self._body = _mesh(pyvista, first.fields)
         # in front of the body, which would hide half of it
         self._above = 1e-3 * float(np.ptp(window.y))
-        self._face = pyvista.lines_from_points(_points(self._states[0].adhering, self._above))
+        self._face = pyvista.lines_from_points(_points(first.adhering, self._above))
         self.plotter: Any = pyvista.Plotter(off_screen=off_screen, window_size=_SIZE)
         self.plotter.set_background("white")
         self.plotter.enable_anti_aliasing("ssaa")
@@ -131,10 +131,14 @@ class Viewer:
         aspect = _SIZE[0] / _SIZE[1]
         self.plotter.camera.parallel_scale = 0.65 * max(high[1] - low[1], (high[0] - low[0]) / aspect)
 
+    def _state(self, number: int) -> BodyState:
+        at, stage = self._parameters[number], self._stage
+        return body_state(stage.stage.problem, stage.space, at, stage.run.fields[at])
+
     def show(self, number: int) -> None:
         """Show a state, by its number from zero; numbers beyond the ends mean the ends."""
-        self.shown = min(max(number, 0), len(self._states) - 1)
-        state = self._states[self.shown]
+        self.shown = min(max(number, 0), len(self._parameters) - 1)
+        state = self._state(self.shown)
         self._body.points = _points(state.fields.position)
         self._body[_FIELD] = state.fields.first_invariant.ravel()
         self._face.points = _points(state.adhering, self._above)
@@ -143,7 +147,7 @@ class Viewer:
 
     def add_slider(self, number: int) -> None:
         """Add a slider over the states, which the arrow keys move, too, and begin with one of them."""
-        last = len(self._states) - 1
+        last = len(self._parameters) - 1
         self.show(number)
         if not last:
             return

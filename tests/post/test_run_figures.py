@@ -193,6 +193,15 @@ def test_a_body_at_rest_has_a_front_figure() -> None:
     figure.draw_without_rendering()
 
 
+def test_a_front_between_the_points_of_long_elements_can_be_drawn() -> None:
+    space = isopeel.row_space("L1", (2, 1))
+    figure = front_figure(isopeel.strip(height=0.5), space, 0.0, np.zeros((space.size, 2)))
+    lower = figure.axes[1]
+    # 1.6 times the height either way, of 150 that adhere: the window lies at their end
+    assert lower.get_xlim() == pytest.approx((150 - 0.8, 150), abs=1e-9)
+    figure.draw_without_rendering()
+
+
 def test_all_chosen_shapes_are_drawn(bent: FloatArray) -> None:
     # their ends lie closer together than shapes that are not chosen may
     fields = {float(at): at / 1000 * bent for at in range(10)}

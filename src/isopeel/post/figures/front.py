@@ -105,9 +105,12 @@ def _inside(places: FloatArray, window: Window) -> NDArray[np.bool_]:
 
 
 def _seen(profile: FrontProfile, window: Window) -> tuple[float, float]:
-    """The part of the face that a window shows, (from, to) along it."""
-    along = profile.position[_inside(profile.deformed, window)]
-    return float(along.min()), float(along.max())
+    """The part of the face, (from, to) along it, that is about what a window shows."""
+    places, x = profile.deformed.reshape(-1, 2), profile.position.ravel()
+    centre = np.mean([window.x, window.y], axis=1)
+    middle = float(x[np.linalg.norm(places - centre, axis=1).argmin()])
+    reach = float(np.ptp(window.x)) / 2
+    return max(middle - reach, float(x[0])), min(middle + reach, float(x[-1]))
 
 
 def _draw_tensions(axes: Axes, profile: FrontProfile, seen: tuple[float, float]) -> None:

@@ -1,6 +1,6 @@
 """The deformed body and the curve side by side, at one state of a run after the other."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 
 import numpy as np
 from matplotlib.artist import Artist
@@ -11,7 +11,7 @@ from isopeel.arrays import FloatArray
 from isopeel.post.figures.body import FIELD_LABEL, draw_field, draw_outline, draw_substrate, mark_adhering
 from isopeel.post.figures.labels import axis_label, shown_parameter
 from isopeel.post.figures.reaction import draw_branches
-from isopeel.post.states import BodyState, Window, body_state, front_window, stress_scale, whole_window
+from isopeel.post.states import BodyState, body_state, common_view
 from isopeel.post.style import ORANGE, TWO_COLUMNS, note_units, style
 from isopeel.problem import Problem
 from isopeel.results.curve import Curve
@@ -24,8 +24,7 @@ class MovingFigure:
     """A picture of (width, height) pixels, drawn anew for each of the states.
 
     `fields` maps values of the drive's parameter, in the unit of its column, to displacement coefficients
-    (size, 2). Window and colours are those that hold all states; of a body that is thick for what adheres,
-    such as a cylinder, the window shows the fronts alone.
+    (size, 2). Window and colours are the same for all states.
     """
 
     def __init__(
@@ -38,9 +37,9 @@ class MovingFigure:
         units: str = "",
     ) -> None:
         self._problem = problem
-        self._states = [body_state(problem, space, value, u) for value, u in fields.items()]
-        window = _window(problem, self._states)
-        self._scale = stress_scale(self._states)
+        self._space, self._fields = space, fields
+        self._parameters = list(fields)
+        window, self._scale = common_view(problem, space, fields)
         width, height = size
         with style():
             # letters are as large beside the picture as on paper; the tiny part is for the sizes to come out
@@ -58,8 +57,8 @@ class MovingFigure:
             (self._marker,) = curve_axes.plot(
                 [], [], "o", color=ORANGE, markeredgecolor="black", markersize=7, zorder=5
             )
-            self._places = _places(curve, [state.parameter for state in self._states])
-            mesh = draw_field(self._body, self._states[-1].fields, self._scale, 1)
+            self._places = _places(curve, self._parameters)
+            mesh = draw_field(self._body, self._state(0).fields, self._scale, 1)
             self._drawn: list[Artist] = [mesh]
             self._figure.colorbar(
                 mesh, ax=self._body, label=FIELD_LABEL, location="bottom", aspect=40, pad=0.02
@@ -73,11 +72,15 @@ class MovingFigure:
 
     def __len__(self) -> int:
         """Number of states."""
-        return len(self._states)
+        return len(self._parameters)
+
+    def _state(self, number: int) -> BodyState:
+        parameter = self._parameters[number]
+        return body_state(self._problem, self._space, parameter, self._fields[parameter])
 
     def picture(self, number: int) -> Picture:
         """Draw a state, by its number from zero: red, green and blue of pixels (height, width, 3)."""
-        state = self._states[number]
+        state = self._state(number)
         for artist in self._drawn:
             artist.remove()
         with style():
@@ -94,23 +97,11 @@ class MovingFigure:
         return pixels[..., :3].copy()
 
 
-def _window(problem: Problem, states: Sequence[BodyState]) -> Window:
-    first = states[0]
-    length = float(np.linalg.norm(np.diff(first.adhering, axis=0), axis=1).sum())
-    thickness = float(np.linalg.norm(first.opposite - first.adhering, axis=1).max())
-    if thickness < length:
-        return whole_window(states)
-    fronts = [front_window(problem, state) for state in states]
-    return Window(
-        (min(front.x[0] for front in fronts), max(front.x[1] for front in fronts)),
-        (min(front.y[0] for front in fronts), max(front.y[1] for front in fronts)),
-    )
-
-
 def _places(curve: Curve, parameters: list[float]) -> FloatArray:
     """Where states are on a curve, (2, states): a curve that turns back meets a parameter more than once.
 
     What is stored for a parameter is what came last there.
     """
-    steps = [int(np.flatnonzero(curve.parameter == value)[-1]) for value in parameters]
+    last = len(curve) - 1
+    steps = [last - int(np.abs(curve.parameter[::-1] - value).argmin()) for value in parameters]
     return np.stack([curve.parameter[steps], curve.reaction[steps]])
