@@ -7,6 +7,7 @@ from itertools import chain
 from pathlib import Path
 
 import imageio_ffmpeg
+import numpy as np
 from PIL import Image
 from rich.console import Console
 
@@ -105,10 +106,23 @@ def _write_mp4(path: Path, pictures: Iterable[Picture], size: tuple[int, int], f
 
 def _write_gif(path: Path, pictures: Iterable[Picture], _size: tuple[int, int], fps: float) -> None:
     every = iter(pictures)
+    first = next(every)
     # each picture holds the bar of all colours, so that the first one's palette serves them all
-    first = Image.fromarray(next(every)).quantize(256, Image.Quantize.MAXCOVERAGE)
-    rest = (Image.fromarray(picture).quantize(palette=first, dither=Image.Dither.NONE) for picture in every)
-    first.save(path, "GIF", save_all=True, append_images=rest, duration=round(1000 / fps), loop=0)
+    found = Image.fromarray(first).quantize(255, Image.Quantize.MAXCOVERAGE).getpalette() or []
+    palette = Image.new("P", (1, 1))
+    palette.putpalette([255, 255, 255, *found[: 3 * 255]])
+    same = (_in_colours_of(palette, picture) for picture in chain([first], every))
+    next(same).save(path, "GIF", save_all=True, append_images=same, duration=round(1000 / fps), loop=0)
+
+
+def _in_colours_of(palette: Image.Image, picture: Picture) -> Image.Image:
+    """A picture in the colours of another one whose first one is white."""
+    numbers = np.array(Image.fromarray(picture).quantize(palette=palette, dither=Image.Dither.NONE))
+    # the nearest colour is looked up roughly, and a ground that is almost white looks dirty
+    numbers[(picture == 255).all(axis=2)] = 0
+    image = Image.fromarray(numbers)
+    image.putpalette(palette.getpalette() or [])
+    return image
 
 
 _WRITERS: dict[str, Callable[[Path, Iterable[Picture], tuple[int, int], float], None]] = {
