@@ -17,6 +17,9 @@ FILES = ("run.h5", "curve.csv", "summary.json", "curve.png", "shapes.png")
 #: What `isopeel report` makes of them.
 REPORT = "report.html"
 
+#: Folder inside that of a run for what is drawn from it later, and the names of that, whatever the format.
+FIGURES, DRAWN = "figures", ("curve", "plateau", "shapes", "front", "tractions", "animation")
+
 
 class Place(NamedTuple):
     """Where the files of a stage go, what it is called, and which files it makes outdated."""
@@ -45,11 +48,20 @@ def places(name: str, stages: Sequence[str], out: Path) -> list[Place]:
             folder,
             title,
             # what later stages and runs with other stages have left
-            [path / file for path in earlier - set(folders[: number + 1]) for file in kept]
-            + [folder / file for file in (*FILES[1:], REPORT)],
+            [
+                file
+                for path in earlier - set(folders[: number + 1])
+                for file in (*(path / name for name in kept), *_drawn(path))
+            ]
+            + [*(folder / file for file in (*FILES[1:], REPORT)), *_drawn(folder)],
         )
         for number, (folder, title) in enumerate(zip(folders, titles, strict=True))
     ]
+
+
+def _drawn(folder: Path) -> list[Path]:
+    """What has been drawn from the run in a folder."""
+    return [path for path in (folder / FIGURES).glob("*.*") if path.stem in DRAWN]
 
 
 def stage_files(out: Path) -> list[Path]:
@@ -72,14 +84,19 @@ def run_files(folder: Path) -> list[Path]:
     return files
 
 
-def check_folder(out: Path) -> None:
-    """Make a folder. Raises InputError where it, or a file in it, could not be written."""
+def make_folder(out: Path) -> None:
+    """Make a folder. Raises InputError where no file could be written to it."""
     try:
         out.mkdir(parents=True, exist_ok=True)
         TemporaryFile(dir=out).close()
     except OSError as error:
         allowed = f"a folder that can be written is needed: {error.strerror}"
         raise InputError("--out", str(out), allowed) from error
+
+
+def check_folder(out: Path) -> None:
+    """Make the folder of a run. Raises InputError where it, or a file in it, could not be written."""
+    make_folder(out)
     for name in FILES:
         if (out / name).exists() and not (out / name).is_file():
             raise InputError("--out", str(out), f"{name} in it must be a file, where there is one")

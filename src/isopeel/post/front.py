@@ -34,6 +34,8 @@ class FrontProfile:
     """
 
     position: FloatArray  # distance along the reference side, from where the side begins
+    deformed: FloatArray  # x (n, k, 2)
+    normal: FloatArray  # n_o there (n, k, 2)
     gap: FloatArray
     adhesive_traction: FloatArray  # T by the law, on the area that the problem names
     body_traction: FloatArray  # n_o . P N of the field in the elements next to the side
@@ -87,6 +89,8 @@ def front_profile(
         traction = traction * projection(fields, normal)
     return FrontProfile(
         position=_distance(problem.body.shape.boundary(side), knots, parameters),
+        deformed=fields.position,
+        normal=normal,
         gap=gap,
         adhesive_traction=traction,
         body_traction=np.einsum("...i,...iJ,...J->...", normal, fields.nominal_stress, fields.normal),
