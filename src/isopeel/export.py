@@ -5,12 +5,11 @@ from pathlib import Path
 
 from rich.console import Console
 
-from isopeel.case import Case
 from isopeel.errors import InputError
-from isopeel.folder import check_folder, run_files
+from isopeel.folder import make_folder
 from isopeel.post.grids import body_grids, body_mesh, side_grids, side_mesh
-from isopeel.results.run_file import StoredRun, read_run
 from isopeel.results.vtk import write_grid, write_series
+from isopeel.stored import StoredStage, stored_stages
 
 #: Most straight pieces of an element each way: the square of them are written for each element and state.
 MOST_PIECES = 20
@@ -29,16 +28,16 @@ def export_run(folder: Path, out: Path | None, linear: int | None, console: Cons
     """
     if linear is not None and not 1 <= linear <= MOST_PIECES:
         raise InputError("--linear", linear, f"an element is cut into 1 to {MOST_PIECES} each way")
-    files = run_files(folder)
-    runs = {path: read_run(path) for path in files}
-    if not any(run.fields for run in runs.values()):
+    stages = stored_stages(folder)
+    if not any(stage.run.fields for stage in stages):
         raise InputError("DIR", str(folder), "a run with a converged step is needed, and it has none yet")
-    for path, run in runs.items():
+    for stage in stages:
+        run = stage.run
         if run.fields:
-            place = path.parent / "paraview" if out is None else out
-            if out is not None and len(files) > 1:
-                place = out / path.parent.name
-            _export(run, path, place, linear)
+            place = stage.folder / "paraview" if out is None else out
+            if out is not None and len(stages) > 1:
+                place = out / stage.folder.name
+            _export(stage, place, linear)
             unit = run.curve.parameter_column.unit
             told = "" if run.ending == "completed" else f" (the run {_ENDINGS[run.ending]})"
             states = f"{len(run.fields)} states, to {list(run.fields)[-1]:g} {unit}{told}"
@@ -52,18 +51,10 @@ _ENDINGS = {
 }
 
 
-def _export(run: StoredRun, path: Path, out: Path, linear: int | None) -> None:
-    try:
-        case = Case.parse(run.case_text, str(path))
-        # all stages have one body and one adhesion
-        problem, space = case.problem(), case.space()
-    except InputError as error:
-        raise InputError("DIR", str(path), f"the case in it cannot be used any more: {error}") from error
-    if any(
-        u.shape != (space.size, 2) for u in (*run.fields.values(), *([] if run.base is None else [run.base]))
-    ):
-        raise InputError("DIR", str(path), "the displacements in it are not of the case in it")
-    check_folder(out)
+def _export(stage: StoredStage, out: Path, linear: int | None) -> None:
+    run, case, space = stage.run, stage.case, stage.space
+    problem = stage.stage.problem
+    make_folder(out)
     parameter = run.curve.parameter_column
     notes = {
         "case": case.name,

@@ -5,7 +5,7 @@ from pathlib import Path
 
 from isopeel.case import Case, Stage
 from isopeel.errors import InputError
-from isopeel.folder import FILES, stage_files
+from isopeel.folder import run_files
 from isopeel.results.run_file import StoredRun, read_run
 from isopeel.splines.rows import RowSpace
 
@@ -30,14 +30,7 @@ def stored_stages(folder: Path) -> tuple[StoredStage, ...]:
     The files may come from anywhere. Raises InputError where there is no run in the folder, or a file does
     not fit to the case in it.
     """
-    if not folder.is_dir():
-        raise InputError("DIR", str(folder), "the folder of a run is needed, and it is no folder")
-    own = folder / FILES[0]
-    files = [own] if own.exists() else sorted(stage_files(folder), key=_number)
-    if not files:
-        allowed = f"the folder of a run is needed, and there is no {FILES[0]} in it"
-        raise InputError("DIR", str(folder), allowed)
-    return tuple(map(_stored_stage, files))
+    return tuple(map(_stored_stage, run_files(folder)))
 
 
 def _stored_stage(file: Path) -> StoredStage:
@@ -54,7 +47,8 @@ def _stored_stage(file: Path) -> StoredStage:
     # two stages may have one name, but not one folder
     numbers = [number for number, stage in enumerate(stages, start=1) if stage.name == name]
     number = _number(file) if _number(file) in numbers else min(numbers, default=0)
-    sizes = {len(displacement) for displacement in run.fields.values()}
+    kept = [*run.fields.values(), *([] if run.base is None else [run.base])]
+    sizes = {len(displacement) for displacement in kept}
     if missing or not number or not sizes <= {space.size}:
         told = f"lacks {', '.join(missing)}" if missing else "holds fields or a stage of another case"
         raise InputError("FILE", str(file), f"the file of a run is needed: it {told}")

@@ -1,0 +1,39 @@
+"""The command line."""
+
+import signal
+import sys
+from collections.abc import Sequence
+from io import TextIOWrapper
+
+from typer.exceptions import TyperException
+
+from isopeel.cli import running, showing
+from isopeel.cli.base import BAD_INPUT, COMPLETED, INTERRUPTED, app, fail, unwritten
+from isopeel.errors import InputError
+
+__all__ = ["app", "main", "running", "showing"]
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the command line, by default the process's own, and return its exit code.
+
+    0: done; 2: bad input, or a file that cannot be written; 3: no equilibrium; 130: interrupted. What went
+    wrong is on standard error.
+    """
+    if isinstance(sys.stdout, TextIOWrapper):
+        # a name that the terminal's encoding lacks should not end a run
+        sys.stdout.reconfigure(errors="replace")
+    try:
+        code = int(app(arguments, standalone_mode=False) or COMPLETED)
+        if code == INTERRUPTED and arguments is None:
+            # another Ctrl-C while the process goes down has nothing left to end
+            signal.signal(signal.SIGINT, signal.SIG_IGN)
+        return code
+    except InputError as error:
+        return fail(BAD_INPUT, str(error))
+    except TyperException as error:
+        return fail(BAD_INPUT, " ".join(error.format_message().split()))
+    except OSError as error:
+        return fail(BAD_INPUT, unwritten(error))
+    except MemoryError:
+        return fail(BAD_INPUT, "there is not enough memory; give a coarser --mesh")

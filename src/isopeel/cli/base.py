@@ -1,0 +1,75 @@
+"""What all commands share: the application, exit codes, and how they speak."""
+
+import shlex
+from collections.abc import Callable
+from functools import wraps
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, ParamSpec
+
+import typer
+
+import isopeel
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+# The commands import what they need themselves: help should not wait for a compiler.
+
+COMPLETED, BAD_INPUT, NOT_CONVERGED, INTERRUPTED = 0, 2, 3, 130
+
+P = ParamSpec("P")
+
+app = typer.Typer(pretty_exceptions_enable=False)
+
+
+@app.callback(invoke_without_command=True)
+def _root(
+    context: typer.Context,
+    version: Annotated[bool, typer.Option("--version", help="Tell the version.")] = False,
+) -> None:
+    """Simulate peeling of soft solids off adhesive surfaces by isogeometric analysis."""
+    if version:
+        typer.echo(f"isopeel {isopeel.__version__}")
+        raise typer.Exit
+    if context.invoked_subcommand is None:
+        typer.echo(context.get_help())
+
+
+def command(function: Callable[P, int]) -> Callable[P, int]:
+    """Make a function that returns an exit code a command, which Ctrl-C ends with a line."""
+
+    @wraps(function)
+    def run(*arguments: P.args, **options: P.kwargs) -> int:
+        try:
+            return function(*arguments, **options)
+        except KeyboardInterrupt:
+            return fail(INTERRUPTED, "interrupted")
+
+    return app.command()(run)
+
+
+def console() -> "Console":
+    """Standard output."""
+    from rich.console import Console
+
+    # paths are shown as they are: [b] and :b: mean nothing in them
+    return Console(markup=False, emoji=False, highlight=False)
+
+
+def fail(code: int, message: str) -> int:
+    """Say on standard error what went wrong, and return the exit code for it."""
+    typer.echo(f"isopeel: {message}", err=True)
+    return code
+
+
+def unwritten(error: OSError, folder: Path | None = None) -> str:
+    """What is told of a file that could not be written, of the run in a folder if there is one."""
+    told = f"{error.filename or 'a file'} cannot be written: {error.strerror}"
+    if folder is None or not any(folder.glob("**/run.h5")):
+        return told
+    return f"{told}; `isopeel resume {shlex.quote(str(folder))}` goes on with what is saved"
+
+
+def goes_on(folder: Path) -> str:
+    """What is told of an interrupted run in a folder."""
+    return f"what converged before is in {folder}, and `isopeel resume {shlex.quote(str(folder))}` goes on"

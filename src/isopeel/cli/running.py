@@ -1,0 +1,175 @@
+"""The commands that compute."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from isopeel.cli.base import (
+    BAD_INPUT,
+    COMPLETED,
+    INTERRUPTED,
+    NOT_CONVERGED,
+    command,
+    console,
+    fail,
+    goes_on,
+    unwritten,
+)
+from isopeel.errors import InputError
+
+if TYPE_CHECKING:
+    from isopeel.run import Result
+
+_ControlOption = Annotated[
+    str | None,
+    typer.Option(
+        metavar="auto|newton|continuation|jump", help="What to do where a step finds no equilibrium."
+    ),
+]
+
+
+@command
+def run(
+    case: Annotated[
+        str, typer.Argument(metavar="CASE", help="A TOML file, or a shipped case (see `isopeel cases`).")
+    ],
+    out: Annotated[
+        Path | None, typer.Option(metavar="DIR", help="Folder of the results; out/NAME when left out.")
+    ] = None,
+    space: Annotated[str | None, typer.Option(metavar="NAME", help="Spline space, such as N2.1.")] = None,
+    mesh: Annotated[str | None, typer.Option(metavar="NXxNY", help="Elements, such as 200x10.")] = None,
+    to: Annotated[
+        str | None,
+        typer.Option(metavar="VALUE", help="Last parameter, such as '20 nm'; a number means degrees."),
+    ] = None,
+    step: Annotated[
+        str | None, typer.Option(metavar="VALUE", help="Step of the parameter, written likewise.")
+    ] = None,
+    traction: Annotated[
+        str | None,
+        typer.Option(metavar="reference|projected", help="Area that the adhesive traction acts on."),
+    ] = None,
+    contact_points: Annotated[
+        int | None, typer.Option(metavar="N", help="Gauss points of the adhesive force on an element.")
+    ] = None,
+    control: _ControlOption = None,
+    fields_every: Annotated[
+        str | None,
+        typer.Option(metavar="VALUE", help="Parameter between stored displacements, written likewise."),
+    ] = None,
+) -> int:
+    """Run CASE and leave its curve, figures, summary and fields in a folder."""
+    try:
+        from isopeel.case import load_case
+        from isopeel.run import run_case
+
+        chosen = load_case(case).overridden(
+            space=space,
+            mesh=mesh,
+            to=to,
+            step=step,
+            traction=traction,
+            contact_points=contact_points,
+            control=control,
+            fields_every=fields_every,
+        )
+        folder = out or Path("out") / chosen.name
+        result = run_case(chosen, folder, console())
+    except InputError as error:
+        # what only the solver can tell of an option
+        for option, value in (("mesh", mesh), ("contact_points", contact_points)):
+            if error.field == f"discretization.{option}" and error.value == value:
+                raise InputError(f"--{option.replace('_', '-')}", value, error.allowed) from error
+        raise
+    except OSError as error:
+        return fail(BAD_INPUT, unwritten(error, folder))
+    return _ended(result, folder)
+
+
+@command
+def resume(
+    folder: Annotated[Path, typer.Argument(metavar="DIR", help="Folder of a run that was interrupted.")],
+    to: Annotated[
+        str | None,
+        typer.Option(metavar="VALUE", help="Last parameter, if it is to go further than was asked for."),
+    ] = None,
+    control: _ControlOption = None,
+) -> int:
+    """Go on with a run that was interrupted or killed; its steps are those of an uninterrupted one."""
+    try:
+        from isopeel.resume import resume_case
+
+        result = resume_case(folder, console(), to, control)
+    except KeyboardInterrupt:
+        return fail(INTERRUPTED, f"interrupted; {goes_on(folder)}")
+    except OSError as error:
+        return fail(BAD_INPUT, unwritten(error, folder))
+    return _ended(result, folder)
+
+
+def _ended(result: "Result", folder: Path) -> int:
+    """Tell how a run ended, and return the exit code for it."""
+    from isopeel.run import failure_message
+
+    run, stage_folder = result
+    if run.ending == "interrupted":
+        return fail(INTERRUPTED, f"interrupted; {goes_on(folder)}")
+    if run.failure is not None:
+        column = run.curve.parameter_column
+        return fail(NOT_CONVERGED, failure_message(run.failure, column, stage_folder, folder))
+    return COMPLETED
+
+
+@command
+def paper(
+    only: Annotated[
+        list[str] | None,
+        typer.Option(metavar="PART", help="A part of the report, such as table2; repeatable."),
+    ] = None,
+    mesh: Annotated[
+        list[str] | None, typer.Option(metavar="m1|m2|m3", help="A mesh of the study; repeatable.")
+    ] = None,
+    out: Annotated[Path, typer.Option(metavar="DIR", help="Folder of the report and its runs.")] = Path(
+        "out/paper"
+    ),
+) -> int:
+    """Run the published study, and report on it beside the published figures.
+
+    Runs that are finished are kept, so that the same command goes on where it was interrupted.
+    """
+    kept = f"finished runs are in {out}, and the same command goes on"
+    try:
+        from isopeel.paper.report import chosen_meshes, chosen_parts, make_report
+        from isopeel.processes import WorkerLostError
+
+        try:
+            page = make_report(chosen_parts(only or []), chosen_meshes(mesh or []), out, console())
+        except WorkerLostError as error:
+            return fail(BAD_INPUT, f"{error}; {kept}")
+    except KeyboardInterrupt:
+        return fail(INTERRUPTED, f"interrupted; {kept}")
+    console().print(f"the report is {page}", soft_wrap=True)
+    return COMPLETED
+
+
+@command
+def validate(
+    only: Annotated[
+        list[str] | None, typer.Option(metavar="CHECK", help="A check, such as tapes; repeatable.")
+    ] = None,
+    out: Annotated[Path, typer.Option(metavar="DIR", help="Folder of the report.")] = Path("out/validation"),
+) -> int:
+    """Hold runs against closed forms, and report on all deviations."""
+    from isopeel.processes import WorkerLostError
+    from isopeel.validation.report import chosen_checks
+    from isopeel.validation.report import validate as run_checks
+
+    try:
+        found = run_checks(chosen_checks(only or []), out, console())
+    except WorkerLostError as error:
+        return fail(BAD_INPUT, str(error))
+    console().print(f"the report is {found.page}", soft_wrap=True)
+    if found.failed:
+        return fail(NOT_CONVERGED, f"numbers beyond what is allowed: {found.failed}, see {found.page}")
+    return COMPLETED

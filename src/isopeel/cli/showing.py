@@ -1,0 +1,166 @@
+"""The commands that show what was computed, and what there is."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from isopeel.cli.base import COMPLETED, INTERRUPTED, command, console, fail
+
+
+@command
+def plot(
+    folder: Annotated[Path, typer.Argument(metavar="DIR", help="Folder of a run, or of one of its stages.")],
+    only: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="PART", help="Figure: curve, plateau, shapes, front or tractions; repeatable, else all."
+        ),
+    ] = None,
+    at: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="VALUE",
+            help="Parameter of a state to show, such as '20 nm'; a number means degrees; repeatable.",
+        ),
+    ] = None,
+    suffix: Annotated[str, typer.Option("--format", metavar="png|svg|pdf", help="Kind of file.")] = "png",
+    out: Annotated[
+        Path | None, typer.Option(metavar="DIR", help="Folder of the figures; DIR/figures when left out.")
+    ] = None,
+) -> int:
+    """Draw the figures of a stored run: its curve and plateau, deformed shapes, front and tractions."""
+    from isopeel.plot import plot_run
+
+    plot_run(folder, only or [], at or [], suffix, out, console())
+    return COMPLETED
+
+
+@command
+def report(
+    folder: Annotated[Path, typer.Argument(metavar="DIR", help="Folder of a run, or of a stage of one.")],
+    out: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="File of the page; DIR/report.html when left out.")
+    ] = None,
+) -> int:
+    """Write a run as one HTML page, with its curve, shapes, front and tractions, that opens anywhere."""
+    from isopeel.page.write import write_page
+
+    console().print(f"the report is {write_page(folder, out)}", soft_wrap=True)
+    return COMPLETED
+
+
+@command
+def export(
+    folder: Annotated[Path, typer.Argument(metavar="DIR", help="Folder of a run.")],
+    out: Annotated[
+        Path | None, typer.Option(metavar="DIR", help="Folder of the files; DIR/paraview when left out.")
+    ] = None,
+    linear: Annotated[
+        int | None,
+        typer.Option(metavar="N", help="Cut each element into N x N straight cells, not into Bezier cells."),
+    ] = None,
+) -> int:
+    """Write the fields of a run for ParaView, as Bezier cells that hold curved shapes exactly."""
+    try:
+        from isopeel.export import export_run
+
+        export_run(folder, out, linear, console())
+    except KeyboardInterrupt:
+        return fail(INTERRUPTED, "interrupted; the same command writes all files anew")
+    return COMPLETED
+
+
+@command
+def compare(
+    folders: Annotated[
+        list[Path], typer.Argument(metavar="DIR...", help="Folders of two runs or more, or of stages.")
+    ],
+    suffix: Annotated[str, typer.Option("--format", metavar="png|svg|pdf", help="Kind of figure.")] = "png",
+    out: Annotated[Path, typer.Option(metavar="DIR", help="Folder of the table and the figure.")] = Path(
+        "out/compare"
+    ),
+) -> int:
+    """Lay the curves of stored runs over each other, and tabulate what was read from them."""
+    from isopeel.compare import compare_runs
+
+    compare_runs(folders, suffix, out, console())
+    return COMPLETED
+
+
+@command
+def animate(
+    folder: Annotated[Path, typer.Argument(metavar="DIR", help="Folder of a run, or of one of its stages.")],
+    suffix: Annotated[str, typer.Option("--format", metavar="mp4|gif", help="Kind of file.")] = "mp4",
+    fps: Annotated[
+        float | None,
+        typer.Option(metavar="N", help="Stored states per second; a few seconds in all when left out."),
+    ] = None,
+    size: Annotated[str, typer.Option(metavar="WxH", help="Width and height in pixels.")] = "1280x600",
+    out: Annotated[
+        Path | None, typer.Option(metavar="DIR", help="Folder of the file; DIR/figures when left out.")
+    ] = None,
+) -> int:
+    """Animate a stored run: the deformed body, and beside it the curve with a mark that moves along it."""
+    from isopeel.animate import animate_run
+
+    animate_run(folder, suffix, fps, size, out, console())
+    return COMPLETED
+
+
+@command
+def view(
+    folder: Annotated[Path, typer.Argument(metavar="DIR", help="Folder of a run, or of one of its stages.")],
+    at: Annotated[
+        str | None,
+        typer.Option(metavar="VALUE", help="Parameter of the state to begin with; a number means degrees."),
+    ] = None,
+    screenshot: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="Write a PNG picture instead of opening a window.")
+    ] = None,
+) -> int:
+    """Show the deformed body of a stored run in a window, with a slider (needs isopeel[view])."""
+    from isopeel.view import view_run
+
+    view_run(folder, at, screenshot, console())
+    return COMPLETED
+
+
+@command
+def cases() -> int:
+    """List the shipped cases."""
+    from isopeel.run import cases_table
+
+    console().print(cases_table())
+    return COMPLETED
+
+
+@command
+def spaces(
+    name: Annotated[str, typer.Argument(metavar="NAME", help="A spline space, such as N2.1 or L1+N2@2.")],
+    mesh: Annotated[str, typer.Option(metavar="NXxNY", help="Elements that DOFs are told for.")] = "200x10",
+    out: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="File of the figure; out/NAME.png when left out.")
+    ] = None,
+) -> int:
+    """Draw the functions of a spline space, and tell its degrees, continuities, supports and DOFs."""
+    from isopeel.spaces import show_space
+
+    show_space(name, mesh, out, console())
+    return COMPLETED
+
+
+@command
+def law(
+    name: Annotated[
+        str, typer.Argument(metavar="NAME", help="A law, such as exponential, or a case whose law is shown.")
+    ],
+    out: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="File of the figure; out/NAME.png when left out.")
+    ] = None,
+) -> int:
+    """Draw a law of adhesion, and tell its strength, work of adhesion and stiffness."""
+    from isopeel.law import show_law
+
+    show_law(name, out, console())
+    return COMPLETED
