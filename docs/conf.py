@@ -1,0 +1,88 @@
+"""The site: pages of this folder, executed, and the reference from docstrings. Built by `make docs`."""
+
+import os
+import re
+import sys
+from importlib.metadata import version as version_of
+from pathlib import Path
+
+from docutils import nodes
+from latex2mathml.converter import convert
+from sphinx.application import Sphinx
+from sphinx.util.math import get_node_equation_number
+from sphinx.writers.html5 import HTML5Translator
+
+# commands in the pages are those of this environment, in one thread
+os.environ["PATH"] = os.pathsep.join([str(Path(sys.executable).parent), os.environ.get("PATH", "")])
+os.environ.setdefault("OMP_NUM_THREADS", "1")
+# the output of a cell is no terminal, whatever its kernel says
+os.environ |= {"TTY_COMPATIBLE": "0", "COLUMNS": "100"}
+
+project = "isopeel"
+author = "The isopeel developers"
+copyright = author
+version = release = version_of("isopeel")
+
+extensions = ["myst_nb", "sphinx.ext.autodoc", "sphinx.ext.autosummary", "sphinx.ext.viewcode"]
+exclude_patterns = ["paper/runs/**"]
+templates_path = ["_templates"]
+html_static_path = ["_static"]
+html_css_files = ["site.css"]
+html_theme = "furo"
+html_title = "isopeel"
+html_math_renderer = "mathml"
+html_copy_source = False
+math_numfig = False
+
+myst_enable_extensions = ["dollarmath", "colon_fence", "deflist"]
+myst_heading_anchors = 3
+# what a page shows is what its code prints while the site is built, in an empty folder
+nb_execution_mode = "force"
+nb_execution_in_temp = True
+nb_execution_raise_on_error = True
+nb_execution_timeout = 300
+nb_merge_streams = True
+nb_execution_show_tb = True
+
+autosummary_generate = True
+autodoc_member_order = "bysource"
+autodoc_typehints_format = "short"
+autodoc_default_options = {"members": True, "show-inheritance": False}
+default_role = "code"
+
+
+def setup(app: Sphinx) -> None:
+    """Formulas as MathML, which browsers draw themselves, and docstrings as plain text."""
+    app.add_html_math_renderer("mathml", (_inline_formula, None), (_formula, None))
+    app.connect("autodoc-process-docstring", _plain)
+
+
+def _inline_formula(self: HTML5Translator, node: nodes.math) -> None:
+    self.body.append(convert(node.astext()))
+    raise nodes.SkipNode
+
+
+def _formula(self: HTML5Translator, node: nodes.math_block) -> None:
+    self.body.append(self.starttag(node, "div", CLASS="formula"))
+    self.body.append(convert(node.astext(), display="block"))
+    if node["number"]:
+        self.body.append(f'<span class="eqno">({get_node_equation_number(self, node)})')
+        self.add_permalink_ref(node, "Link to this equation")
+        self.body.append("</span>")
+    self.body.append("</div>\n")
+    raise nodes.SkipNode
+
+
+def _plain(_app: Sphinx, _what: str, _name: str, _of: object, _options: object, lines: list[str]) -> None:
+    """Keep formulas in docstrings from being read as markup, and what is indented as it is written."""
+    text = ""
+    after_blank = False
+    for line in lines:
+        indented = line.startswith("    ")
+        if indented and after_blank and not text.endswith("::\n\n"):
+            text += "::\n\n"
+        parts = re.split(r"(`[^`]*`)", line)
+        parts[::2] = [part if indented else re.sub(r"([*_|\\])", r"\\\1", part) for part in parts[::2]]
+        text += "".join(parts) + "\n"
+        after_blank = not line.strip() or (after_blank and indented)
+    lines[:] = text.splitlines()
