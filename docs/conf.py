@@ -25,7 +25,6 @@ version = release = version_of("isopeel")
 
 extensions = ["myst_nb", "sphinx.ext.autodoc", "sphinx.ext.autosummary", "sphinx.ext.viewcode"]
 exclude_patterns = ["paper/runs/**"]
-templates_path = ["_templates"]
 html_static_path = ["_static"]
 html_css_files = ["site.css"]
 html_theme = "furo"
@@ -37,17 +36,16 @@ math_numfig = False
 myst_enable_extensions = ["dollarmath", "colon_fence", "deflist"]
 myst_heading_anchors = 3
 # what a page shows is what its code prints while the site is built, in an empty folder
-nb_execution_mode = "force"
 nb_execution_in_temp = True
 nb_execution_raise_on_error = True
 nb_execution_timeout = 300
 nb_merge_streams = True
 nb_execution_show_tb = True
 
-autosummary_generate = True
+autosummary_generate = False
 autodoc_member_order = "bysource"
 autodoc_typehints_format = "short"
-autodoc_default_options = {"members": True, "show-inheritance": False}
+autodoc_default_options = {"members": True, "ignore-module-all": True}
 default_role = "code"
 
 
@@ -75,14 +73,18 @@ def _formula(self: HTML5Translator, node: nodes.math_block) -> None:
 
 def _plain(_app: Sphinx, _what: str, _name: str, _of: object, _options: object, lines: list[str]) -> None:
     """Keep formulas in docstrings from being read as markup, and what is indented as it is written."""
-    text = ""
-    after_blank = False
+    plain: list[str] = []
+    literal = False
     for line in lines:
-        indented = line.startswith("    ")
-        if indented and after_blank and not text.endswith("::\n\n"):
-            text += "::\n\n"
+        indented = line.startswith(" ")
+        if indented and not literal:
+            plain += ["", "::", ""]
+            literal = True
+        elif literal and line and not indented:
+            plain.append("")
+            literal = False
         parts = re.split(r"(`[^`]*`)", line)
-        parts[::2] = [part if indented else re.sub(r"([*_|\\])", r"\\\1", part) for part in parts[::2]]
-        text += "".join(parts) + "\n"
-        after_blank = not line.strip() or (after_blank and indented)
-    lines[:] = text.splitlines()
+        if not literal:
+            parts[::2] = [re.sub(r"([*_|\\])", r"\\\1", part) for part in parts[::2]]
+        plain.append("".join(parts))
+    lines[:] = plain
