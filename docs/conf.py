@@ -23,7 +23,7 @@ author = "The isopeel developers"
 copyright = author
 version = release = version_of("isopeel")
 
-extensions = ["myst_nb", "sphinx.ext.autodoc", "sphinx.ext.autosummary", "sphinx.ext.viewcode"]
+extensions = ["myst_nb", "sphinx.ext.autodoc", "sphinx.ext.autosummary"]
 exclude_patterns = ["paper/runs/**"]
 html_static_path = ["_static"]
 html_css_files = ["site.css"]
