@@ -1,10 +1,14 @@
 """The site: pages of this folder, executed, and the reference from docstrings. Built by `make docs`."""
 
+import atexit
 import os
 import re
 import sys
 from importlib.metadata import version as version_of
+from importlib.resources import files
 from pathlib import Path
+from shutil import copy
+from tempfile import TemporaryDirectory
 
 from docutils import nodes
 from latex2mathml.converter import convert
@@ -15,8 +19,15 @@ from sphinx.writers.html5 import HTML5Translator
 # commands in the pages are those of this environment, in one thread
 os.environ["PATH"] = os.pathsep.join([str(Path(sys.executable).parent), os.environ.get("PATH", "")])
 os.environ.setdefault("OMP_NUM_THREADS", "1")
+# kernels start with `startup.py`
+_home = TemporaryDirectory()
+atexit.register(_home.cleanup)
+_startup = Path(_home.name) / "profile_default/startup"
+_startup.mkdir(parents=True)
+copy(Path(__file__).with_name("startup.py"), _startup)
+os.environ["IPYTHONDIR"] = _home.name
 # the output of a cell is no terminal, whatever its kernel says
-os.environ |= {"TTY_COMPATIBLE": "0", "COLUMNS": "100"}
+os.environ |= {"TTY_COMPATIBLE": "0", "_TYPER_FORCE_DISABLE_TERMINAL": "1", "COLUMNS": "84"}
 
 project = "isopeel"
 author = "The isopeel developers"
@@ -25,7 +36,8 @@ version = release = version_of("isopeel")
 
 extensions = ["myst_nb", "sphinx.ext.autodoc", "sphinx.ext.autosummary"]
 exclude_patterns = ["paper/runs/**"]
-html_static_path = ["_static"]
+# many systems have no font for formulas
+html_static_path = ["_static", str(files("ziamath") / "fonts/STIXTwoMath-Regular.ttf")]
 html_css_files = ["site.css"]
 html_theme = "furo"
 html_title = "isopeel"
@@ -36,6 +48,7 @@ math_numfig = False
 myst_enable_extensions = ["dollarmath", "colon_fence", "deflist"]
 myst_heading_anchors = 3
 # what a page shows is what its code prints while the site is built, in an empty folder
+nb_execution_mode = "force"
 nb_execution_in_temp = True
 nb_execution_raise_on_error = True
 nb_execution_timeout = 300
