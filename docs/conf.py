@@ -66,6 +66,7 @@ def setup(app: Sphinx) -> None:
     """Formulas as MathML, which browsers draw themselves, and docstrings as plain text."""
     app.add_html_math_renderer("mathml", (_inline_formula, None), (_formula, None))
     app.connect("autodoc-process-docstring", _plain)
+    app.connect("autodoc-process-signature", _short)
 
 
 def _inline_formula(self: HTML5Translator, node: nodes.math) -> None:
@@ -82,6 +83,23 @@ def _formula(self: HTML5Translator, node: nodes.math_block) -> None:
         self.body.append("</span>")
     self.body.append("</div>\n")
     raise nodes.SkipNode
+
+
+def _short(
+    _app: Sphinx,
+    _what: str,
+    _name: str,
+    _of: object,
+    _options: object,
+    arguments: str | None,
+    returned: str | None,
+) -> tuple[str | None, str | None]:
+    """The names that arrays have in the code."""
+    texts = [arguments, returned]
+    for kind, name in (("float64", "FloatArray"), ("int64", "IntArray")):
+        array = re.compile(rf"~?(?:\w+\.)*ndarray\[tuple\[[^]]*\], ~?(?:\w+\.)*dtype\[~?(?:\w+\.)*{kind}\]\]")
+        texts = [text and array.sub(name, text) for text in texts]
+    return texts[0], texts[1]
 
 
 def _plain(_app: Sphinx, _what: str, _name: str, _of: object, _options: object, lines: list[str]) -> None:
