@@ -12,11 +12,13 @@ from pathlib import Path
 from time import sleep
 from typing import Any
 
+import numpy as np
 import pytest
 
 import isopeel
 from isopeel.cli import main
 from isopeel.folder import FILES, alone_in
+from isopeel.results.run_file import read_run
 from isopeel.results.run_writer import RunWriter
 
 SMALL = ("--mesh", "20x2", "--space", "L1", "--to", "6", "--step", "1")
@@ -101,6 +103,22 @@ def test_a_run_without_an_equilibrium_stays_as_it_is(capsys: pytest.CaptureFixtu
     assert main(["resume", "out/strip"]) == 3
     assert capsys.readouterr().err == told
     assert {path: path.read_bytes() for path in OUT.iterdir()} == before
+
+
+def test_another_control_goes_on_where_one_found_no_equilibrium(capsys: pytest.CaptureFixture[str]) -> None:
+    coarse = ("--mesh", "10x1", "--space", "L1", "--to", "80", "--step", "20")
+    assert main(["run", "strip", *coarse, "--control", "newton"]) == 3
+    assert "`isopeel resume out/strip --control CONTROL` goes on" in capsys.readouterr().err
+    failed = read_run(OUT / "run.h5")
+    assert main(["resume", "out/strip", "--control", "auto"]) == 0
+    found = read_run(OUT / "run.h5")
+    assert (found.ending, found.failure) == ("completed", None)
+    assert 'path_control = "auto"' in found.case_text
+    assert len(found.curve) > len(failed.curve) > 0
+    np.testing.assert_array_equal(found.curve.reaction[: len(failed.curve)], failed.curve.reaction)
+    assert main(["run", "strip", *coarse, "--control", "auto", "--out", "at once"]) == 0
+    at_once = read_run(Path("at once/run.h5"))
+    np.testing.assert_array_equal(found.curve.reaction, at_once.curve.reaction)
 
 
 def test_what_is_no_run_is_refused(capsys: pytest.CaptureFixture[str]) -> None:

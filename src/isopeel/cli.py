@@ -26,6 +26,14 @@ COMPLETED, BAD_INPUT, NOT_CONVERGED, INTERRUPTED = 0, 2, 3, 130
 app = typer.Typer(add_completion=False, pretty_exceptions_enable=False)
 
 
+_ControlOption = Annotated[
+    str | None,
+    typer.Option(
+        metavar="auto|newton|continuation|jump", help="What to do where a step finds no equilibrium."
+    ),
+]
+
+
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line, by default the process's own, and return its exit code.
 
@@ -100,12 +108,7 @@ def run(
     contact_points: Annotated[
         int | None, typer.Option(metavar="N", help="Gauss points of the adhesive force on an element.")
     ] = None,
-    control: Annotated[
-        str | None,
-        typer.Option(
-            metavar="auto|newton|continuation|jump", help="What to do where a step finds no equilibrium."
-        ),
-    ] = None,
+    control: _ControlOption = None,
 ) -> int:
     """Run CASE and leave its curve, figures, summary and fields in a folder."""
     try:
@@ -143,12 +146,13 @@ def resume(
         str | None,
         typer.Option(metavar="VALUE", help="Last parameter, if it is to go further than was asked for."),
     ] = None,
+    control: _ControlOption = None,
 ) -> int:
     """Go on with a run that was interrupted or killed; its steps are those of an uninterrupted one."""
     try:
         from isopeel.resume import resume_case
 
-        result = resume_case(folder, _console(), to)
+        result = resume_case(folder, _console(), to, control)
     except KeyboardInterrupt:
         return _fail(INTERRUPTED, f"interrupted; {_goes_on(folder)}")
     except OSError as error:
@@ -164,7 +168,8 @@ def _ended(result: "Result", folder: Path) -> int:
     if run.ending == "interrupted":
         return _fail(INTERRUPTED, f"interrupted; {_goes_on(folder)}")
     if run.failure is not None:
-        return _fail(NOT_CONVERGED, failure_message(run.failure, run.curve.parameter_column, stage_folder))
+        column = run.curve.parameter_column
+        return _fail(NOT_CONVERGED, failure_message(run.failure, column, stage_folder, folder))
     return COMPLETED
 
 

@@ -1,5 +1,6 @@
 """Going on with a run that was interrupted, from its folder."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -13,21 +14,23 @@ from isopeel.run import Result, go_through
 from isopeel.solve.step import KINDS
 
 
-def resume_case(folder: Path, console: Console, to: str | None = None) -> Result:
-    """Go on with the run in a folder, as it was asked for, or to another last parameter.
+def resume_case(folder: Path, console: Console, to: str | None = None, control: str | None = None) -> Result:
+    """Go on with the run in a folder, as it was asked for, or to another end, or by another control.
 
     What is complete is said so, and gets the files that it lacks. A run that found no equilibrium stays as it
-    is. The steps are those of the uninterrupted run, to the last bit. Raises as `run_case` does, and
-    InputError where there is no run in the folder.
+    is, unless a control is given that may find one. The steps are those of the uninterrupted run, to the last
+    bit. Raises as `run_case` does, and InputError where there is no run in the folder.
     """
     if not folder.is_dir():
         raise InputError("DIR", str(folder), "the folder of a run is needed, and it is no folder")
     with alone_in(folder, "DIR"):
-        case, stored = _found(folder, to)
+        case, stored = _found(folder, to, control)
+        if control is not None:
+            stored = {number: replace(run, failure=None) for number, run in stored.items()}
         return go_through(case, folder, console, stored)
 
 
-def _found(folder: Path, to: str | None) -> tuple[Case, dict[int, StoredRun]]:
+def _found(folder: Path, to: str | None, control: str | None) -> tuple[Case, dict[int, StoredRun]]:
     """The case of the run in a folder, and what is stored of its stages, by their numbers."""
     files = [folder / FILES[0]] if (folder / FILES[0]).exists() else stage_files(folder)
     if not files:
@@ -41,7 +44,7 @@ def _found(folder: Path, to: str | None) -> tuple[Case, dict[int, StoredRun]]:
         case = Case.parse(text, str(newest))
     except InputError as error:
         raise InputError("DIR", str(folder), f"the case in it cannot be run any more: {error}") from error
-    case = case.overridden(to=to)
+    case = case.overridden(to=to, control=control)
     stages = case.stages()
     where = places(case.name, [stage.name for stage in stages], folder)
     stored = {}

@@ -4,6 +4,7 @@ import json
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from pathlib import Path
+from shlex import quote
 from time import perf_counter
 from typing import Any, NamedTuple
 
@@ -216,8 +217,11 @@ def _complete(
     return run
 
 
-def failure_message(failure: Failure, column: Column, out: Path) -> str:
-    """Say at which parameter and why a run found no equilibrium, with its iterations."""
+def failure_message(failure: Failure, column: Column, out: Path, folder: Path) -> str:
+    """Say at which parameter and why a run found no equilibrium, with its iterations.
+
+    `out` has the files of its stage, and `folder` those of all.
+    """
     unit = _short(column)
     lines = [
         f"no equilibrium at {failure.parameter:g} {unit}: {failure.reason}",
@@ -225,6 +229,7 @@ def failure_message(failure: Failure, column: Column, out: Path) -> str:
         *["iteration  energy residual per unknown"][: len(failure.iterations)],
         *(f"{number:9d}  {measure:.3e}" for number, measure in enumerate(failure.iterations, start=1)),
         f"everything that converged before is in {out}",
+        f"`isopeel resume {quote(str(folder))} --control CONTROL` goes on by another control",
     ]
     return "\n".join(lines)
 

@@ -8,7 +8,8 @@ from scipy.optimize import brentq, minimize_scalar
 
 from isopeel.assembly.system import System
 from isopeel.controls import Control
-from isopeel.problem import MovedSide, Problem, strip
+from isopeel.physics.adhesion import Exponential
+from isopeel.problem import MovedSide, Problem, PulledSide, strip
 from isopeel.solve.control import controlled
 from isopeel.solve.newton import ConvergenceError, NewtonSettings
 from isopeel.solve.path import Path
@@ -80,6 +81,41 @@ def test_the_curve_is_that_of_the_closed_form(curve: list[Step]) -> None:
     assert set(PULL) <= {step.parameter for step in curve if step.kind == "requested"}
 
 
+def test_a_force_that_is_found_leads_along_the_same_curve() -> None:
+    """The force is the unknown, and the displacement where it acts the parameter."""
+    problem = replace(block(), drive=PulledSide("top", np.pi / 2))
+    steps = list(trace(problem, SPACE, PULL, NewtonSettings(control="continuation")))
+    gaps = [gap_of(step) for step in steps]
+    np.testing.assert_allclose([s.parameter for s in steps], [pull(gap) for gap in gaps], rtol=0, atol=1e-9)
+    np.testing.assert_allclose([s.reaction for s in steps], [tension(gap) for gap in gaps], rtol=0, atol=1e-9)
+    kinds = [step.kind for step in steps]
+    first, second = (k for k, kind in enumerate(kinds) if kind == "limit point")
+    assert {step.negative_eigenvalues for step in steps[first + 1 : second]} == {1}
+    assert steps[-1].parameter == PULL[-1]
+
+
+def test_a_joint_that_only_opens_snaps_back_as_if_it_could_heal() -> None:
+    """Along the curve the gap grows, so that irreversible adhesion is never let close: one law, one curve."""
+    law = Exponential(0.06, 0.02)
+    body = strip(length=LENGTH, height=HEIGHT, adhering_length=LENGTH, law=law)
+    problems = [
+        replace(body, drive=MovedSide("top", np.pi / 2), adhesion=replace(body.adhesion, irreversible=kept))
+        for kept in (False, True)
+    ]
+    settings = NewtonSettings(control="continuation")
+    ours, theirs = (list(trace(problem, SPACE, PULL, settings)) for problem in problems)
+    # the steps between are others: the tangent that a stretch starts with may be that of closing
+    for kind, count in (("limit point", 2), ("requested", 0)):
+        one, other = ([step for step in steps if step.kind == kind] for steps in (ours, theirs))
+        assert len(one) == len(other) >= count
+        for attribute in ("parameter", "reaction"):
+            found, expected = ([getattr(step, attribute) for step in steps] for steps in (one, other))
+            # next to limit points, K is soft
+            np.testing.assert_allclose(found, expected, rtol=0, atol=1e-8)
+    assert ours[-1].dissipated_energy == 0
+    assert theirs[-1].dissipated_energy > 0.9 * law.work_of_adhesion * LENGTH
+
+
 def test_its_limit_points_are_located(curve: list[Step]) -> None:
     first, second = (step for step in curve if step.kind == "limit point")
     highest = minimize_scalar(lambda gap: -pull(gap), bounds=(REST, 0.5), options={"xatol": 1e-10})
@@ -135,7 +171,6 @@ def test_a_failed_attempt_leaves_the_last_state_bit_for_bit() -> None:
     last = steps[-1].unknown_values.copy()
     with pytest.raises(ConvergenceError) as failed:
         next(going)
-    assert failed.value.cause == "inverted element"
     assert failed.value.hint
     np.testing.assert_array_equal(steps[-1].unknown_values, last)
     (on,) = trace(problem, space, [1.0], settings, start=[step.state for step in steps])

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
+from scipy.interpolate import CubicHermiteSpline, krogh_interpolate
 
 from isopeel.arrays import FloatArray
 from isopeel.assembly.system import BandMatrix, Equilibrium, System
@@ -36,8 +37,12 @@ SHORTEST = 2.0**-20
 _TURNED = 1e-6
 #: Of the change of the parameter in a step: how near its value is approached before Newton's method ends it.
 _MET = 1e-10
-#: Trials of a search along the curve: enough to halve a step down to round-off.
-_MOST_TRIALS = 60
+#: Points that such a search interpolates.
+_INTERPOLATED = 4
+#: Of the value before: a trial of a search along the curve that comes no nearer is slow.
+_SLOW = 0.5
+#: Trials of such a search: enough to halve a step down to round-off, were each second one slow.
+_MOST_TRIALS = 120
 
 
 @dataclass(frozen=True, eq=False)
@@ -145,29 +150,51 @@ class Curve:
         def missed(point: Point) -> float:
             return point.parameter - parameter
 
-        near = self._zero(missed, one, other, _MET * abs(other.parameter - one.parameter))
+        near = self._between(one, other, missed, _MET * abs(other.parameter - one.parameter))
         return self._corrected(near.unknown_values, parameter, held, 1.0, other)
 
     def limit_point(self, one: Point, other: Point) -> Point:
         """The limit point between two, whose tangents point forth and back; raises ConvergenceError."""
-        return self._zero(self.share, one, other, _TURNED)
+        # where a cubic through both, with their tangents, turns
+        length = self._along(one, other)
+        ends = [0.0, length], [one.parameter, other.parameter], [one.turning, other.turning]
+        turns = [float(at) for at in CubicHermiteSpline(*ends).derivative().roots() if 0 < at < length]
+        return self._between(one, other, self.share, _TURNED, turns[0] if turns else None)
 
-    def _zero(self, function: Callable[[Point], float], one: Point, other: Point, enough: float) -> Point:
-        """The point between two where a function vanishes, by regula falsi that halves an end that stays."""
-        low, high = 0.0, self._along(one, other)
-        at_low, at_high = function(one), function(other)
-        rises = at_high > at_low
-        found = other
+    def _between(
+        self,
+        one: Point,
+        other: Point,
+        function: Callable[[Point], float],
+        enough: float,
+        guess: float | None = None,
+    ) -> Point:
+        """The point between two where a function vanishes, which has different signs there.
+
+        The first trial is at a guess of the distance, if there is one. To the next one leads inverse
+        interpolation of the distance by the function's values, at up to four points next to zero; where a
+        trial came no nearer, the middle.
+        """
+        first = one
+        tried = [(function(point), self._along(first, point), point) for point in (one, other)]
+        falls, last, slow = tried[0][0] > 0, np.inf, False
+        low, high = 0.0, tried[1][1]
         for _ in range(_MOST_TRIALS):
-            radius = (low * at_high - high * at_low) / (at_high - at_low)
-            found = self.beyond(one, radius)
-            value = function(found)
+            tried = sorted(tried, key=lambda trial: abs(trial[0]))[:_INTERPOLATED]
+            values, places, points = zip(*tried, strict=True)
+            at, guess = guess or float(krogh_interpolate(values, places, 0.0)), None
+            if slow or not low < at < high:
+                at = (low + high) / 2
+            found = self.beyond(points[0], (at - places[0]) / self.cosine(first, points[0]))
+            value, at = function(found), self._along(first, found)
             if abs(value) <= enough:
                 break
-            if (value < 0) == rises:
-                low, at_low, at_high = radius, value, at_high / 2
+            slow, last = not slow and abs(value) > _SLOW * last, abs(value)
+            tried.append((value, at, found))
+            if (value > 0) == falls:
+                low = max(low, at)
             else:
-                high, at_high, at_low = radius, value, at_low / 2
+                high = min(high, at)
         return found
 
     def _corrected(
@@ -192,6 +219,7 @@ class Curve:
         raise ConvergenceError("the arc-length step does not converge", tuple(measures), parameter)
 
     def _point(self, y: FloatArray, parameter: float, towards: Point, iterations: tuple[float, ...]) -> Point:
+        # the tangent before the last correction would not do: near a limit point that is large, as K is soft
         t = self._linearize(y, parameter)
         row, corner = self._row(towards)
         eliminated = t.factor.solve(t.by_parameter)

@@ -66,11 +66,8 @@ def _plain(path: Path, parameters: Iterable[float]) -> Iterator[Found]:
 
 
 def _diagnosed(path: Path, error: ConvergenceError, parameter: float) -> ConvergenceError:
-    """The failure with a limit point as its cause, where the curve has one before the parameter.
-
-    Not where elements are inverted: that is told with its place, and a smaller step may do.
-    """
-    if error.cause == "inverted element" or not path.history or path.history[-1].parameter == parameter:
+    """The failure with a limit point as its cause, where the curve has one before the parameter."""
+    if not path.history or path.history[-1].parameter == parameter:
         return error
     step = parameter - path.history[-1].parameter
     try:
