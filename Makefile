@@ -10,7 +10,7 @@ strip: .venv/run  ## run the shipped strip to its figures, in out/strip
 	$(BIN)/isopeel run strip
 
 test: .venv/develop  ## run the tests
-	$(BIN)/python -m pytest --cov=isopeel --cov-report=term:skip-covered
+	$(BIN)/python -m pytest -rs --cov=isopeel --cov-report=term:skip-covered
 
 lint: .venv/develop  ## check style and types
 	$(BIN)/ruff check .

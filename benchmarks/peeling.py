@@ -1,7 +1,6 @@
 """The peeled strip, led to its plateau by large steps, and on by small ones that are timed."""
 
 from collections.abc import Iterator
-from itertools import islice
 from typing import NamedTuple
 
 import numpy as np
@@ -41,11 +40,13 @@ class Strip(NamedTuple):
 def peel(strip: Strip, reach: float, coarse: float, steps: int) -> Iterator[isopeel.Step]:
     """Trace up to `reach` degrees by coarse steps and some small ones; return the `steps` to come.
 
-    What came before is not kept: a step holds what the solver learned in it.
+    Coarse steps that fail are cut. What came before is not kept: a step holds what the solver learned in it.
     """
-    angles = angles_deg(reach, coarse, steps)
-    path = isopeel.trace(strip.problem, strip.row_space, np.radians(angles))
-    for _ in islice(path, len(angles) - steps):
+    angles = np.radians(angles_deg(reach, coarse, steps))
+    settings = isopeel.NewtonSettings(control="auto")
+    path = isopeel.trace(strip.problem, strip.row_space, angles, settings)
+    last = angles[len(angles) - steps - 1]
+    while next(path).parameter != last:
         pass
     return path
 

@@ -280,3 +280,17 @@ def validate(
     if found.failed:
         return _fail(NOT_CONVERGED, f"numbers beyond what is allowed: {found.failed}, see {found.page}")
     return COMPLETED
+
+
+@app.command()
+def report(
+    folder: Annotated[Path, typer.Argument(metavar="DIR", help="Folder of a run, or of a stage of one.")],
+    out: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="File of the page; DIR/report.html when left out.")
+    ] = None,
+) -> int:
+    """Write a run as one HTML page, with its curve, shapes, front and tractions, that opens anywhere."""
+    from isopeel.page.write import write_page
+
+    _console().print(f"the report is {write_page(folder, out)}", soft_wrap=True)
+    return COMPLETED

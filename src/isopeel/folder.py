@@ -13,6 +13,8 @@ from isopeel.results.journal import journal_path
 
 #: Files that a run leaves in its folder.
 FILES = ("run.h5", "curve.csv", "summary.json", "curve.png", "shapes.png")
+#: What `isopeel report` makes of them.
+REPORT = "report.html"
 
 
 class Place(NamedTuple):
@@ -36,14 +38,14 @@ def places(name: str, stages: Sequence[str], out: Path) -> list[Place]:
         folders = [out / f"{number}-{stage}" for number, stage in enumerate(stages, start=1)]
         titles = [f"{name}, stage {number}: {stage}" for number, stage in enumerate(stages, start=1)]
     earlier = {*(path.parent for path in stage_files(out)), out, *folders}
-    kept = (*FILES, journal_path(out / FILES[0]).name)
+    kept = (*FILES, journal_path(out / FILES[0]).name, REPORT)
     return [
         Place(
             folder,
             title,
             # what later stages and runs with other stages have left
             [path / file for path in earlier - set(folders[: number + 1]) for file in kept]
-            + [folder / file for file in FILES[1:]],
+            + [folder / file for file in (*FILES[1:], REPORT)],
         )
         for number, (folder, title) in enumerate(zip(folders, titles, strict=True))
     ]

@@ -18,11 +18,8 @@ from isopeel.case import Case, Stage, load_case, shipped_cases
 from isopeel.errors import InputError
 from isopeel.folder import FILES, Place, alone_in, check_folder, places
 from isopeel.interrupts import Interrupts
-from isopeel.post.closed_form import expected
-from isopeel.post.fields import depth_inside
 from isopeel.post.figures import reaction_figure, save, shapes_figure
-from isopeel.post.reading import read_plateau
-from isopeel.post.summary import summarize
+from isopeel.post.summary import find, short_unit, summarize, summary_rows, units_note
 from isopeel.problem import Column
 from isopeel.progress import progress
 from isopeel.results.curve import Curve
@@ -84,7 +81,7 @@ def go_through(
             if base is None and found is not None and found.base is not None:
                 base = State(0.0, found.base)
             if found is not None and is_complete(found, stage):
-                run = _complete(stage, space, found, base, place, console)
+                run = _complete(stage, space, found, place, console)
             elif found is not None and found.failure is not None:
                 run = found
             else:
@@ -196,7 +193,7 @@ def _run_stage(
                 writer.curve.write_csv(out / "curve.csv")
         run = replace(read_run(place.run_file), ending=writer.ending)
         try:
-            summary = _write_results(stage, space, run, base, place, perf_counter() - began)
+            summary = _write_results(stage, space, run, place, perf_counter() - began)
         except KeyboardInterrupt:
             return replace(run, ending="interrupted")
     if run.ending != "interrupted":
@@ -204,16 +201,14 @@ def _run_stage(
     return run
 
 
-def _complete(
-    stage: Stage, space: RowSpace, run: StoredRun, base: State | None, place: Place, console: Console
-) -> StoredRun:
+def _complete(stage: Stage, space: RowSpace, run: StoredRun, place: Place, console: Console) -> StoredRun:
     """Say that a stage is complete, and make the files that it lacks."""
     column = run.curve.parameter_column
-    reached = f"{run.curve.parameter[-1]:g} {_short(column)}"
+    reached = f"{run.curve.parameter[-1]:g} {short_unit(column)}"
     console.print(f"{place.title} is complete: {len(run.curve)} steps, to {reached}", soft_wrap=True)
     if not all((place.folder / name).exists() for name in FILES):
         run.curve.write_csv(place.folder / "curve.csv")
-        _write_results(stage, space, run, base, place, float(run.curve.seconds.sum()))
+        _write_results(stage, space, run, place, float(run.curve.seconds.sum()))
     return run
 
 
@@ -222,7 +217,7 @@ def failure_message(failure: Failure, column: Column, out: Path, folder: Path) -
 
     `out` has the files of its stage, and `folder` those of all.
     """
-    unit = _short(column)
+    unit = short_unit(column)
     lines = [
         f"no equilibrium at {failure.parameter:g} {unit}: {failure.reason}",
         f"cause: {failure.cause}; {failure.hint}",
@@ -272,26 +267,21 @@ def _write_results(
     stage: Stage,
     space: RowSpace,
     run: StoredRun,
-    base: State | None,
     place: Place,
     wall_time: float,
 ) -> dict[str, Any]:
     """Write the summary and, unless the run was interrupted, the figures; return the former."""
-    out, window = place.folder, stage.window
-    # what theory says is of a body that begins at rest
-    closed_form = expected(stage.problem, space) if base is None else None
-    period = closed_form.period if closed_form else None
-    plateau = read_plateau(run.curve, window, period) if window else None
-    inside = depth_inside(stage.problem, space, run.fields)
-    summary = summarize(place.title, run, window, plateau, closed_form, inside, wall_time)
+    out = place.folder
+    found = find(stage.problem, space, run, stage.window)
+    summary = summarize(place.title, run, found, wall_time)
     text = json.dumps(summary, indent=2, allow_nan=False)
     with replacing(out / "summary.json") as part:
         part.write_text(text + "\n", encoding="utf-8")
     # figures take longer than one who pressed Ctrl-C should wait
     if len(run.curve) and run.ending != "interrupted":
-        units = _units(summary)
+        units = units_note(summary["units"])
         for name, figure in (
-            ("curve.png", reaction_figure(run.curve, plateau, closed_form, units)),
+            ("curve.png", reaction_figure(run.curve, found.plateau, found.closed_form, units)),
             ("shapes.png", shapes_figure(stage.problem, space, run.fields, units)),
         ):
             with replacing(out / name) as part:
@@ -299,52 +289,14 @@ def _write_results(
     return summary
 
 
-def _units(summary: dict[str, Any]) -> str:
-    return "L0 = {L0}, E0 = {E0}".format(**summary["units"])
-
-
 def _print_table(summary: dict[str, Any], curve: Curve, place: Place, console: Console) -> None:
     """Print the summary in a few lines, with the closed form beside what it tells."""
-    parameter, reaction = curve.parameter_column, curve.reaction_column
-    unit = _short(parameter)
-    slopes, window, peak = summary["slopes"], summary["window"], summary["peak"]
-    theory = summary["closed_form"] or {}
-    table = Table("", "run", theory.get("source", "closed form"), title=summary["case"], box=SIMPLE_HEAD)
-    table.add_row("space", f"{summary['space']}, {summary['mesh']}, {summary['dofs']} DOFs")
-    table.add_row("reached", _shown(summary[parameter.name], "g", unit))
-    if peak is not None:
-        at = f" at {peak[parameter.name]:g} {unit}"
-        table.add_row(f"largest {reaction.name}", _shown(peak[reaction.name], ".6g", reaction.unit) + at)
-    value = theory.get("reaction")
-    if summary["plateau"] is not None or value is not None:
-        table.add_row(
-            "plateau", _shown(summary["plateau"], ".6f", reaction.unit), _shown(value, ".5g", reaction.unit)
-        )
-    if slopes is not None:
-        table.add_row("amplitude", _shown(summary["amplitude"], ".3e", reaction.unit))
-        steepest = f"{slopes['rise']:+.3e}, {slopes['fall']:+.3e} {reaction.unit}/{unit}"
-        table.add_row("steepest slopes", steepest)
-        table.add_row("read between", f"{window[0]:g} and {window[1]:g} {unit}")
-    if summary["onset"] is not None or theory.get("onset") is not None:
-        table.add_row(
-            "onset", _shown(summary["onset"], ".1f", unit), _shown(theory.get("onset"), ".1f", unit)
-        )
-    if summary["jumps"]:
-        released = sum(jump["released_energy"] for jump in summary["jumps"])
-        table.add_row("jumps", f"{len(summary['jumps'])}, releasing {released:.4g} E0 L0^3")
-    per_step = _shown(summary["corrections_per_step"], ".2f", "per step")
-    table.add_row("corrections", f"{summary['corrections']}, {per_step}")
-    table.add_row("time", f"{summary['wall_time_s']:.1f} s")
+    theory = (summary["closed_form"] or {}).get("source", "closed form")
+    table = Table("", "run", theory, title=summary["case"], box=SIMPLE_HEAD)
+    for row in summary_rows(summary, curve.parameter_column, curve.reaction_column):
+        table.add_row(*row)
     console.print(table)
     if summary["note"]:
         console.print(f"note: {summary['note']}", soft_wrap=True)
-    console.print(f"{_units(summary)}; for a width of L0")
+    console.print(f"{units_note(summary['units'])}; for a width of L0")
     console.print(f"files in {place.folder}", soft_wrap=True)
-
-
-def _short(column: Column) -> str:
-    return "deg" if column.unit == "degree" else column.unit
-
-
-def _shown(value: float | None, digits: str, unit: str) -> str:
-    return "-" if value is None else f"{value:{digits}} {unit}"

@@ -1,36 +1,55 @@
 """The summary of a run: what was read from it, for a JSON file."""
 
-from dataclasses import asdict
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
 from math import isfinite
 from typing import Any
 
 import numpy as np
 
 from isopeel.arrays import IntArray
-from isopeel.post.closed_form import Expected
-from isopeel.post.reading import PlateauReading, onset_angle, plateau_mean, unreadable
+from isopeel.post.closed_form import Expected, expected
+from isopeel.post.fields import depth_inside
+from isopeel.post.reading import PlateauReading, onset_angle, plateau_mean, read_plateau, unreadable
+from isopeel.problem import Column, Problem
 from isopeel.results.curve import Curve
 from isopeel.results.run_file import StoredRun
 from isopeel.solve.step import KINDS
+from isopeel.splines.rows import RowSpace
 
 
-def summarize(
-    title: str,
-    run: StoredRun,
-    window: tuple[float, float] | None,
-    plateau: PlateauReading | None,
-    closed_form: Expected | None,
-    inside: float,
-    wall_time: float,
-) -> dict[str, Any]:
+@dataclass(frozen=True)
+class Findings:
+    """What is read from a run beyond its curve, and what theory says of it.
+
+    `window` is where the plateau is read, if there is one; `inside` is how deep (in L0) the body has come to
+    lie in the substrate.
+    """
+
+    window: tuple[float, float] | None
+    plateau: PlateauReading | None
+    closed_form: Expected | None
+    inside: float
+
+
+def find(problem: Problem, space: RowSpace, run: StoredRun, window: tuple[float, float] | None) -> Findings:
+    """Read a run of a problem on a space."""
+    # what theory says is of a body that begins at rest
+    closed_form = expected(problem, space) if run.base is None else None
+    period = closed_form.period if closed_form else None
+    plateau = read_plateau(run.curve, window, period) if window else None
+    return Findings(window, plateau, closed_form, depth_inside(problem, space, run.fields))
+
+
+def summarize(title: str, run: StoredRun, found: Findings, wall_time: float) -> dict[str, Any]:
     """Collect what a run says, as plain numbers and texts; `note` says why a value is None.
 
     Parameter and reaction are in the units of their columns, which `units` names, slopes per unit of the
-    parameter. The plateau is read in the `window`, if there is one. A jump is a step of that kind, or one
-    that released more than a thousandth of what the energies varied by. `inside` is how deep (in L0) the
-    body has come to lie in the substrate, `wall_time` (seconds) that of the whole run, with its compilation.
+    parameter. A jump is a step of that kind, or one that released more than a thousandth of what the energies
+    varied by. `wall_time` (seconds) is that of the whole run, with its compilation.
     """
     curve, attributes, failure = run.curve, run.attributes, run.failure
+    window, plateau, closed_form = found.window, found.plateau, found.closed_form
     iterations = int(curve.iterations.sum())
     parameter, reaction = curve.parameter_column, curve.reaction_column
     # a straight line that bends tells when peeling begins under a moment, not under a force
@@ -58,7 +77,7 @@ def summarize(
         "window": plateau and list(plateau.window),
         "onset": onset,
         "closed_form": closed_form and asdict(closed_form),
-        "note": "; ".join(_notes(run, window, closed_form, onset, inside)) or None,
+        "note": "; ".join(_notes(run, found, onset)) or None,
         "wall_time_s": wall_time,
         "corrections": iterations,
         "corrections_per_step": iterations / len(curve) if len(curve) else None,
@@ -81,6 +100,58 @@ def summarize(
     }
 
 
+def summary_rows(
+    summary: Mapping[str, Any], parameter: Column, reaction: Column
+) -> list[tuple[str, str, str]]:
+    """A summary in words: of what, the value of the run, and that of theory, empty where there is none.
+
+    The columns are those of the curve that the summary is of.
+    """
+    unit = short_unit(parameter)
+    slopes, window, peak = summary["slopes"], summary["window"], summary["peak"]
+    theory = summary["closed_form"] or {}
+    rows = [
+        ("space", f"{summary['space']}, {summary['mesh']}, {summary['dofs']} DOFs", ""),
+        ("reached", _shown(summary[parameter.name], "g", unit), ""),
+    ]
+    if peak is not None:
+        at = f" at {peak[parameter.name]:g} {unit}"
+        value = _shown(peak[reaction.name], ".6g", reaction.unit) + at
+        rows.append((f"largest {reaction.name}", value, ""))
+    if summary["plateau"] is not None or theory:
+        steady = _shown(theory.get("reaction"), ".5g", reaction.unit)
+        rows.append(("plateau", _shown(summary["plateau"], ".6f", reaction.unit), steady))
+    if slopes is not None:
+        rows.append(("amplitude", _shown(summary["amplitude"], ".3e", reaction.unit), ""))
+        steepest = f"{slopes['rise']:+.3e}, {slopes['fall']:+.3e} {reaction.unit}/{unit}"
+        rows.append(("steepest slopes", steepest, ""))
+        rows.append(("read between", f"{window[0]:g} and {window[1]:g} {unit}", ""))
+    if summary["onset"] is not None or theory.get("onset") is not None:
+        onset = _shown(theory.get("onset"), ".1f", unit)
+        rows.append(("onset", _shown(summary["onset"], ".1f", unit), onset))
+    if summary["jumps"]:
+        released = sum(jump["released_energy"] for jump in summary["jumps"])
+        rows.append(("jumps", f"{len(summary['jumps'])}, releasing {released:.4g} E0 L0^3", ""))
+    per_step = _shown(summary["corrections_per_step"], ".2f", "per step")
+    rows.append(("corrections", f"{summary['corrections']}, {per_step}", ""))
+    rows.append(("time", f"{summary['wall_time_s']:.1f} s", ""))
+    return rows
+
+
+def units_note(units: Mapping[str, Any]) -> str:
+    """What the units of lengths and stresses are, such as "L0 = 1 nm, E0 = 2 GPa"."""
+    return "L0 = {L0}, E0 = {E0}".format(**units)
+
+
+def short_unit(column: Column) -> str:
+    """The unit of a column as it stands behind a number."""
+    return "deg" if column.unit == "degree" else column.unit
+
+
+def _shown(value: float | None, digits: str, unit: str) -> str:
+    return "-" if value is None else f"{value:{digits}} {unit}"
+
+
 def _jumps(curve: Curve) -> IntArray:
     """Numbers of the steps that jumped."""
     if not len(curve):
@@ -90,17 +161,12 @@ def _jumps(curve: Curve) -> IntArray:
     return np.flatnonzero(jumped | (curve.released_energy > 1e-3 * varied))
 
 
-def _notes(
-    run: StoredRun,
-    window: tuple[float, float] | None,
-    closed_form: Expected | None,
-    onset: float | None,
-    inside: float,
-) -> list[str]:
+def _notes(run: StoredRun, found: Findings, onset: float | None) -> list[str]:
+    window, closed_form = found.window, found.closed_form
     notes = []
-    if inside:
+    if found.inside:
         notes.append(
-            f"a part that does not adhere, and feels no substrate, lies up to {inside:.2g} L0 inside it"
+            f"a part that does not adhere, and feels no substrate, lies up to {found.inside:.2g} L0 inside it"
         )
     if window is None:
         if closed_form is not None:

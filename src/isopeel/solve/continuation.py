@@ -23,10 +23,15 @@ from isopeel.solve.newton import ConvergenceError, NewtonResult, NewtonSettings
 
 #: Of the parameter's step: over which its derivative is taken. The error is of the square, and of round-off.
 _DIFFERENCE = 1e-3
-#: Corrections of one arc-length step; more mean that it was too long.
-_MOST_CORRECTIONS = 8
-#: Corrections that the radius is chosen for.
-USUAL_CORRECTIONS = 4
+#: Tangents that the corrections of one arc-length step take; more mean that it was too long.
+_MOST_TANGENTS = 4
+#: Tangents that the radius is chosen for.
+USUAL_TANGENTS = 2
+#: Of the energy residual before: a kept tangent is quick enough where a correction leaves no more. A new one
+#: takes as long as some twenty corrections.
+_QUICK = 0.3
+#: Of Newton's tolerance: the one for corrections with a kept tangent.
+_LEFT = 0.01
 #: Cosine of the angle between the tangents at both ends of a step, at least.
 LEAST_COSINE = 0.8
 #: The same where the radius may grow.
@@ -58,6 +63,7 @@ class Point:
     load: float
     equilibrium: Equilibrium
     iterations: tuple[float, ...]
+    tangents: int  # that its corrections took
 
     @property
     def result(self) -> NewtonResult:
@@ -111,6 +117,7 @@ class Curve:
             tangent.load,
             tangent.at,
             (),
+            0,
         )
         #: Radius that the first step of the parameter would have.
         self.radius = float(size * abs(step))
@@ -200,25 +207,41 @@ class Curve:
     def _corrected(
         self, y: FloatArray, parameter: float, row: FloatArray, corner: float, towards: Point
     ) -> Point:
+        """Correct a guess with the tangent there, which is made anew where it does not lead on quickly."""
         measures: list[float] = []
-        for _ in range(_MOST_CORRECTIONS):
+        for tangents in range(1, _MOST_TANGENTS + 1):
             t = self._linearize(y, parameter)
-            if not np.isfinite(t.values).all() or t.at.lowest_determinant <= 0:
-                raise ConvergenceError("an element is inverted", tuple(measures), parameter)
             eliminated = t.factor.solve(t.by_parameter)
-            partial = t.factor.solve(t.values)
-            change = float(row @ partial) / (corner - float(row @ eliminated))
-            correction = -partial - change * eliminated
-            # with signs, terms of an indefinite tangent could cancel
-            measures.append(float(np.abs(t.values * correction).sum()) / len(y))
-            if not np.isfinite(measures[-1]):
-                break
-            y, parameter = y + correction, parameter + change
-            if measures[-1] <= self._threshold:
-                return self._point(y, parameter, towards, tuple(measures))
+            at, values, threshold, last = t.at, t.values, self._threshold, np.inf
+            while True:
+                if not np.isfinite(values).all() or at.lowest_determinant <= 0:
+                    raise ConvergenceError("an element is inverted", tuple(measures), parameter)
+                partial = t.factor.solve(values)
+                change = float(row @ partial) / (corner - float(row @ eliminated))
+                correction = -partial - change * eliminated
+                # with signs, terms of an indefinite tangent could cancel
+                measure = float(np.abs(values * correction).sum()) / len(y)
+                measures.append(measure)
+                if not np.isfinite(measure):
+                    raise ConvergenceError("the arc-length step diverges", tuple(measures), parameter)
+                y, parameter = y + correction, parameter + change
+                if measure <= threshold:
+                    return self._point(y, parameter, towards, tuple(measures), tangents)
+                if measure > _QUICK * last:
+                    break
+                at, values = self._forces(y, parameter)
+                # what a correction with a tangent of elsewhere leaves is more than Newton's method would
+                threshold, last = _LEFT * self._threshold, measure
         raise ConvergenceError("the arc-length step does not converge", tuple(measures), parameter)
 
-    def _point(self, y: FloatArray, parameter: float, towards: Point, iterations: tuple[float, ...]) -> Point:
+    def _point(
+        self,
+        y: FloatArray,
+        parameter: float,
+        towards: Point,
+        iterations: tuple[float, ...],
+        tangents: int,
+    ) -> Point:
         # the tangent before the last correction would not do: near a limit point that is large, as K is soft
         t = self._linearize(y, parameter)
         row, corner = self._row(towards)
@@ -238,6 +261,7 @@ class Curve:
             t.load,
             t.at,
             iterations,
+            tangents,
         )
 
     def _linearize(self, y: FloatArray, parameter: float) -> _Tangent:
@@ -258,11 +282,14 @@ class Curve:
         return _Tangent(at, values, factor, by_parameter, negative, u, load)
 
     def _values(self, y: FloatArray, parameter: float) -> FloatArray:
+        return self._forces(y, parameter)[1]
+
+    def _forces(self, y: FloatArray, parameter: float) -> tuple[Equilibrium, FloatArray]:
         u, load = self._system.state(y, parameter)
-        residual = self._system.equilibrium(u, load).residual
+        at = self._system.equilibrium(u, load)
         if not self._system.load_is_unknown:
-            return residual
-        return np.append(residual, self._system.control(u, parameter)[0])
+            return at, at.residual
+        return at, np.append(at.residual, self._system.control(u, parameter)[0])
 
     def _row(self, point: Point) -> tuple[FloatArray, float]:
         row = point.along / self._n

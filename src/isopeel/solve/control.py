@@ -11,7 +11,7 @@ from isopeel.solve.continuation import (
     CALM_COSINE,
     LEAST_COSINE,
     SHORTEST,
-    USUAL_CORRECTIONS,
+    USUAL_TANGENTS,
     Curve,
     Point,
 )
@@ -198,7 +198,7 @@ def _next(
                 raise
             raise ConvergenceError(str(error), (), point.parameter, "singular tangent") from error
         if cosine > CALM_COSINE:
-            radius *= float(np.clip(USUAL_CORRECTIONS / len(new.iterations), 0.5, 2.0))
+            radius *= float(np.clip(USUAL_TANGENTS / new.tangents, 0.5, 2.0))
         # a longer step could miss a snap-back
         return new, found, min(radius, curve.radius)
 

@@ -1,7 +1,5 @@
 """Parts of a picture of a deformed body: its field, its elements, its outline, and what it adheres to."""
 
-from dataclasses import dataclass
-
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection, TriMesh
@@ -10,20 +8,8 @@ from matplotlib.tri import Triangulation
 from isopeel.physics.batch import evaluate_substrate
 from isopeel.physics.substrates import Substrate
 from isopeel.post.fields import SampledFields
+from isopeel.post.states import Window
 from isopeel.post.style import FIELD_MAP, SHADE
-
-
-@dataclass(frozen=True)
-class Window:
-    """A part of the plane, (from, to) each way."""
-
-    x: tuple[float, float]
-    y: tuple[float, float]
-
-    @property
-    def aspect(self) -> float:
-        """Width over height."""
-        return (self.x[1] - self.x[0]) / (self.y[1] - self.y[0])
 
 
 def draw_field(axes: Axes, fields: SampledFields, scale: float, order: float) -> TriMesh:

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from numpy.typing import NDArray
 
 from isopeel.post.closed_form import Expected
 from isopeel.post.reading import PlateauReading
@@ -28,7 +29,7 @@ def reaction_figure(
     The closed form is drawn where the run reaches its onset of peeling; `units` says what L0 and E0 are.
     """
     with style():
-        turn = _widest_turn(curve)
+        turn = widest_turn(curve)
         panels = 1 + (plateau is not None) + (turn is not None)
         width = ONE_COLUMN if panels == 1 else TWO_COLUMNS
         figure = Figure(figsize=(width, 2.6), layout="constrained")
@@ -53,9 +54,7 @@ def _whole(axes: Axes, curve: Curve, closed_form: Expected | None) -> None:
     axes.set_ylabel(_label(curve.reaction_column))
     last = curve.parameter[-1]
     axes.margins(x=0)
-    # the curve of a path that turns back has no first and last parameter to draw the theory between
-    turns_back = len(curve) > 1 and np.ptp(np.sign(np.diff(curve.parameter))) > 0
-    if closed_form is None or turns_back or last < (closed_form.onset or 0.0):
+    if closed_form is None or not is_reached(closed_form, curve):
         return
     reaction, onset = closed_form.reaction, closed_form.onset
     degree = "°" if curve.parameter_column.unit == "degree" else ""
@@ -73,8 +72,15 @@ def _whole(axes: Axes, curve: Curve, closed_form: Expected | None) -> None:
     axes.set_ylim(min(0.0, curve.reaction.min()), 1.12 * max(reaction, curve.reaction.max()))
 
 
-def _widest_turn(curve: Curve) -> tuple[int, int] | None:
-    """The two limit points one after the other between which the parameter turns back the most."""
+def is_reached(closed_form: Expected, curve: Curve) -> bool:
+    """Whether a curve comes to what theory says, and can be compared with it."""
+    # the curve of a path that turns back has no first and last parameter to draw the theory between
+    turns_back = len(curve) > 1 and np.ptp(np.sign(np.diff(curve.parameter))) > 0
+    return not turns_back and len(curve) > 0 and bool(curve.parameter[-1] >= (closed_form.onset or 0.0))
+
+
+def widest_turn(curve: Curve) -> tuple[int, int] | None:
+    """Two limit points, by their steps, between which the parameter turns back the most."""
     limits = np.flatnonzero(curve.kind == KINDS.index("limit point"))
     back = np.abs(np.diff(curve.parameter[limits]))
     # of a path that jumps, no piece between two limit points is unstable
@@ -95,12 +101,20 @@ def _turned(axes: Axes, curve: Curve, turn: tuple[int, int]) -> None:
     axes.set_xlabel(_label(curve.parameter_column))
 
 
+def unstable_pieces(curve: Curve) -> NDArray[np.bool_]:
+    """Which of the pieces (n - 1,) between one step and the next are of unstable states."""
+    unstable = curve.negative_eigenvalues > 0
+    # a piece belongs to the state at either end that is no limit point, and a jump is no piece
+    pieces: NDArray[np.bool_] = np.where(
+        curve.kind[1:] == KINDS.index("limit point"), unstable[:-1], unstable[1:]
+    )
+    return pieces
+
+
 def _branches(axes: Axes, curve: Curve) -> None:
     """Stable states solid, unstable ones dashed and thin, with limit points and what jumps led to marked."""
     jump, limit = KINDS.index("jump"), KINDS.index("limit point")
-    unstable = curve.negative_eigenvalues > 0
-    # a piece belongs to the state at either end that is no limit point, and a jump is no piece
-    pieces = np.where(curve.kind[1:] == limit, unstable[:-1], unstable[1:])
+    pieces = unstable_pieces(curve)
     stable = np.append(
         curve.reaction[:1], np.where(pieces | (curve.kind[1:] == jump), np.nan, curve.reaction[1:])
     )

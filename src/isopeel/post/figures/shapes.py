@@ -1,8 +1,6 @@
 """The deformed body along a run, and its delamination front."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
-from math import ceil
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -12,32 +10,15 @@ from matplotlib.patches import Patch, Rectangle
 
 from isopeel.arrays import FloatArray
 from isopeel.errors import InputError
-from isopeel.physics.adhesion.mirrored import Mirrored
-from isopeel.physics.batch import evaluate_law, evaluate_substrate
-from isopeel.post.fields import SampledFields, sample_fields, side_positions
-from isopeel.post.figures.body import Window, draw_elements, draw_field, draw_outline, draw_substrate
+from isopeel.post.figures.body import draw_elements, draw_field, draw_outline, draw_substrate
+from isopeel.post.states import BodyState, adheres_to, body_state, front_window, stress_scale, whole_window
 from isopeel.post.style import DASHES, SHADE, TWO_COLUMNS, VERMILION, note_units, style
 from isopeel.problem import Problem
-from isopeel.splines.nurbs import Side
 from isopeel.splines.rows import RowSpace
 
 MOST_SHAPES = 6
 
-_OPPOSITE: dict[Side, Side] = {"left": "right", "right": "left", "bottom": "top", "top": "bottom"}
-_NO_PULL = 1e-6  # of Young's modulus: less is round-off
-_ALIKE = 0.95  # of the strongest pull
 _CLOSEST_ENDS = 0.03  # of the largest extent: nearer shapes would hide each other, and their labels meet
-
-
-@dataclass(frozen=True, eq=False)
-class _State:
-    """One state of the body, ready to be drawn."""
-
-    parameter: float
-    fields: SampledFields
-    adhering: FloatArray  # (n, 2) positions along the part of the side that adheres
-    opposite: FloatArray  # (n, 2) positions on the other side of the body
-    driven: FloatArray  # (3, 2) start, middle and end of the driven side
 
 
 def shapes_figure(
@@ -52,11 +33,10 @@ def shapes_figure(
     """
     if not fields:
         raise InputError("fields", dict(fields), "give the displacement of at least one state")
-    states = _apart([_state(problem, space, value, fields[value]) for value in _spread(list(fields))])
+    states = _apart([body_state(problem, space, value, fields[value]) for value in _spread(list(fields))])
     last = states[-1]
-    whole, front = _whole_window(states), _front_window(problem, last)
-    # an invariant below 1e-6 is the round-off of a body at rest
-    scale = max(1e-6, *(float(np.nanmax(np.abs(state.fields.first_invariant))) for state in states))
+    whole, front = whole_window(states), front_window(problem, last)
+    scale = stress_scale(states)
     with style():
         width = TWO_COLUMNS - 1.4  # without labels and colour bar
         heights = [min(width / window.aspect, 4.5) for window in (whole, front)]
@@ -80,10 +60,11 @@ def shapes_figure(
         figure.colorbar(
             mesh, ax=[upper, lower], label=r"$I_1 = \mathrm{tr}\,\sigma / E$", aspect=40, pad=0.02
         )
-        adheres_to = "mirror plane" if isinstance(problem.adhesion.law, Mirrored) else "substrate"
         handles = [
             Line2D([], [], color=VERMILION, linewidth=1.5, label="face that adheres"),
-            Patch(facecolor=SHADE, edgecolor="black", linewidth=0.5, hatch="/////", label=adheres_to),
+            Patch(
+                facecolor=SHADE, edgecolor="black", linewidth=0.5, hatch="/////", label=adheres_to(problem)
+            ),
             Line2D([], [], color="black", linewidth=0.8, linestyle=DASHES, label="enlarged below"),
         ]
         figure.legend(handles=handles, loc="outside upper left", ncols=3)
@@ -99,67 +80,23 @@ def _spread(parameters: list[float]) -> list[float]:
     return [float(value) for value in values[nearest]]
 
 
-def _state(problem: Problem, space: RowSpace, parameter: float, displacement: FloatArray) -> _State:
-    adhesion = problem.adhesion
-    along = np.linspace(adhesion.start, adhesion.end, 10 * max(space.elements) + 1)
-    adhering, opposite = (
-        side_positions(problem, space, displacement, side, along)
-        for side in (adhesion.side, _OPPOSITE[adhesion.side])
-    )
-    driven = side_positions(problem, space, displacement, problem.drive.side, np.array([0.0, 0.5, 1.0]))
-    # so many cells that bends and fields look smooth on coarse meshes too
-    along_xi, along_eta = (np.diff(axis.breakpoints).max() for axis in (space.rows[0], space.across))
-    cells = ceil(300 * along_xi), ceil(16 * along_eta)
-    return _State(parameter, sample_fields(problem, space, displacement, cells), adhering, opposite, driven)
-
-
-def _apart(states: list[_State]) -> list[_State]:
+def _apart(states: list[BodyState]) -> list[BodyState]:
     """The last state, and those whose driven ends keep a distance from those of all later ones."""
     closest = _CLOSEST_ENDS * float(np.ptp(states[-1].fields.reference_position.reshape(-1, 2), axis=0).max())
-    kept: list[_State] = []
+    kept: list[BodyState] = []
     for state in reversed(states):
         if all(np.linalg.norm(state.driven[1] - other.driven[1]) > closest for other in kept):
             kept.insert(0, state)
     return kept
 
 
-def _whole_window(states: list[_State]) -> Window:
-    """All of the body in all states, with room for labels."""
-    points = np.concatenate([state.fields.position.reshape(-1, 2) for state in states])
-    low, high = points.min(axis=0), points.max(axis=0)
-    margin = 0.05 * float(np.max(high - low))
-    (left, bottom), (right, top) = (low - margin).tolist(), (high + margin).tolist()
-    return Window((left, right), (bottom, top))
-
-
-def _front_window(problem: Problem, state: _State) -> Window:
-    """The body where the substrate pulls most, with a margin."""
-    substrate, law = problem.adhesion.substrate, problem.adhesion.law
-    gap, _, _ = evaluate_substrate(substrate.kernel, substrate.parameters, state.adhering)
-    attraction = -evaluate_law(law.kernel, law.parameters, gap, np.zeros_like(gap))[1]
-    # where nothing is pulled yet, a front will start from the end next to the drive
-    from_drive = np.linalg.norm(state.adhering - state.driven[1], axis=1)
-    pulls = attraction.max() > _NO_PULL * problem.body.material.youngs_modulus
-    # of several places that are pulled alike, as the troughs of a wave, the one next to the drive
-    front = attraction > _ALIKE * attraction.max() if pulls else np.full(len(gap), True)
-    at = int(np.argmin(np.where(front, from_drive, np.inf)))
-    through = state.opposite[at] - state.adhering[at]
-    length = float(np.linalg.norm(np.diff(state.adhering, axis=0), axis=1).sum())
-    thickness = float(np.linalg.norm(through))
-    # of a body that is thick for what adheres, such as a cylinder, only the part next to the substrate
-    size = min(thickness, length / 2)
-    x, y = (state.adhering[at] + through * size / thickness / 2).tolist()
-    half_width, half_height = 1.6 * size, 0.65 * size
-    return Window((x - half_width, x + half_width), (y - half_height, y + half_height))
-
-
-def _mark_adhering(axes: Axes, state: _State, width: float, order: float) -> None:
+def _mark_adhering(axes: Axes, state: BodyState, width: float, order: float) -> None:
     # the white seam keeps the mark apart from the field in print without colours
     for color, total in (("white", width + 1), (VERMILION, width)):
         axes.plot(*state.adhering.T, color=color, linewidth=total, zorder=order, solid_capstyle="butt")
 
 
-def _label_state(axes: Axes, problem: Problem, state: _State) -> None:
+def _label_state(axes: Axes, problem: Problem, state: BodyState) -> None:
     """Write the parameter next to the driven side, on the outside."""
     side = problem.drive.side
     along = state.driven[2] - state.driven[0]
@@ -178,6 +115,6 @@ def _label_state(axes: Axes, problem: Problem, state: _State) -> None:
     )
 
 
-def _value(problem: Problem, state: _State) -> str:
+def _value(problem: Problem, state: BodyState) -> str:
     unit = problem.drive.parameter_column.unit
     return f"{state.parameter:g}" + ("°" if unit == "degree" else f" {unit}")

@@ -1,0 +1,255 @@
+"""What a page shows of a stage, as numbers and texts for its script."""
+
+import json
+import re
+from collections.abc import Mapping
+from itertools import pairwise
+from math import ceil
+from typing import Any
+
+import numpy as np
+
+from isopeel.arrays import FloatArray, IntArray
+from isopeel.errors import InputError
+from isopeel.page.packing import packed, packed_positions, packed_stress
+from isopeel.page.region import substrate_region
+from isopeel.post.figures.reaction import is_reached, unstable_pieces, widest_turn
+from isopeel.post.front import front_profile
+from isopeel.post.states import (
+    SMOOTH,
+    BodyState,
+    Window,
+    adheres_to,
+    body_state,
+    front_window,
+    stress_scale,
+    whole_window,
+)
+from isopeel.post.summary import Findings
+from isopeel.problem import Column
+from isopeel.results.curve import Curve
+from isopeel.results.fields import Fields
+from isopeel.results.run_file import StoredRun
+from isopeel.solve.step import KINDS
+from isopeel.stored import StoredStage
+
+_DOTS = 8_000  # across the front: more than a screen has
+_ALONG_SIDE = 400  # pieces of the face that adheres
+_TRACTIONS = 1_200  # points along it, about
+
+#: What JSON can hold.
+Content = dict[str, Any]
+
+
+def stage_content(stored: StoredStage, found: Findings, most_bytes: int) -> Content:
+    """Collect what is shown of a stage that has steps, in about so many bytes of states at most.
+
+    Where the states that are stored would take more, some of them are left out, evenly. Raises InputError
+    where the stored displacements are no numbers.
+    """
+    run, problem = stored.run, stored.stage.problem
+    steps = field_steps(run)
+    if not all(np.isfinite(displacement).all() for displacement in run.fields.values()):
+        raise InputError("DIR", str(stored.folder), "it holds displacements that are no numbers")
+    numbers = list(steps)
+    last = _state(stored, steps, numbers[-1])
+    most = max(2, most_bytes // _size(stored, last))
+    if len(numbers) > most:
+        chosen = np.unique(np.linspace(0, len(numbers) - 1, most).round().astype(int))
+        numbers = [numbers[k] for k in chosen.tolist()]
+    states = {number: _state(stored, steps, number) for number in numbers[:-1]} | {numbers[-1]: last}
+    scale, window = stress_scale(states.values()), whole_window(states.values())
+    fronts = {number: front_window(problem, state) for number, state in states.items()}
+    rings, surface = substrate_region(problem.adhesion.substrate, _around([window, *fronts.values()]))
+    return {
+        "title": stored.title,
+        "curve": _curve(run.curve),
+        "views": _views(run.curve, found),
+        "theory": _theory(run.curve, found),
+        "window": found.plateau and list(found.plateau.window),
+        "scale": scale,
+        "grid": _grid(last),
+        "whole": [*window.x, *window.y],
+        "substrate": {"words": adheres_to(problem), "rings": rings, "surface": surface},
+        "side": _side(stored, last),
+        "stored": len(steps),
+        "states": [
+            _shown_state(stored, number, state, fronts[number], scale) for number, state in states.items()
+        ],
+    }
+
+
+def field_steps(run: StoredRun) -> dict[int, float]:
+    """The steps whose displacements are stored, by their numbers from zero, and their parameters."""
+    kept = Fields(run.field_interval)
+    for number, parameter in enumerate(run.curve.parameter.tolist()):
+        # the rule that chose them says which step it was where a path came to a parameter more than once
+        kept.take(parameter, np.array([number]))
+    chosen = {parameter: int(number[0]) for parameter, number in kept.all().items()}
+    steps = {}
+    for parameter in run.fields:
+        (places,) = np.nonzero(run.curve.parameter == parameter)
+        if not len(places):
+            raise InputError("run.h5", parameter, "it stores a displacement at a parameter without a step")
+        steps[chosen.get(parameter, int(places[-1]))] = parameter
+    return dict(sorted(steps.items()))
+
+
+def plain(text: str) -> str:
+    """Words and units of a column without the marks of mathematical type: E0 L0^3 becomes E₀ L₀³."""
+    text = text.replace("$", "")
+    text = re.sub(r"(?<=\b[A-Z])0", "₀", text).replace("^2", "²").replace("^3", "³")
+    return re.sub(r"^degree$", "°", text)
+
+
+def column_words(column: Column) -> dict[str, str]:
+    """How a column is called in a page."""
+    symbol = re.search(r"\$(.+)\$", column.words)
+    return {
+        "words": plain(column.words or column.name),
+        "symbol": symbol[1] if symbol else column.name.removesuffix("_deg"),
+        "unit": plain(column.unit),
+    }
+
+
+def _state(stored: StoredStage, steps: Mapping[int, float], number: int) -> BodyState:
+    parameter = steps[number]
+    # of a graded mesh small elements get no more of them than large ones, as a page would not hold them all
+    cells = [ceil(smooth / count) for smooth, count in zip(SMOOTH, stored.space.elements, strict=True)]
+    displacement = stored.run.fields[parameter]
+    return body_state(stored.stage.problem, stored.space, parameter, displacement, (cells[0], cells[1]))
+
+
+def _size(stored: StoredStage, state: BodyState) -> int:
+    """Bytes that a state takes in the page."""
+    front = front_window(stored.stage.problem, state)
+    return len(json.dumps(_shown_state(stored, 0, state, front, 1.0)))
+
+
+def _curve(curve: Curve) -> Content:
+    pieces = np.zeros(len(curve), dtype=np.int64)
+    pieces[1:] = unstable_pieces(curve)
+    pieces[curve.kind == KINDS.index("jump")] = 2
+    return {
+        "parameter": column_words(curve.parameter_column) | {"values": packed(curve.parameter, "f8")},
+        "reaction": column_words(curve.reaction_column) | {"values": packed(curve.reaction, "f8")},
+        "iterations": packed(curve.iterations, "i4"),
+        "stored_energy": packed(curve.stored_energy, "f4"),
+        "adhesive_energy": packed(curve.adhesive_energy, "f4"),
+        "released_energy": packed(curve.released_energy, "f4"),
+        "kind": packed(curve.kind, "u1"),
+        "pieces": packed(pieces, "u1"),  # before each step: stable, unstable, jumped
+        "kinds": list(KINDS),
+    }
+
+
+def _views(curve: Curve, found: Findings) -> list[Content]:
+    """The parts of the curve to look at: all of it, and what is worth a closer look."""
+    values = curve.reaction
+    low, high = float(values.min()), float(values.max())
+    if found.closed_form is not None and is_reached(found.closed_form, curve):
+        low, high = min(0.0, low), max(high, found.closed_form.reaction)
+    first, last = float(curve.parameter.min()), float(curve.parameter.max())
+    # with room for marks at the ends, and for the words of theory
+    views = [{"name": "whole", "x": _wider(first, last, 0.02), "y": _wider(low, high, 0.1)}]
+    if found.plateau is not None:
+        start, end = _wider(*found.plateau.window, 0.15)
+        inside = values[(curve.parameter >= start) & (curve.parameter <= end)]
+        y = _wider(float(inside.min()), float(inside.max()), 0.1)
+        views.append({"name": "plateau", "x": [start, end], "y": y})
+    turn = widest_turn(curve)
+    if turn is not None:
+        x, y = (
+            _wider(float(ends.min()), float(ends.max()), share)
+            for ends, share in ((curve.parameter[list(turn)], 1.0), (values[list(turn)], 0.6))
+        )
+        views.append({"name": "widest snap-back", "x": x, "y": y})
+    return views
+
+
+def _wider(low: float, high: float, share: float) -> list[float]:
+    """An interval with a margin on either side, a share of its length."""
+    # a run of one step, or a constant
+    margin = share * (high - low) or max(abs(high), 1.0) * share
+    return [low - margin, high + margin]
+
+
+def _theory(curve: Curve, found: Findings) -> Content | None:
+    closed_form = found.closed_form
+    if closed_form is None or not is_reached(closed_form, curve):
+        return None
+    return {"source": closed_form.source, "reaction": closed_form.reaction, "onset": closed_form.onset}
+
+
+def _around(windows: list[Window]) -> Window:
+    """A window around windows, so much larger that it holds what pictures up to three times as wide show."""
+    x, y = (np.array([getattr(window, axis) for window in windows]) for axis in "xy")
+    size = max(float(np.ptp(x)), float(np.ptp(y)))
+    wider = ((x, 1.0 * size), (y, 0.5 * size))
+    return Window(*((float(ends.min()) - more, float(ends.max()) + more) for ends, more in wider))
+
+
+def _grid(state: BodyState) -> list[int]:
+    """Elements each way, and cells in each of them."""
+    elements_x, elements_y, nodes_x, nodes_y = state.fields.first_invariant.shape
+    return [elements_x, elements_y, nodes_x - 1, nodes_y - 1]
+
+
+def _nodes(state: BodyState) -> FloatArray:
+    """Positions (m, k, 2) of the nodes of all cells, those that elements share once."""
+    position = state.fields.position
+    elements_x, elements_y, a, b = _grid(state)
+    nodes = np.empty((elements_x * a + 1, elements_y * b + 1, 2))
+    for k in range(a + 1):
+        for m in range(b + 1):
+            nodes[k : k + (elements_x - 1) * a + 1 : a, m : m + (elements_y - 1) * b + 1 : b] = position[
+                :, :, k, m
+            ]
+    return nodes
+
+
+def _traction_points(stored: StoredStage) -> FloatArray:
+    """Where on an element the tractions are looked at."""
+    adhesion, knots = stored.stage.problem.adhesion, stored.space.rows[0].breakpoints
+    elements = sum(end > adhesion.start and start < adhesion.end for start, end in pairwise(knots))
+    return np.linspace(0.0, 1.0, min(17, max(3, ceil(_TRACTIONS / elements) + 1)))
+
+
+def _side(stored: StoredStage, state: BodyState) -> Content:
+    """Where along the face that adheres the tractions are told."""
+    displacement = stored.run.fields[state.parameter]
+    points = _traction_points(stored)
+    problem, space = stored.stage.problem, stored.space
+    profile = front_profile(problem, space, displacement, points)
+    rest = body_state(problem, space, 0.0, np.zeros_like(displacement), (1, 1)).adhering
+    chords = np.linalg.norm(np.diff(rest, axis=0), axis=1)
+    # where the points of the deformed face are on the undeformed one
+    places = profile.position[0, 0] + np.append(0.0, np.cumsum(chords))[_along_face(rest)]
+    return {
+        "position": packed(profile.position, "f4"),
+        "points": points.size,
+        "places": packed(places, "f4"),
+    }
+
+
+def _along_face(adhering: FloatArray) -> IntArray:
+    """Which of the points of the face that adheres are kept."""
+    return np.linspace(0, len(adhering) - 1, _ALONG_SIDE + 1).round().astype(np.int64)
+
+
+def _shown_state(stored: StoredStage, number: int, state: BodyState, front: Window, scale: float) -> Content:
+    problem, run = stored.stage.problem, stored.run
+    displacement = run.fields[state.parameter]
+    profile = front_profile(problem, stored.space, displacement, _traction_points(stored))
+    resolution = (front.x[1] - front.x[0]) / _DOTS
+    return {
+        "step": number,
+        "nodes": packed_positions(_nodes(state), resolution),
+        "stress": packed_stress(state.fields.first_invariant, scale),
+        "adhering": packed_positions(state.adhering[_along_face(state.adhering)][:, None], resolution),
+        "front": [*front.x, *front.y],
+        # tension, as what holds the body
+        "adhesion": packed(-profile.adhesive_traction, "f4"),
+        "body": packed(-profile.body_traction, "f4"),
+        "residuals": [float(f"{value:.2e}") for value in run.curve.residuals_of(number).tolist()],
+    }

@@ -1,0 +1,125 @@
+"""The texts of a page: what can be read of a stage without its script. What comes from a run is escaped."""
+
+from collections.abc import Iterable, Sequence
+from html import escape
+from typing import Any
+
+from isopeel.page.content import column_words, field_steps, plain
+from isopeel.post.figures.reaction import unstable_pieces
+from isopeel.post.summary import summary_rows, units_note
+from isopeel.results.run_file import Failure
+from isopeel.solve.step import KINDS
+from isopeel.stored import StoredStage
+
+
+def table(headings: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    """A table whose first column says what is in the others."""
+    head = "".join(f'<th scope="col">{escape(heading)}</th>' for heading in headings)
+    body = ""
+    for first, *rest in rows:
+        cells = "".join(f"<td>{escape(cell)}</td>" for cell in rest)
+        body += f'<tr><th scope="row">{escape(first)}</th>{cells}</tr>\n'
+    return f"<table>\n<thead><tr>{head}</tr></thead>\n<tbody>\n{body}</tbody>\n</table>\n"
+
+
+def paragraph(text: str, kind: str = "") -> str:
+    """A paragraph of plain text."""
+    opening = f'<p class="{kind}">' if kind else "<p>"
+    return f"{opening}{escape(text)}</p>\n"
+
+
+def ending(stored: StoredStage) -> str:
+    """How a stage ended, with cause and hint where it did not come to its end."""
+    run, column = stored.run, stored.run.curve.parameter_column
+    unit = plain(column.unit) if column.unit == "degree" else f" {plain(column.unit)}"
+    steps = f"{len(run.curve)} {'step' if len(run.curve) == 1 else 'steps'}"
+    if len(run.curve):
+        steps += f", to {run.curve.parameter[-1]:g}{unit}"
+    if run.failure is not None:
+        return _box(_failure(run.failure, unit) + paragraph(f"What converged before: {steps}."))
+    match run.ending:
+        case "completed":
+            return paragraph(f"Completed: {steps}.")
+        case "interrupted":
+            words = f"This run was interrupted. What converged before: {steps}. `isopeel resume` goes on."
+        case _:
+            words = f"This run was killed, or is under way: {steps}. Where killed, `isopeel resume` goes on."
+    return _box(paragraph(words))
+
+
+def _failure(failure: Failure, unit: str) -> str:
+    residuals = ", ".join(f"{measure:.1e}" for measure in failure.iterations)
+    lines = [
+        f"No equilibrium at {failure.parameter:g}{unit}: {failure.reason}.",
+        f"Cause: {failure.cause}. What to try: {failure.hint}.",
+        *([f"Energy residual per unknown before each correction: {residuals}."] if residuals else []),
+    ]
+    return "".join(map(paragraph, lines))
+
+
+def _box(content: str) -> str:
+    return f'<div class="ending bad" role="note">\n{content}</div>\n'
+
+
+def summary(stored: StoredStage, found: dict[str, Any]) -> str:
+    """The summary of a run, beside what theory says, with its notes and units."""
+    curve = stored.run.curve
+    rows = summary_rows(found, curve.parameter_column, curve.reaction_column)
+    theory = found["closed_form"]
+    if theory is None:
+        shown = table(("", "run"), ((name, _units(value)) for name, value, _ in rows))
+    else:
+        cells = ((name, _units(value), _units(other)) for name, value, other in rows)
+        shown = table(("", "run", theory["source"]), cells)
+    notes = [f"Note: {found['note']}."] if found["note"] else []
+    notes.append(f"{plain(units_note(found['units']))}; for a width of {plain('L0')}.")
+    return shown + "".join(paragraph(note, "legend") for note in notes)
+
+
+def _units(text: str) -> str:
+    return plain(text).replace(" deg", "°")
+
+
+def states_table(stored: StoredStage, shown: int) -> str:
+    """The stored states as a table, for those who look at numbers."""
+    curve, steps = stored.run.curve, field_steps(stored.run)
+    columns = [column_words(column) for column in (curve.parameter_column, curve.reaction_column)]
+    headings = ["step", *(f"{column['words']} / {column['unit']}" for column in columns), "iterations"]
+    rows = (
+        (str(k), f"{curve.parameter[k]:g}", f"{curve.reaction[k]:.6g}", str(curve.iterations[k]))
+        for k in steps
+    )
+    less = f", of which {shown} are shown above, to keep the page small" if shown < len(steps) else ""
+    told = f"{len(steps)} stored states of {len(curve)} steps{less}"
+    content = f'<div class="wide">\n{table(headings, rows)}</div>\n'
+    return f"<details>\n<summary>{escape(told)}</summary>\n{content}</details>\n"
+
+
+def curve_legend(stored: StoredStage, plateau: bool) -> str:
+    """What the marks on a curve mean, of those that are on it."""
+    curve = stored.run.curve
+    kinds = {KINDS[kind] for kind in curve.kind[1:]}
+    marked = {
+        "state": ("stored state", True),
+        "chosen": ("shown", True),
+        "unstable": ("unstable", bool(unstable_pieces(curve).any())),
+        "jumped": ("jump", "jump" in kinds),
+        "limit": ("limit point", "limit point" in kinds),
+        "shaded": ("where the plateau is read", plateau),
+    }
+    keys = [(kind, words) for kind, (words, there) in marked.items() if there]
+    return " ".join(
+        f'<span class="entry"><span class="key {kind}"></span>{words}</span>' for kind, words in keys
+    )
+
+
+def provenance(stages: Sequence[StoredStage]) -> str:
+    """Where the stages come from; what differs between them is listed in turn."""
+    names = dict.fromkeys(name for stored in stages for name in stored.run.attributes)
+    left_out = ("L0", "E0", "stage", "space", "mesh", "dofs", "traction")
+    rows = []
+    for name in names:
+        if name not in left_out:
+            values = dict.fromkeys(str(stored.run.attributes.get(name, "-")) for stored in stages)
+            rows.append((name.removeprefix("version_").replace("_", " "), "; ".join(values)))
+    return f'<div class="wide">\n{table(("", "of this run"), rows)}</div>\n'

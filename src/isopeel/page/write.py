@@ -1,0 +1,139 @@
+"""Writing the page of a run."""
+
+import json
+from base64 import b64encode
+from hashlib import sha256
+from html import escape
+from importlib import resources
+from pathlib import Path
+from string import Template
+
+import matplotlib as mpl
+import numpy as np
+
+import isopeel
+from isopeel.errors import InputError
+from isopeel.folder import REPORT
+from isopeel.page import markup
+from isopeel.page.content import Content, column_words, stage_content
+from isopeel.page.packing import packed
+from isopeel.post.style import BLUE, FIELD_MAP, SHADE, SKY, VERMILION
+from isopeel.post.summary import find, summarize
+from isopeel.results.files import replacing
+from isopeel.stored import StoredStage, stored_stages
+
+#: Of the states of all stages, so that a page can be sent by mail: it stays below 5 MB.
+MOST_BYTES = 4_000_000
+_LEVELS = 255  # of the stress, as `packed_stress` has them
+
+
+def write_page(folder: Path, out: Path | None = None) -> Path:
+    """Write what a folder holds of a run as one HTML page, DIR/report.html when no file is given.
+
+    The page loads nothing: it opens without a network, now and later. A case of several stages has them one
+    after the other. Raises InputError where there is no run in the folder, OSError where the page cannot be
+    written.
+    """
+    stages = stored_stages(folder)
+    path = out or folder / REPORT
+    text = page(stages)
+    with replacing(path) as part:
+        part.write_text(text, "utf-8", newline="\n")
+    return path
+
+
+def page(stages: tuple[StoredStage, ...]) -> str:
+    """Make the page of stages of one run. Raises InputError where their files hold no numbers."""
+    names = [f"stage-{number}" for number, _ in enumerate(stages, start=1)]
+    sections, contents = [], {}
+    for name, stored in zip(names, stages, strict=True):
+        section, content = _section(name, stored, len(stages) > 1, MOST_BYTES // len(stages))
+        sections.append(section)
+        if content is not None:
+            contents[name] = content
+    case, title = stages[-1].case, stages[0].case.name if len(stages) > 1 else stages[0].title
+    levels = np.linspace(0.0, 1.0, _LEVELS)
+    palette = packed(mpl.colormaps[FIELD_MAP](levels, bytes=True)[:, :3], "u1")
+    style, script = _style(), _script()
+    policy = (
+        f"default-src 'none'; script-src '{_hash(script)}'; style-src '{_hash(style)}'; "
+        "img-src data:; base-uri 'none'; form-action 'none'"
+    )
+    return _template("page.html").substitute(
+        policy=policy,
+        version=isopeel.__version__,
+        title=escape(title),
+        about=markup.paragraph(case.about) if case.about else "",
+        style=style,
+        contents=_contents(names, stages) if len(stages) > 1 else "",
+        stages="".join(sections),
+        case=escape(stages[-1].run.case_text.strip()),
+        provenance=markup.provenance(stages),
+        # nothing in it ends the element that it is in
+        content=json.dumps({"palette": palette, "stages": contents}, allow_nan=False).replace("<", "\\u003c"),
+        script=script,
+    )
+
+
+def _section(name: str, stored: StoredStage, several: bool, most_bytes: int) -> tuple[str, Content | None]:
+    """The part of a page on a stage, and what its script shows, where there is a state to show."""
+    run, stage = stored.run, stored.stage
+    heading = f"<h2>{escape(stored.title)}</h2>\n" if several else ""
+    ending = markup.ending(stored)
+    if not len(run.curve) or not run.fields:
+        return f'<section id="{name}">\n{heading}{ending}</section>\n', None
+    if not all(np.isfinite(values).all() for values in (run.curve.parameter, run.curve.reaction)):
+        raise InputError("DIR", str(stored.folder), "its curve holds what is no number")
+    found = find(stage.problem, stored.space, run, stage.window)
+    content = stage_content(stored, found, most_bytes)
+    seconds = float(run.curve.seconds.sum())
+    section = _template("stage.html").substitute(
+        id=name,
+        title=escape(stored.title),
+        heading=heading,
+        ending=ending,
+        parameter=escape(column_words(run.curve.parameter_column)["words"]),
+        reaction=escape(column_words(run.curve.reaction_column)["words"]),
+        curve_legend=markup.curve_legend(stored, found.plateau is not None),
+        adheres_to=content["substrate"]["words"],
+        damage="(the law without its damage)" if stage.problem.adhesion.irreversible else "",
+        summary=markup.summary(stored, summarize(stored.title, run, found, seconds)),
+        table=markup.states_table(stored, len(content["states"])),
+    )
+    return section, content
+
+
+def _contents(names: list[str], stages: tuple[StoredStage, ...]) -> str:
+    links = "".join(
+        f'<li><a href="#{name}">{escape(stored.title)}</a></li>\n'
+        for name, stored in zip(names, stages, strict=True)
+    )
+    return f"<ul>\n{links}</ul>\n"
+
+
+def _template(name: str) -> Template:
+    return Template(_read("page", name))
+
+
+def _style() -> str:
+    """The style of all documents, and what a page has beyond it, with the colours of all figures."""
+    colors = {"BLUE": BLUE, "SKY": SKY, "VERMILION": VERMILION, "SHADE": SHADE}
+    return "\n" + _read("report", "report.css") + _template("page.css").substitute(colors)
+
+
+def _script() -> str:
+    """The files of the script, in their order, as one."""
+    files = sorted(
+        resources.files("isopeel").joinpath("page", "script").iterdir(), key=lambda file: file.name
+    )
+    parts = [file.read_text("utf-8") for file in files if file.name.endswith(".js")]
+    return "\n".join(['\n"use strict";\n', *parts])
+
+
+def _read(folder: str, name: str) -> str:
+    return resources.files("isopeel").joinpath(folder, name).read_text("utf-8")
+
+
+def _hash(text: str) -> str:
+    """How a policy names a text that may be in the page."""
+    return "sha256-" + b64encode(sha256(text.encode("utf-8")).digest()).decode("ascii")

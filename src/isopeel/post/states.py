@@ -1,0 +1,114 @@
+"""One state of a body, ready to be drawn, and what of the plane a picture of it shows."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from math import ceil
+
+import numpy as np
+
+from isopeel.arrays import FloatArray
+from isopeel.physics.adhesion.mirrored import Mirrored
+from isopeel.physics.batch import evaluate_law, evaluate_substrate
+from isopeel.post.fields import SampledFields, sample_fields, side_positions
+from isopeel.problem import Problem
+from isopeel.splines.nurbs import Side
+from isopeel.splines.rows import RowSpace
+
+#: Cells along and across a body from which on bends and fields look smooth.
+SMOOTH = (300, 16)
+
+_OPPOSITE: dict[Side, Side] = {"left": "right", "right": "left", "bottom": "top", "top": "bottom"}
+_NO_PULL = 1e-6  # of Young's modulus: less is round-off
+_ALIKE = 0.95  # of the strongest pull
+
+
+@dataclass(frozen=True)
+class Window:
+    """A part of the plane, (from, to) each way."""
+
+    x: tuple[float, float]
+    y: tuple[float, float]
+
+    @property
+    def aspect(self) -> float:
+        """Width over height."""
+        return (self.x[1] - self.x[0]) / (self.y[1] - self.y[0])
+
+
+@dataclass(frozen=True, eq=False)
+class BodyState:
+    """One state of the body, ready to be drawn."""
+
+    parameter: float
+    fields: SampledFields
+    adhering: FloatArray  # (n, 2) positions along the part of the side that adheres
+    opposite: FloatArray  # (n, 2) positions on the other side of the body
+    driven: FloatArray  # (3, 2) start, middle and end of the driven side
+
+
+def body_state(
+    problem: Problem,
+    space: RowSpace,
+    parameter: float,
+    displacement: FloatArray,
+    per_element: tuple[int, int] | None = None,
+) -> BodyState:
+    """Sample what a picture shows of coefficients (size, 2) of a displacement, as `sample_fields` does.
+
+    Without a number of cells per element there are so many that bends and fields look smooth on coarse and
+    on graded meshes too.
+    """
+    adhesion = problem.adhesion
+    along = np.linspace(adhesion.start, adhesion.end, 10 * max(space.elements) + 1)
+    adhering, opposite = (
+        side_positions(problem, space, displacement, side, along)
+        for side in (adhesion.side, _OPPOSITE[adhesion.side])
+    )
+    driven = side_positions(problem, space, displacement, problem.drive.side, np.array([0.0, 0.5, 1.0]))
+    largest = (np.diff(axis.breakpoints).max() for axis in (space.rows[0], space.across))
+    smooth = [ceil(cells * size) for cells, size in zip(SMOOTH, largest, strict=True)]
+    cells = per_element or (smooth[0], smooth[1])
+    return BodyState(
+        parameter, sample_fields(problem, space, displacement, cells), adhering, opposite, driven
+    )
+
+
+def stress_scale(states: Iterable[BodyState]) -> float:
+    """The largest |I1| of all states, at which the colours of I1 end either way."""
+    # an invariant below 1e-6 is the round-off of a body at rest
+    return max(1e-6, *(float(np.nanmax(np.abs(state.fields.first_invariant))) for state in states))
+
+
+def whole_window(states: Iterable[BodyState]) -> Window:
+    """All of the body in all states, with room for labels."""
+    points = np.concatenate([state.fields.position.reshape(-1, 2) for state in states])
+    low, high = points.min(axis=0), points.max(axis=0)
+    margin = 0.05 * float(np.max(high - low))
+    (left, bottom), (right, top) = (low - margin).tolist(), (high + margin).tolist()
+    return Window((left, right), (bottom, top))
+
+
+def front_window(problem: Problem, state: BodyState) -> Window:
+    """The body where the substrate pulls most, with a margin."""
+    substrate, law = problem.adhesion.substrate, problem.adhesion.law
+    gap, _, _ = evaluate_substrate(substrate.kernel, substrate.parameters, state.adhering)
+    attraction = -evaluate_law(law.kernel, law.parameters, gap, np.zeros_like(gap))[1]
+    # where nothing is pulled yet, a front will start from the end next to the drive
+    from_drive = np.linalg.norm(state.adhering - state.driven[1], axis=1)
+    pulls = attraction.max() > _NO_PULL * problem.body.material.youngs_modulus
+    # of several places that are pulled alike, as the troughs of a wave, the one next to the drive
+    front = attraction > _ALIKE * attraction.max() if pulls else np.full(len(gap), True)
+    at = int(np.argmin(np.where(front, from_drive, np.inf)))
+    through = state.opposite[at] - state.adhering[at]
+    length = float(np.linalg.norm(np.diff(state.adhering, axis=0), axis=1).sum())
+    thickness = float(np.linalg.norm(through))
+    # of a body that is thick for what adheres, such as a cylinder, only the part next to the substrate
+    size = min(thickness, length / 2)
+    x, y = (state.adhering[at] + through * size / thickness / 2).tolist()
+    half_width, half_height = 1.6 * size, 0.65 * size
+    return Window((x - half_width, x + half_width), (y - half_height, y + half_height))
+
+
+def adheres_to(problem: Problem) -> str:
+    """What the body adheres to, in words."""
+    return "mirror plane" if isinstance(problem.adhesion.law, Mirrored) else "substrate"

@@ -1,0 +1,72 @@
+"""What the folder of a run holds, read back: each stage with its problem, its space and its file."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from isopeel.case import Case, Stage
+from isopeel.errors import InputError
+from isopeel.folder import FILES, stage_files
+from isopeel.results.run_file import StoredRun, read_run
+from isopeel.splines.rows import RowSpace
+
+_NEEDED = ("L0", "E0", "stage", "space", "mesh", "dofs", "traction")  # attributes of a run
+
+
+@dataclass(frozen=True, eq=False)
+class StoredStage:
+    """A stage that was run: what of, on which space, and what its file holds."""
+
+    title: str
+    folder: Path
+    case: Case
+    stage: Stage
+    space: RowSpace
+    run: StoredRun
+
+
+def stored_stages(folder: Path) -> tuple[StoredStage, ...]:
+    """Read the stages in the folder of a run, or the one in the folder of a stage, in the order of the run.
+
+    The files may come from anywhere. Raises InputError where there is no run in the folder, or a file does
+    not fit to the case in it.
+    """
+    if not folder.is_dir():
+        raise InputError("DIR", str(folder), "the folder of a run is needed, and it is no folder")
+    own = folder / FILES[0]
+    files = [own] if own.exists() else sorted(stage_files(folder), key=_number)
+    if not files:
+        allowed = f"the folder of a run is needed, and there is no {FILES[0]} in it"
+        raise InputError("DIR", str(folder), allowed)
+    return tuple(map(_stored_stage, files))
+
+
+def _stored_stage(file: Path) -> StoredStage:
+    run = read_run(file)
+    try:
+        case = Case.parse(run.case_text, str(file))
+        stages, space = case.stages(), case.space()
+    except InputError as error:
+        raise InputError(
+            "DIR", str(file.parent), f"the case in it cannot be read any more: {error}"
+        ) from error
+    missing = [name for name in _NEEDED if name not in run.attributes]
+    name = run.attributes.get("stage")
+    # two stages may have one name, but not one folder
+    numbers = [number for number, stage in enumerate(stages, start=1) if stage.name == name]
+    number = _number(file) if _number(file) in numbers else min(numbers, default=0)
+    sizes = {len(displacement) for displacement in run.fields.values()}
+    if missing or not number or not sizes <= {space.size}:
+        told = f"lacks {', '.join(missing)}" if missing else "holds fields or a stage of another case"
+        raise InputError("FILE", str(file), f"the file of a run is needed: it {told}")
+    stage = stages[number - 1]
+    columns = stage.problem.drive.parameter_column, stage.problem.drive.reaction_column
+    if (run.curve.parameter_column, run.curve.reaction_column) != columns:
+        raise InputError("FILE", str(file), "the file of a run is needed: its curve is of another drive")
+    title = f"{case.name}, stage {number}: {stage.name}" if len(stages) > 1 else case.name
+    return StoredStage(title, file.parent, case, stage, space, run)
+
+
+def _number(file: Path) -> int:
+    """The number that the folder of a stage begins with, from one; 0 where there is none."""
+    number = file.parent.name.partition("-")[0]
+    return int(number) if number.isdecimal() else 0

@@ -1,0 +1,62 @@
+"""The folder of a run is read back with its problem, or refused with one line."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from rich.console import Console
+
+import isopeel
+from isopeel import InputError
+from isopeel.results.run_file import read_run, write_run
+from isopeel.run import run_case
+from isopeel.stored import stored_stages
+
+
+@pytest.fixture(scope="module")
+def staged(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The folder of a case of two stages, of a few steps each."""
+    folder = tmp_path_factory.mktemp("staged")
+    case = isopeel.load_case("press-and-peel").overridden(mesh="20x1", space="L1", to="1", step="0.5")
+    run_case(case, folder, Console(quiet=True))
+    return folder
+
+
+def test_stages_come_in_their_order(staged: Path) -> None:
+    press, peel = stored_stages(staged)
+    assert (press.title, peel.title) == ("press-and-peel, stage 1: press", "press-and-peel, stage 2: peel")
+    assert peel.run.curve.parameter.tolist() == [0.0, 0.5, 1.0]
+    assert press.stage.problem.drive.side == "top"
+    assert {displacement.shape for displacement in peel.run.fields.values()} == {(peel.space.size, 2)}
+
+
+def test_the_folder_of_a_stage_holds_that_stage(staged: Path) -> None:
+    (peel,) = stored_stages(staged / "2-peel")
+    assert (peel.title, peel.stage.name) == ("press-and-peel, stage 2: peel", "peel")
+
+
+def test_what_is_no_folder_of_a_run_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="it is no folder"):
+        stored_stages(tmp_path / "nowhere")
+    with pytest.raises(InputError, match=r"there is no run\.h5 in it"):
+        stored_stages(tmp_path)
+    (tmp_path / "run.h5").write_bytes(b"no HDF5")
+    with pytest.raises(InputError, match="the file of a run is needed"):
+        stored_stages(tmp_path)
+
+
+def test_a_file_that_does_not_fit_to_its_case_is_refused(staged: Path, tmp_path: Path) -> None:
+    run = read_run(staged / "2-peel" / "run.h5")
+    attributes = dict(run.attributes)
+    del attributes["dofs"]
+    other_fields = {0.0: run.fields[0.0][1:]}
+    for changed, told in (
+        (replace(run, attributes=attributes), "it lacks dofs"),
+        (replace(run, attributes={**run.attributes, "stage": "other"}), "of another case"),
+        (replace(run, attributes={**run.attributes, "stage": "press"}), "of another drive"),
+        (replace(run, fields=other_fields, last=None, base=None), "of another case"),
+        (replace(run, case_text="no TOML"), "the case in it cannot be read any more"),
+    ):
+        write_run(tmp_path / "run.h5", changed)
+        with pytest.raises(InputError, match=told):
+            stored_stages(tmp_path)
