@@ -29,6 +29,8 @@ os.environ["IPYTHONDIR"] = _home.name
 # the output of a cell is no terminal, whatever its kernel says
 os.environ |= {"TTY_COMPATIBLE": "0", "_TYPER_FORCE_DISABLE_TERMINAL": "1", "COLUMNS": "84"}
 
+_package = Path(str(files("isopeel")))
+
 project = "isopeel"
 author = "The isopeel developers"
 copyright = author
@@ -65,8 +67,26 @@ default_role = "code"
 def setup(app: Sphinx) -> None:
     """Formulas as MathML, which browsers draw themselves, and docstrings as plain text."""
     app.add_html_math_renderer("mathml", (_inline_formula, None), (_formula, None))
+    app.connect("source-read", _with_modules)
     app.connect("autodoc-process-docstring", _plain)
     app.connect("autodoc-process-signature", _short)
+
+
+def _with_modules(_app: Sphinx, page: str, source: list[str]) -> None:
+    """A section for each module of the files and folders that a page of the reference names."""
+
+    def sections(named: re.Match[str]) -> str:
+        text = ""
+        for part in named[1].split():
+            files_of_part = sorted((_package / part).rglob("*.py")) or [_package / f"{part}.py"]
+            for file in files_of_part:
+                module = ".".join(["isopeel", *file.relative_to(_package).with_suffix("").parts])
+                module = module.removesuffix(".__init__")
+                text += f"## `{module}`\n\n```{{eval-rst}}\n.. automodule:: {module}\n```\n\n"
+        return text
+
+    if page.startswith("api/"):
+        source[0] = re.sub(r"<!-- modules: (.*?) -->", sections, source[0])
 
 
 def _inline_formula(self: HTML5Translator, node: nodes.math) -> None:
