@@ -85,6 +85,7 @@ def sleeping() -> Iterator[subprocess.Popen[bytes]]:
         process.wait()
 
 
+@pytest.mark.posix
 @pytest.mark.parametrize("wait", [0.0, 1.0])  # while workers start, and later
 def test_ctrl_c_ends_all_at_once_and_the_first_alone_heeds_it(
     sleeping: subprocess.Popen[bytes], wait: float

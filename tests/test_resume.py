@@ -211,6 +211,7 @@ COMMAND = [
 ]
 
 
+@pytest.mark.posix
 @pytest.mark.parametrize("again", [None, 0.0, 0.1, 0.3])
 def test_ctrl_c_ends_with_all_written(again: float | None) -> None:
     """The second Ctrl-C comes while files are written, or when all is done."""

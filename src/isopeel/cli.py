@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 COMPLETED, BAD_INPUT, NOT_CONVERGED, INTERRUPTED = 0, 2, 3, 130
 
-app = typer.Typer(add_completion=False, pretty_exceptions_enable=False)
+app = typer.Typer(pretty_exceptions_enable=False)
 
 
 _ControlOption = Annotated[
@@ -109,6 +109,10 @@ def run(
         int | None, typer.Option(metavar="N", help="Gauss points of the adhesive force on an element.")
     ] = None,
     control: _ControlOption = None,
+    fields_every: Annotated[
+        str | None,
+        typer.Option(metavar="VALUE", help="Parameter between stored displacements, written likewise."),
+    ] = None,
 ) -> int:
     """Run CASE and leave its curve, figures, summary and fields in a folder."""
     try:
@@ -123,6 +127,7 @@ def run(
             traction=traction,
             contact_points=contact_points,
             control=control,
+            fields_every=fields_every,
         )
         folder = out or Path("out") / chosen.name
         result = run_case(chosen, folder, _console())
@@ -293,4 +298,111 @@ def report(
     from isopeel.page.write import write_page
 
     _console().print(f"the report is {write_page(folder, out)}", soft_wrap=True)
+    return COMPLETED
+
+
+@app.command()
+def plot(
+    folder: Annotated[Path, typer.Argument(metavar="DIR", help="Folder of a run, or of one of its stages.")],
+    only: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="PART", help="Figure: curve, plateau, shapes, front or tractions; repeatable, else all."
+        ),
+    ] = None,
+    at: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="VALUE",
+            help="Parameter of a state to show, such as '20 nm'; a number means degrees; repeatable.",
+        ),
+    ] = None,
+    suffix: Annotated[str, typer.Option("--format", metavar="png|svg|pdf", help="Kind of file.")] = "png",
+    out: Annotated[
+        Path | None, typer.Option(metavar="DIR", help="Folder of the figures; DIR/figures when left out.")
+    ] = None,
+) -> int:
+    """Draw the figures of a stored run: its curve and plateau, deformed shapes, front and tractions."""
+    from isopeel.plot import plot_run
+
+    plot_run(folder, only or [], at or [], suffix, out, _console())
+    return COMPLETED
+
+
+@app.command()
+def export(
+    folder: Annotated[Path, typer.Argument(metavar="DIR", help="Folder of a run.")],
+    out: Annotated[
+        Path | None, typer.Option(metavar="DIR", help="Folder of the files; DIR/paraview when left out.")
+    ] = None,
+    linear: Annotated[
+        int | None,
+        typer.Option(metavar="N", help="Cut each element into N x N straight cells, not into Bezier cells."),
+    ] = None,
+) -> int:
+    """Write the fields of a run for ParaView, as Bezier cells that hold curved shapes exactly."""
+    try:
+        from isopeel.export import export_run
+
+        export_run(folder, out, linear, _console())
+    except KeyboardInterrupt:
+        return _fail(INTERRUPTED, "interrupted; the same command writes all files anew")
+    return COMPLETED
+
+
+@app.command()
+def compare(
+    folders: Annotated[
+        list[Path], typer.Argument(metavar="DIR...", help="Folders of two runs or more, or of stages.")
+    ],
+    suffix: Annotated[str, typer.Option("--format", metavar="png|svg|pdf", help="Kind of figure.")] = "png",
+    out: Annotated[Path, typer.Option(metavar="DIR", help="Folder of the table and the figure.")] = Path(
+        "out/compare"
+    ),
+) -> int:
+    """Lay the curves of stored runs over each other, and tabulate what was read from them."""
+    from isopeel.compare import compare_runs
+
+    compare_runs(folders, suffix, out, _console())
+    return COMPLETED
+
+
+@app.command()
+def animate(
+    folder: Annotated[Path, typer.Argument(metavar="DIR", help="Folder of a run, or of one of its stages.")],
+    suffix: Annotated[str, typer.Option("--format", metavar="mp4|gif", help="Kind of file.")] = "mp4",
+    fps: Annotated[
+        float | None,
+        typer.Option(metavar="N", help="Stored states per second; a few seconds in all when left out."),
+    ] = None,
+    size: Annotated[str, typer.Option(metavar="WxH", help="Width and height in pixels.")] = "1280x600",
+    out: Annotated[
+        Path | None, typer.Option(metavar="DIR", help="Folder of the file; DIR/figures when left out.")
+    ] = None,
+) -> int:
+    """Animate a stored run: the deformed body, and beside it the curve with a mark that moves along it."""
+    try:
+        from isopeel.animate import animate_run
+
+        animate_run(folder, suffix, fps, size, out, _console())
+    except KeyboardInterrupt:
+        return _fail(INTERRUPTED, "interrupted")
+    return COMPLETED
+
+
+@app.command()
+def view(
+    folder: Annotated[Path, typer.Argument(metavar="DIR", help="Folder of a run, or of one of its stages.")],
+    at: Annotated[
+        str | None,
+        typer.Option(metavar="VALUE", help="Parameter of the state to begin with; a number means degrees."),
+    ] = None,
+    screenshot: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="Write a PNG picture instead of opening a window.")
+    ] = None,
+) -> int:
+    """Show the deformed body of a stored run in a window, with a slider (needs isopeel[view])."""
+    from isopeel.view import view_run
+
+    view_run(folder, at, screenshot, _console())
     return COMPLETED

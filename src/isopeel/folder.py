@@ -1,5 +1,6 @@
 """The folder of a run: what lies where, and that one process alone writes to it."""
 
+import re
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -15,6 +16,9 @@ from isopeel.results.journal import journal_path
 FILES = ("run.h5", "curve.csv", "summary.json", "curve.png", "shapes.png")
 #: What `isopeel report` makes of them.
 REPORT = "report.html"
+
+#: Folder inside that of a run for what is drawn from it later, and the names of that, whatever the format.
+FIGURES, DRAWN = "figures", ("curve", "plateau", "shapes", "front", "tractions", "animation")
 
 
 class Place(NamedTuple):
@@ -44,26 +48,55 @@ def places(name: str, stages: Sequence[str], out: Path) -> list[Place]:
             folder,
             title,
             # what later stages and runs with other stages have left
-            [path / file for path in earlier - set(folders[: number + 1]) for file in kept]
-            + [folder / file for file in (*FILES[1:], REPORT)],
+            [
+                file
+                for path in earlier - set(folders[: number + 1])
+                for file in (*(path / name for name in kept), *_drawn(path))
+            ]
+            + [*(folder / file for file in (*FILES[1:], REPORT)), *_drawn(folder)],
         )
         for number, (folder, title) in enumerate(zip(folders, titles, strict=True))
     ]
 
 
+def _drawn(folder: Path) -> list[Path]:
+    """What has been drawn from the run in a folder."""
+    return [path for path in (folder / FIGURES).glob("*.*") if path.stem in DRAWN]
+
+
 def stage_files(out: Path) -> list[Path]:
-    """The files of runs that lie in folders of stages."""
-    return list(out.glob(f"[0-9]*-*/{FILES[0]}"))
+    """The files of runs that lie in folders of stages, in the order of these."""
+    numbered = {path: re.match(r"\d{1,9}(?=-)", path.parent.name) for path in out.glob(f"*-*/{FILES[0]}")}
+    return [path for _, path in sorted((int(number[0]), path) for path, number in numbered.items() if number)]
 
 
-def check_folder(out: Path) -> None:
-    """Make a folder. Raises InputError where it, or a file in it, could not be written."""
+def run_files(folder: Path) -> list[Path]:
+    """The files of the runs in a folder: its only one, or those of the stages so far.
+
+    Raises InputError where there is none.
+    """
+    if not folder.is_dir():
+        raise InputError("DIR", str(folder), "the folder of a run is needed, and it is no folder")
+    files = [folder / FILES[0]] if (folder / FILES[0]).exists() else stage_files(folder)
+    if not files:
+        allowed = f"the folder of a run is needed, and there is no {FILES[0]} in it"
+        raise InputError("DIR", str(folder), allowed)
+    return files
+
+
+def make_folder(out: Path) -> None:
+    """Make a folder. Raises InputError where no file could be written to it."""
     try:
         out.mkdir(parents=True, exist_ok=True)
         TemporaryFile(dir=out).close()
     except OSError as error:
         allowed = f"a folder that can be written is needed: {error.strerror}"
         raise InputError("--out", str(out), allowed) from error
+
+
+def check_folder(out: Path) -> None:
+    """Make the folder of a run. Raises InputError where it, or a file in it, could not be written."""
+    make_folder(out)
     for name in FILES:
         if (out / name).exists() and not (out / name).is_file():
             raise InputError("--out", str(out), f"{name} in it must be a file, where there is one")

@@ -1,4 +1,4 @@
-"""The progress of a run, on a terminal."""
+"""The progress of a run, and of other work, on a terminal."""
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -19,16 +19,7 @@ def progress(console: Console, drive: Drive, steps: int, before: int = 0) -> Ite
     The bar begins after the steps `before`, and says that kernels are compiled until the first one
     arrives. Nothing is shown where the console is no terminal.
     """
-    bar = Progress(
-        TextColumn("{task.description}"),
-        BarColumn(bar_width=None),
-        TextColumn("{task.completed}/{task.total}"),
-        TimeRemainingColumn(compact=True),
-        console=console,
-        refresh_per_second=_REFRESHES_PER_SECOND,
-        transient=True,
-        disable=not console.is_terminal,
-    )
+    bar = _bar(console)
     parameter, reaction = drive.parameter_column, drive.reaction_column
 
     met: set[float] = set()
@@ -47,3 +38,27 @@ def progress(console: Console, drive: Drive, steps: int, before: int = 0) -> Ite
     with bar:
         task = bar.add_task("compiling", total=steps, completed=before)
         yield show
+
+
+@contextmanager
+def counted(console: Console, what: str, total: int) -> Iterator[Callable[[], None]]:
+    """Show a bar while the context is open, and give the function that moves it by one.
+
+    Nothing is shown where the console is no terminal.
+    """
+    with _bar(console) as bar:
+        task = bar.add_task(what, total=total)
+        yield lambda: bar.advance(task)
+
+
+def _bar(console: Console) -> Progress:
+    return Progress(
+        TextColumn("{task.description}"),
+        BarColumn(bar_width=None),
+        TextColumn("{task.completed}/{task.total}"),
+        TimeRemainingColumn(compact=True),
+        console=console,
+        refresh_per_second=_REFRESHES_PER_SECOND,
+        transient=True,
+        disable=not console.is_terminal,
+    )

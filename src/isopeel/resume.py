@@ -8,7 +8,7 @@ from rich.console import Console
 
 from isopeel.case import Case, Stage
 from isopeel.errors import InputError
-from isopeel.folder import FILES, alone_in, places, stage_files
+from isopeel.folder import alone_in, places, run_files
 from isopeel.results.run_file import StoredRun, read_run
 from isopeel.run import Result, go_through
 from isopeel.solve.step import KINDS
@@ -21,8 +21,7 @@ def resume_case(folder: Path, console: Console, to: str | None = None, control: 
     is, unless a control is given that may find one. The steps are those of the uninterrupted run, to the last
     bit. Raises as `run_case` does, and InputError where there is no run in the folder.
     """
-    if not folder.is_dir():
-        raise InputError("DIR", str(folder), "the folder of a run is needed, and it is no folder")
+    run_files(folder)  # nothing is written to a folder of something else
     with alone_in(folder, "DIR"):
         case, stored = _found(folder, to, control)
         if control is not None:
@@ -32,13 +31,9 @@ def resume_case(folder: Path, console: Console, to: str | None = None, control: 
 
 def _found(folder: Path, to: str | None, control: str | None) -> tuple[Case, dict[int, StoredRun]]:
     """The case of the run in a folder, and what is stored of its stages, by their numbers."""
-    files = [folder / FILES[0]] if (folder / FILES[0]).exists() else stage_files(folder)
-    if not files:
-        raise InputError(
-            "DIR", str(folder), f"the folder of a run is needed, and there is no {FILES[0]} in it"
-        )
+    files = run_files(folder)
     # the stage that was begun last has the case as it was asked for last
-    newest = max(files, key=lambda path: int(path.parent.name.partition("-")[0]) if len(files) > 1 else 0)
+    newest = files[-1]
     text = read_run(newest).case_text
     try:
         case = Case.parse(text, str(newest))

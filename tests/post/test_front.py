@@ -108,7 +108,8 @@ def test_the_process_zone_of_a_straight_face_follows_from_the_law() -> None:
 def test_the_width_at_half_maximum_of_a_known_bell() -> None:
     position = np.linspace(0, 20, 2001).reshape(29, 69)
     bell = -0.3 / np.cosh((position - 8) / 1.5) ** 2
-    profile = FrontProfile(position, position, bell, bell, position > 8)
+    places = np.zeros((*position.shape, 2))
+    profile = FrontProfile(position, places, places, position, bell, bell, position > 8)
     zone = process_zone(profile)
     assert zone is not None
     # sech^2 is one half at arccosh(sqrt 2); chords over 0.01 of a curve of width 1.5 are off by 1e-5 at most

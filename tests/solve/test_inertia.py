@@ -15,10 +15,10 @@ def band(entries: np.ndarray) -> BandMatrix:
     return BandMatrix(workspace, entries.shape[1] - 1, "symmetric")
 
 
-@pytest.mark.parametrize("seed", range(20))
+@pytest.mark.parametrize("seed", range(32))
 def test_negative_eigenvalues_are_counted_and_systems_solved(seed: int) -> None:
     rng = np.random.default_rng(seed)
-    n, b = 60, 5
+    n, b = 57 + seed % 4, (1, 3, 5, 20)[seed // 4 % 4]
     entries = rng.standard_normal((n, b + 1))
     entries[:, 0] += rng.uniform(-2.0, 6.0)
     for k in range(1, b + 1):

@@ -223,6 +223,7 @@ def under_way() -> Iterator[subprocess.Popen[bytes]]:
         process.wait()
 
 
+@pytest.mark.posix
 @pytest.mark.long
 def test_ctrl_c_ends_it_at_once_and_leaves_nothing_behind(under_way: subprocess.Popen[bytes]) -> None:
     sleep(1.0)

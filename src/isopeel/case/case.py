@@ -131,8 +131,11 @@ class Case(Section):
         traction: str | None = None,
         contact_points: int | None = None,
         control: str | None = None,
+        fields_every: str | float | None = None,
     ) -> Self:
-        """Return the case with other values, `to` and `step` those of the last stage, `control` of all.
+        """Return the case with other values, `to`, `step` and `fields_every` those of the last stage.
+
+        `control` is that of all stages.
 
         They are texts with units; plain numbers are degrees where an angle is needed. Raises InputError whose
         field is the option of the command line, such as --mesh.
@@ -145,12 +148,13 @@ class Case(Section):
             ("adhesion", "traction"): traction,
             ("discretization", "contact_points"): contact_points,
             ("drive", "path_control"): control,
+            ("output", "fields_every"): fields_every,
         }
         changes = {path: value for path, value in given.items() if value is not None}
         document = dict(self._document)
         for (section, key), value in changes.items():
             table = document.get(section, {})
-            entry = {key: self._parameter(value) if key in ("to", "step") else value}
+            entry = {key: self._parameter(value) if key in ("to", "step", "fields_every") else value}
             if not isinstance(table, list):
                 document[section] = table | entry
             elif key == "path_control":

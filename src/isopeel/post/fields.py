@@ -19,17 +19,18 @@ _FLAT = 1e-9
 
 @dataclass(frozen=True, eq=False)
 class SampledFields:
-    """Fields at the nodes of a x b cells in each of the elements, in the units of the problem.
+    """Fields at k x l points in each of the elements, in the units of the problem.
 
-    Arrays are (n_x, n_y, a + 1, b + 1, ...): elements along xi and eta, then nodes along xi and eta. An
-    element has the nodes on its edges to itself, so that what jumps between elements does so here. Where an
-    element is turned inside out its stresses are nan, and at a corner where two sides of the shape meet
-    without a corner, as on a cylinder, all but the positions.
+    Arrays are (n_x, n_y, k, l, ...): elements along xi and eta, then points along xi and eta. An element has
+    the points on its edges to itself, so that what jumps between elements does so here. Where an element is
+    turned inside out its stresses are nan, and at a corner where two sides of the shape meet without a
+    corner, as on a cylinder, all but the positions.
     """
 
     reference_position: FloatArray  # X (..., 2)
     position: FloatArray  # x = X + u (..., 2)
     deformation_gradient: FloatArray  # F (..., 2, 2)
+    nominal_stress: FloatArray  # first Piola-Kirchhoff, P (..., 3, 3)
     cauchy_stress: FloatArray  # sigma (..., 3, 3)
     first_invariant: FloatArray  # I1 = tr(sigma) / E (...)
 
@@ -47,29 +48,44 @@ class SideFields:
 def sample_fields(
     problem: Problem, space: RowSpace, displacement: FloatArray, per_element: tuple[int, int] = (1, 1)
 ) -> SampledFields:
-    """Sample the fields of coefficients (size, 2) of a displacement on `per_element` cells per element.
+    """Sample the fields of coefficients (size, 2) of a displacement at the nodes of cells in each element.
 
-    F = 1 + du/dX and sigma = P F^T / J, with sigma_33 that of plane strain (Bonet and Wood, Nonlinear
-    Continuum Mechanics for Finite Element Analysis, 2nd ed., Sec. 5.5). Raises InputError for coefficients
-    of another space, or less than one cell.
+    There are `per_element` equal cells, a x b of them, so (a + 1) x (b + 1) nodes. Raises as `fields_at`
+    does, and InputError for less than one cell.
     """
     if min(per_element) < 1:
         raise InputError("per_element", per_element, "an element has at least one cell each way")
-    material = problem.body.material
     xi, eta = (
-        _nodes(along.breakpoints, cells)
+        nodes(along.breakpoints, cells)
         for along, cells in zip((space.rows[0], space.across), per_element, strict=True)
     )
+    return fields_at(problem, space, displacement, xi, eta)
+
+
+def fields_at(
+    problem: Problem, space: RowSpace, displacement: FloatArray, xi: FloatArray, eta: FloatArray
+) -> SampledFields:
+    """Fields of coefficients (size, 2) of a displacement at all xi (n_x, k) and eta (n_y, l).
+
+    Each row of xi and of eta is seen from within the interval that it spans, which is a part of one element.
+    F = 1 + du/dX and sigma = P F^T / J, with sigma_33 that of plane strain (Bonet and Wood, Nonlinear
+    Continuum Mechanics for Finite Element Analysis, 2nd ed., Sec. 5.5). Raises InputError for coefficients
+    of another space.
+    """
+    material = problem.body.material
     X, x, F, _ = _deformation(problem, space, displacement, xi, eta)
+    nominal, stress = np.zeros((2, *F.shape[:-2], 3, 3))
     _, P, _ = evaluate_material(material.kernel, material.parameters, F)
-    stress = np.zeros((*F.shape[:-2], 3, 3))
     with np.errstate(invalid="ignore", divide="ignore"):  # J <= 0 is answered by nan
-        determinant = np.linalg.det(F)
-        stress[..., :2, :2] = P @ np.swapaxes(F, -1, -2) / determinant[..., None, None]
+        J = np.linalg.det(F)
+        nominal[..., :2, :2] = P
+        stress[..., :2, :2] = P @ np.swapaxes(F, -1, -2) / J[..., None, None]
         stress[..., 2, 2] = material.out_of_plane_stress(F)
-    stress[determinant <= 0] = np.nan  # by all materials, also those that stay finite there
+        nominal[..., 2, 2] = J * stress[..., 2, 2]
+    # by all materials, also those that stay finite there
+    nominal[J <= 0] = stress[J <= 0] = np.nan
     invariant = np.trace(stress, axis1=-2, axis2=-1) / material.youngs_modulus
-    return SampledFields(X, x, F, stress, invariant)
+    return SampledFields(X, x, F, nominal, stress, invariant)
 
 
 def sample_side(
@@ -127,8 +143,8 @@ def _deformation(
     if displacement.shape != (space.size, 2):
         raise InputError("displacement", displacement.shape, f"the space has {space.size} functions")
     shape = problem.body.shape
-    X, reference_derivatives = _on_grid(*_as_rows(shape), xi, eta)
-    u, derivatives = _on_grid(space.weighted(shape), displacement, xi, eta)
+    X, reference_derivatives = on_grid(*as_rows(shape), xi, eta)
+    u, derivatives = on_grid(space.weighted(shape), displacement, xi, eta)
     determinant = np.linalg.det(reference_derivatives)
     flat = np.abs(determinant) <= _FLAT * np.abs(determinant).max()
     inverse = np.linalg.inv(np.where(flat[..., None, None], np.eye(2), reference_derivatives))
@@ -136,19 +152,21 @@ def _deformation(
     return X, X + u, np.eye(2) + derivatives @ inverse, inverse
 
 
-def _nodes(breakpoints: FloatArray, cells: int) -> FloatArray:
-    """Ends of equal cells in every element, (elements, cells + 1)."""
+def nodes(breakpoints: FloatArray, cells: int) -> FloatArray:
+    """Ends of equal cells between all breakpoints, (elements, cells + 1)."""
     return np.linspace(breakpoints[:-1], breakpoints[1:], cells + 1, axis=1)
 
 
-def _as_rows(shape: NurbsSurface) -> tuple[RowSpace, FloatArray]:
+def as_rows(shape: NurbsSurface) -> tuple[RowSpace, FloatArray]:
     """The shape as a space whose rows are alike, and its control points (size, 2) in it."""
     along, across = shape.spaces
-    space = RowSpace("shape", across, (along,) * across.size, tuple(shape.weights.T))
+    # equal weights are none, as a displacement on the shape has none then
+    weights = None if np.ptp(shape.weights) == 0 else tuple(shape.weights.T)
+    space = RowSpace("shape", across, (along,) * across.size, weights)
     return space, np.swapaxes(shape.control_points, 0, 1).reshape(-1, 2)
 
 
-def _on_grid(
+def on_grid(
     space: RowSpace, coefficients: FloatArray, xi: FloatArray, eta: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
     """Values (n_x, n_y, k, l, 2) of a field at xi (n_x, k), eta (n_y, l), and its derivatives (..., 2, 2).

@@ -11,7 +11,8 @@ from isopeel.errors import InputError
 from isopeel.physics.batch import evaluate_law, evaluate_substrate
 from isopeel.physics.materials.base import plane_strain_modulus
 from isopeel.post.closed_form import beam_peeling
-from isopeel.post.fields import SideFields, sample_side
+from isopeel.post.fields import sample_side
+from isopeel.post.traction import projection
 from isopeel.problem import Problem
 from isopeel.splines.nurbs import NurbsCurve
 from isopeel.splines.rows import RowSpace
@@ -33,6 +34,8 @@ class FrontProfile:
     """
 
     position: FloatArray  # distance along the reference side, from where the side begins
+    deformed: FloatArray  # x (n, k, 2)
+    normal: FloatArray  # n_o there (n, k, 2)
     gap: FloatArray
     adhesive_traction: FloatArray  # T by the law, on the area that the problem names
     body_traction: FloatArray  # n_o . P N of the field in the elements next to the side
@@ -83,9 +86,11 @@ def front_profile(
     gap, normal, curvature = evaluate_substrate(substrate.kernel, substrate.parameters, fields.position)
     _, traction, derivative = evaluate_law(law.kernel, law.parameters, gap, curvature)
     if adhesion.traction == "projected":
-        traction = traction * _projection(fields, normal)
+        traction = traction * projection(fields, normal)
     return FrontProfile(
         position=_distance(problem.body.shape.boundary(side), knots, parameters),
+        deformed=fields.position,
+        normal=normal,
         gap=gap,
         adhesive_traction=traction,
         body_traction=np.einsum("...i,...iJ,...J->...", normal, fields.nominal_stress, fields.normal),
@@ -168,13 +173,6 @@ def _held_strip(problem: Problem) -> tuple[float, float, float] | None:
     modulus = plane_strain_modulus(problem.body.material)
     bending = closed_form.moment * closed_form.radius  # E'I = E' h^3/12
     return float((12 * bending / modulus) ** (1 / 3)), modulus, -float(derivative[0])
-
-
-def _projection(fields: SideFields, normal: FloatArray) -> FloatArray:
-    """-n_o . F^-T N: the projected area of a unit reference area."""
-    inverse = np.linalg.inv(fields.deformation_gradient)
-    area: FloatArray = -np.einsum("...i,...Ji,...J->...", normal, inverse, fields.normal)
-    return area
 
 
 def _distance(curve: NurbsCurve, knots: FloatArray, parameters: FloatArray) -> FloatArray:

@@ -1,7 +1,7 @@
 """Reading a reaction curve: plateau, oscillation, steepest slopes, onset."""
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -55,7 +55,7 @@ def unreadable(curve: Curve, window: tuple[float, float], period: float | None =
     """
     check_window(window)
     start, end = window
-    parameter, _ = _rising(curve)
+    parameter, _ = rising(curve)
     inside = parameter[_inside(parameter, window)]
     unit = curve.parameter_column.unit
     if not _covers(parameter, window):
@@ -77,13 +77,13 @@ def unreadable(curve: Curve, window: tuple[float, float], period: float | None =
 
 def plateau_mean(curve: Curve, window: tuple[float, float]) -> float | None:
     """Mean reaction in a window of the parameter; None where the curve does not cover it."""
-    parameter, reaction = _rising(curve)
+    parameter, reaction = rising(curve)
     if not _covers(parameter, window):
         return None
     return float(reaction[_inside(parameter, window)].mean())
 
 
-def _rising(curve: Curve) -> tuple[FloatArray, FloatArray]:
+def rising(curve: Curve) -> tuple[FloatArray, FloatArray]:
     """Parameter and reaction (steps,), from the other end where the run goes towards smaller parameters.
 
     Where a curve turns back, only what lies beyond all that was before.
@@ -117,7 +117,7 @@ def read_plateau(
     """
     if unreadable(curve, window, period) is not None:
         return None
-    parameter, reaction = _rising(curve)
+    parameter, reaction = rising(curve)
     mean = None if period is None else running_mean(parameter, reaction, period)
     return read_window(parameter, reaction, window, mean)
 
@@ -129,6 +129,45 @@ def read_window(
 
     `mean` (steps,) is what the drift is fitted to, where it is known in all of the window.
     """
+    at, values, drift, taken_out, fitted = _without_drift(parameter, reaction, window, mean)
+    oscillation = values - taken_out
+    slopes = np.diff(oscillation) / np.diff(at)
+    return PlateauReading(
+        window=window,
+        mean=float(values.mean()),
+        drift=drift,
+        drift_of=fitted,
+        amplitude=float(np.ptp(oscillation)),
+        steepest_rise=float(slopes.max()),
+        steepest_fall=float(slopes.min()),
+    )
+
+
+class Oscillation(NamedTuple):
+    """The steps (steps,) of a window: the reaction less its mean there, and what of that is drift."""
+
+    parameter: FloatArray
+    deviation: FloatArray
+    drift: FloatArray
+
+    @property
+    def values(self) -> FloatArray:
+        """What oscillates, whose peaks and slopes are read."""
+        return self.deviation - self.drift
+
+
+def oscillation(curve: Curve, plateau: PlateauReading, period: float | None = None) -> Oscillation:
+    """What a plateau was read from, with the same `period` as there."""
+    parameter, reaction = rising(curve)
+    mean = None if period is None else running_mean(parameter, reaction, period)
+    at, values, _, taken_out, _ = _without_drift(parameter, reaction, plateau.window, mean)
+    return Oscillation(at, values - values.mean(), taken_out)
+
+
+def _without_drift(
+    parameter: FloatArray, reaction: FloatArray, window: tuple[float, float], mean: FloatArray | None
+) -> tuple[FloatArray, FloatArray, float, FloatArray, Literal["running mean", "curve"]]:
+    """Parameter and reaction in a window, mean slope and values of the drift, and what that is fitted to."""
     inside = _inside(parameter, window)
     at, values = parameter[inside], reaction[inside]
     if mean is not None and np.isnan(mean[inside]).any():
@@ -140,17 +179,7 @@ def read_window(
         bend = line**2 - np.mean(line**2)
         bend -= _along(line, bend)[1]
         taken_out = taken_out + _along(bend, mean[inside])[1]
-    oscillation = values - taken_out
-    slopes = np.diff(oscillation) / np.diff(at)
-    return PlateauReading(
-        window=window,
-        mean=float(values.mean()),
-        drift=float(drift),
-        drift_of="curve" if mean is None else "running mean",
-        amplitude=float(np.ptp(oscillation)),
-        steepest_rise=float(slopes.max()),
-        steepest_fall=float(slopes.min()),
-    )
+    return at, values, float(drift), taken_out, "curve" if mean is None else "running mean"
 
 
 def _along(direction: FloatArray, values: FloatArray) -> tuple[float, FloatArray]:

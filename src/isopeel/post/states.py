@@ -1,6 +1,6 @@
 """One state of a body, ready to be drawn, and what of the plane a picture of it shows."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from math import ceil
 
@@ -112,3 +112,25 @@ def front_window(problem: Problem, state: BodyState) -> Window:
 def adheres_to(problem: Problem) -> str:
     """What the body adheres to, in words."""
     return "mirror plane" if isinstance(problem.adhesion.law, Mirrored) else "substrate"
+
+
+def common_view(
+    problem: Problem, space: RowSpace, fields: Mapping[float, FloatArray]
+) -> tuple[Window, float]:
+    """A window for all states of a run, and the largest |I1| of them; of one state at a time, to save room.
+
+    `fields` maps parameters to coefficients (size, 2) of displacements. The window holds the body; where that
+    is thick for what adheres, such as a cylinder, the fronts alone, of which nothing would be seen else.
+    """
+    windows, scale = [], 0.0
+    for value, displacement in fields.items():
+        state = body_state(problem, space, value, displacement)
+        length = float(np.linalg.norm(np.diff(state.adhering, axis=0), axis=1).sum())
+        thickness = float(np.linalg.norm(state.opposite - state.adhering, axis=1).max())
+        windows.append(whole_window([state]) if thickness < length else front_window(problem, state))
+        scale = max(scale, stress_scale([state]))
+    x, y = (
+        (min(low for low, _ in ends), max(high for _, high in ends))
+        for ends in ([window.x for window in windows], [window.y for window in windows])
+    )
+    return Window(x, y), scale

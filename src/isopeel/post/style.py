@@ -63,6 +63,12 @@ def style() -> Iterator[None]:
         yield
 
 
+def check_format(suffix: str) -> None:
+    """Raise InputError, for --format, unless figures can be written in a format, such as png."""
+    if f".{suffix}" not in FORMATS:
+        raise InputError("--format", suffix, f"it is one of {', '.join(name[1:] for name in FORMATS)}")
+
+
 def save(figure: Figure, path: Path) -> None:
     """Write a figure; InputError for a suffix that is not one of FORMATS."""
     if path.suffix.lower() not in FORMATS:
@@ -162,6 +168,18 @@ def space_style(name: str) -> SpaceStyle:
     which = 3 * bulk.degree + contact.degree + 2 * contact.continuity + rows
     marker = _LEFT_MARKERS[(rows + contact.continuity) % len(_LEFT_MARKERS)]
     return SpaceStyle(_LEFT_COLORS[which % len(_LEFT_COLORS)], marker, DOTS)
+
+
+_LINES: tuple[LineStyle, ...] = ("-", DASHES, DOT_DASHES, DOTS, LONG_DASHES, DOT_DOT_DASHES)
+_COLORS = (BLUE, VERMILION, GREEN, ORANGE, PURPLE, SKY, "#000000")
+
+
+def line_style(number: int) -> dict[str, Any]:
+    """Look of one of several lines, by its number from zero: told apart by colour, and in grey by dashes.
+
+    The first 42 differ.
+    """
+    return {"color": _COLORS[number % len(_COLORS)], "linestyle": _LINES[number % len(_LINES)]}
 
 
 def note_units(figure: Figure, units: str) -> None:

@@ -11,6 +11,7 @@ from isopeel.solve.linear import SingularError
 
 #: Largest pivot over the largest entry that was there: beyond it half of the digits are lost.
 _MOST_GROWTH = 1e8
+_COLUMNS = 4
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,21 +45,43 @@ class BandLDL:
 
 @njit(cache=True)
 def _factorize(entries: FloatArray, most: float) -> bool:
+    """Four columns at a time, so that what comes after them is read and written once for all four."""
     n, width = entries.shape
-    for j in range(n):
-        pivot = entries[j, 0]
-        if not 0.0 < abs(pivot) <= most:
-            return False
-        rows = min(width, n - j)
-        for k in range(1, rows):
-            share = entries[j, k] / pivot
-            if share != 0.0:
-                target = entries[j + k]
-                for i in range(k, rows):
-                    target[i - k] -= share * entries[j, i]
-        for k in range(1, rows):
-            entries[j, k] /= pivot
+    shares = np.zeros(_COLUMNS)
+    for first in range(0, n, _COLUMNS):
+        end = min(first + _COLUMNS, n)
+        for j in range(first, end):
+            if not 0.0 < abs(entries[j, 0]) <= most:
+                return False
+            for t in range(j + 1, min(end, j + width)):
+                share = entries[j, t - j] / entries[j, 0]
+                for i in range(t - j, min(width, n - j)):
+                    entries[t, i - t + j] -= share * entries[j, i]
+        for t in range(end, min(end - 1 + width, n)):
+            for a in range(end - first):
+                k = t - first - a
+                shares[a] = entries[first + a, k] / entries[first + a, 0] if k < width else 0.0
+            # where all four columns reach, and beyond
+            whole = max(min(width - (t - first), n - t), 0) if end - first == _COLUMNS else 0
+            if whole > 0:
+                _subtract(entries[first:end], t - first, shares, entries[t, :whole])
+            for a in range(end - first):
+                k = t - first - a
+                for i in range(whole, min(width - k, n - t)):
+                    entries[t, i] -= shares[a] * entries[first + a, k + i]
+        for j in range(first, end):
+            for k in range(1, min(width, n - j)):
+                entries[j, k] /= entries[j, 0]
     return True
+
+
+@njit(cache=True)
+def _subtract(columns: FloatArray, start: int, shares: FloatArray, target: FloatArray) -> None:
+    one, two, three, four = columns[0], columns[1], columns[2], columns[3]
+    a, b, c, d = shares[0], shares[1], shares[2], shares[3]
+    for i in range(target.size):
+        k = start + i
+        target[i] -= a * one[k] + b * two[k - 1] + c * three[k - 2] + d * four[k - 3]
 
 
 @njit(cache=True)

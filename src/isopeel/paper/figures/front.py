@@ -8,10 +8,10 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from isopeel.arrays import FloatArray
 from isopeel.errors import InputError
+from isopeel.post.figures.tractions import broken, draw_length, shade_element
 from isopeel.post.front import FrontProfile, ProcessZone, process_zone
-from isopeel.post.style import SHADE, TWO_COLUMNS, space_style, style
+from isopeel.post.style import TWO_COLUMNS, space_style, style
 from isopeel.units import E0
 
 #: What is shown of the side, seen from the peak, in lengths of the process zone.
@@ -46,12 +46,12 @@ def front_figure(profiles: Mapping[str, FrontProfile], element_size: float) -> F
             adhesion, body = (
                 -MEGAPASCAL * traction for traction in (profile.adhesive_traction, profile.body_traction)
             )
-            upper_left.plot(*_broken(x, adhesion), label=name, **look)
-            upper_right.plot(*_broken(x, body), **look)
+            upper_left.plot(*broken(x, adhesion), label=name, **look)
+            upper_right.plot(*broken(x, body), **look)
             if name != coarsest:
                 seen = np.interp(profile.position, finest.position.ravel(), finest.adhesive_traction.ravel())
-                lower_left.plot(*_broken(x, adhesion + MEGAPASCAL * seen), **look)
-            lower_right.plot(*_broken(x, body - adhesion), **look)
+                lower_left.plot(*broken(x, adhesion + MEGAPASCAL * seen), **look)
+            lower_right.plot(*broken(x, body - adhesion), **look)
         titles = (
             "(a) of the adhesion, $-T$",
             r"(b) in the body, $-n_o \cdot P N$",
@@ -78,23 +78,16 @@ def _shade_elements(axes: Axes, origin: float, window: tuple[float, float], size
     first, end = (edge((origin + side) / size) for edge, side in zip((floor, ceil), window, strict=True))
     for element in range(first + first % 2, end, 2):
         start = element * size - origin
-        axes.axvspan(start, start + size, color=SHADE, linewidth=0, zorder=0)
-
-
-def _broken(x: FloatArray, y: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Lines that end with each element, so that jumps between elements stay open."""
-    ends = np.full((len(x), 1), np.nan)
-    return np.hstack([x, ends]).ravel(), np.hstack([y, ends]).ravel()
+        shade_element(axes, start, start + size)
 
 
 def _dimensions(axes: Axes, zone: ProcessZone, element_size: float) -> None:
     """Draw the length of the process zone at half the peak, and that of the element at the peak below it."""
     half = MEGAPASCAL * zone.peak / 2
     edge = floor(zone.position / element_size) * element_size - zone.position
-    arrow = {"arrowstyle": "<->", "linewidth": 0.8, "shrinkA": 0, "shrinkB": 0}
     start, end = zone.start - zone.position, zone.end - zone.position
     for left, right, level in ((start, end, half), (edge, edge + element_size, half / 2)):
-        axes.annotate("", (left, level), (right, level), arrowprops=arrow)
+        draw_length(axes, left, right, level)
     right_of: dict[str, Any] = {"va": "center"}
     below: dict[str, Any] = {"ha": "center", "va": "top"}
     for words, place, offset, alignment in (

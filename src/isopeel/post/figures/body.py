@@ -8,8 +8,10 @@ from matplotlib.tri import Triangulation
 from isopeel.physics.batch import evaluate_substrate
 from isopeel.physics.substrates import Substrate
 from isopeel.post.fields import SampledFields
-from isopeel.post.states import Window
-from isopeel.post.style import FIELD_MAP, SHADE
+from isopeel.post.states import BodyState, Window
+from isopeel.post.style import FIELD_MAP, SHADE, VERMILION
+
+FIELD_LABEL = r"$I_1 = \mathrm{tr}\,\sigma / E$"
 
 
 def draw_field(axes: Axes, fields: SampledFields, scale: float, order: float) -> TriMesh:
@@ -64,3 +66,10 @@ def draw_substrate(axes: Axes, substrate: Substrate, window: Window) -> None:
     if lowest < 0:
         axes.contourf(x, y, gap, levels=[2 * lowest, 0], colors=[SHADE], hatches=["/////"], zorder=0)
         axes.contour(x, y, gap, levels=[0.0], colors="black", linewidths=0.8, zorder=0.5)
+
+
+def mark_adhering(axes: Axes, state: BodyState, width: float, order: float) -> None:
+    """Draw the part of the side that adheres."""
+    # the white seam keeps the mark apart from the field in print without colours
+    for color, total in (("white", width + 1), (VERMILION, width)):
+        axes.plot(*state.adhering.T, color=color, linewidth=total, zorder=order, solid_capstyle="butt")

@@ -1,7 +1,5 @@
 """The reaction curve of a run, with its plateau enlarged."""
 
-import re
-from math import floor, log10
 from typing import Any
 
 import numpy as np
@@ -9,10 +7,11 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from isopeel.arrays import FloatArray
 from isopeel.post.closed_form import Expected
+from isopeel.post.figures.labels import axis_label, mathematical, power_of_ten, scientific
 from isopeel.post.reading import PlateauReading
-from isopeel.post.style import BLUE, DASHES, GREY, ONE_COLUMN, SHADE, TWO_COLUMNS, note_units, style
-from isopeel.problem import Column
+from isopeel.post.style import BLUE, DASHES, DOTS, GREY, ONE_COLUMN, SHADE, TWO_COLUMNS, note_units, style
 from isopeel.results.curve import Curve
 from isopeel.solve.step import KINDS
 
@@ -45,13 +44,9 @@ def reaction_figure(
 
 
 def _whole(axes: Axes, curve: Curve, closed_form: Expected | None) -> None:
-    # a line through one step could not be seen
-    if len(curve) == 1:
-        axes.plot(curve.parameter, curve.reaction, ".", color=BLUE)
-    else:
-        _branches(axes, curve)
-    axes.set_xlabel(_label(curve.parameter_column))
-    axes.set_ylabel(_label(curve.reaction_column))
+    _branches(axes, curve)
+    axes.set_xlabel(axis_label(curve.parameter_column))
+    axes.set_ylabel(axis_label(curve.reaction_column))
     last = curve.parameter[-1]
     axes.margins(x=0)
     if closed_form is None or not is_reached(closed_form, curve):
@@ -98,7 +93,7 @@ def _turned(axes: Axes, curve: Curve, turn: tuple[int, int]) -> None:
     width = np.ptp(parameter)
     axes.set_xlim(parameter.min() - width, parameter.max() + width)
     axes.set_ylim(reaction.min() - 0.8 * np.ptp(reaction), reaction.max() + 0.5 * np.ptp(reaction))
-    axes.set_xlabel(_label(curve.parameter_column))
+    axes.set_xlabel(axis_label(curve.parameter_column))
 
 
 def unstable_pieces(curve: Curve) -> NDArray[np.bool_]:
@@ -111,24 +106,35 @@ def unstable_pieces(curve: Curve) -> NDArray[np.bool_]:
     return pieces
 
 
-def _branches(axes: Axes, curve: Curve) -> None:
-    """Stable states solid, unstable ones dashed and thin, with limit points and what jumps led to marked."""
+def draw_branches(axes: Axes, curve: Curve, **look: Any) -> None:
+    """Stable states as a line, by default solid and blue, unstable ones dashed and thin, jumps dotted.
+
+    Limit points, and what jumps led to, are marked.
+    """
     jump, limit = KINDS.index("jump"), KINDS.index("limit point")
-    pieces = unstable_pieces(curve)
-    stable = np.append(
-        curve.reaction[:1], np.where(pieces | (curve.kind[1:] == jump), np.nan, curve.reaction[1:])
-    )
-    stable[:-1] = np.where(~pieces & (curve.kind[1:] != jump), curve.reaction[:-1], stable[:-1])
-    axes.plot(curve.parameter, stable, "-", color=BLUE)
-    if pieces.any():
-        rest = np.full(len(curve), np.nan)
-        rest[1:][pieces] = curve.reaction[1:][pieces]
-        rest[:-1][pieces] = curve.reaction[:-1][pieces]
-        axes.plot(curve.parameter, rest, "--", color=BLUE, linewidth=0.6, label="unstable")
+    # a line through one step could not be seen
+    look = {"color": BLUE, "linestyle": "-", "marker": "." if len(curve) == 1 else ""} | look
+    unstable, jumps = unstable_pieces(curve), curve.kind[1:] == jump
+    (line,) = axes.plot(*_pieces(curve, ~unstable & ~jumps), **look)
+    thin: dict[str, Any] = {"color": line.get_color(), "linewidth": 0.6}
+    if unstable.any():
+        axes.plot(*_pieces(curve, unstable & ~jumps), linestyle=DASHES, label="unstable", **thin)
+    if jumps.any():
+        axes.plot(*_pieces(curve, jumps), linestyle=DOTS, **thin)
     for kind, marker, label in ((limit, "o", "limit points"), (jump, "v", "after a jump")):
         at = curve.kind == kind
         if at.any():
             axes.plot(curve.parameter[at], curve.reaction[at], marker, color=GREY, markersize=2, label=label)
+
+
+def _pieces(curve: Curve, drawn: NDArray[np.bool_]) -> tuple[FloatArray, FloatArray]:
+    """Parameter and reaction of a line that is broken where a piece (n - 1,) of the curve is not drawn."""
+    breaks = np.flatnonzero(~drawn) + 1
+    return np.insert(curve.parameter, breaks, np.nan), np.insert(curve.reaction, breaks, np.nan)
+
+
+def _branches(axes: Axes, curve: Curve) -> None:
+    draw_branches(axes, curve)
     if axes.get_legend_handles_labels()[1]:
         axes.legend(loc="lower right", fontsize=7)
 
@@ -138,7 +144,7 @@ def _enlarged(axes: Axes, curve: Curve, plateau: PlateauReading) -> None:
     margin = 0.15 * (end - start)
     inside = (curve.parameter >= start - margin) & (curve.parameter <= end + margin)
     deviation = curve.reaction[inside] - plateau.mean
-    exponent = floor(log10(max(np.abs(deviation).max(), abs(plateau.mean) * 1e-12)))
+    exponent = power_of_ten(deviation, plateau.mean)
     deviation = deviation / 10.0**exponent
     axes.axvspan(start, end, color=SHADE, linewidth=0)
     drift = plateau.drift * (end - start) / 2 / 10.0**exponent
@@ -147,28 +153,14 @@ def _enlarged(axes: Axes, curve: Curve, plateau: PlateauReading) -> None:
     low, high = deviation.min(), deviation.max()
     axes.set_xlim(start - margin, end + margin)
     axes.set_ylim(low - 0.08 * (high - low), high + 0.5 * (high - low))  # with room for the text
-    axes.set_xlabel(_label(curve.parameter_column))
-    unit = _mathematical(curve.reaction_column.unit)
+    axes.set_xlabel(axis_label(curve.parameter_column))
+    unit = mathematical(curve.reaction_column.unit)
     axes.set_ylabel(f"deviation / $10^{{{exponent}}}$ {unit}")
-    rise, fall = _scientific(plateau.steepest_rise), _scientific(plateau.steepest_fall)
+    rise, fall = scientific(plateau.steepest_rise), scientific(plateau.steepest_fall)
     unit = curve.parameter_column.unit
     text = (
-        f"mean {plateau.mean:.6g}, amplitude {_scientific(plateau.amplitude)}\n"
+        f"mean {plateau.mean:.6g}, amplitude {scientific(plateau.amplitude)}\n"
         f"slopes {rise}, {fall} per {unit}\n"
-        f"drift taken out {_scientific(plateau.drift)} per {unit}"
+        f"drift taken out {scientific(plateau.drift)} per {unit}"
     )
     axes.text(0.03, 0.97, text, transform=axes.transAxes, va="top", fontsize=8, linespacing=1.4)
-
-
-def _label(column: Column) -> str:
-    return f"{column.words or column.name} / {_mathematical(column.unit)}"
-
-
-def _mathematical(unit: str) -> str:
-    """Set scales such as E0 L0^3 in mathematical type."""
-    return f"${re.sub('(?<=[A-Z])0', '_0', unit)}$" if re.search("[A-Z]0", unit) else unit
-
-
-def _scientific(value: float) -> str:
-    digits, exponent = f"{value:.2e}".split("e")
-    return rf"${digits}\times 10^{{{int(exponent)}}}$"

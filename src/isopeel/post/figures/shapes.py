@@ -1,6 +1,6 @@
 """The deformed body along a run, and its delamination front."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -10,7 +10,15 @@ from matplotlib.patches import Patch, Rectangle
 
 from isopeel.arrays import FloatArray
 from isopeel.errors import InputError
-from isopeel.post.figures.body import draw_elements, draw_field, draw_outline, draw_substrate
+from isopeel.post.figures.body import (
+    FIELD_LABEL,
+    draw_elements,
+    draw_field,
+    draw_outline,
+    draw_substrate,
+    mark_adhering,
+)
+from isopeel.post.figures.labels import shown_parameter
 from isopeel.post.states import BodyState, adheres_to, body_state, front_window, stress_scale, whole_window
 from isopeel.post.style import DASHES, SHADE, TWO_COLUMNS, VERMILION, note_units, style
 from isopeel.problem import Problem
@@ -22,18 +30,25 @@ _CLOSEST_ENDS = 0.03  # of the largest extent: nearer shapes would hide each oth
 
 
 def shapes_figure(
-    problem: Problem, space: RowSpace, fields: Mapping[float, FloatArray], units: str = ""
+    problem: Problem,
+    space: RowSpace,
+    fields: Mapping[float, FloatArray],
+    units: str = "",
+    at: Sequence[float] = (),
 ) -> Figure:
     """Draw deformed shapes coloured by I1 = tr(sigma)/E, and below the delamination front of the last one.
 
     `fields` maps values of the drive's parameter, in the unit of its column, to displacement coefficients
     (size, 2), in the order of the run. The last one is drawn, and up to MOST_SHAPES - 1 before it, evenly
-    spread, whose driven ends are far enough apart to be told from each other. `units` are written below, as
-    "L0 = 1 nm, E0 = 2 GPa". Raises InputError where there are no fields.
+    spread, whose driven ends are far enough apart to be told from each other; or all those `at` parameters
+    that are given. `units` are written below, as "L0 = 1 nm, E0 = 2 GPa". Raises InputError where there are
+    no fields.
     """
     if not fields:
         raise InputError("fields", dict(fields), "give the displacement of at least one state")
-    states = _apart([body_state(problem, space, value, fields[value]) for value in _spread(list(fields))])
+    shown = at or spread(list(fields), MOST_SHAPES)
+    states = [body_state(problem, space, value, fields[value]) for value in shown]
+    states = states if at else _apart(states)
     last = states[-1]
     whole, front = whole_window(states), front_window(problem, last)
     scale = stress_scale(states)
@@ -48,18 +63,17 @@ def shapes_figure(
         for order, state in enumerate(states, start=1):
             draw_field(upper, state.fields, scale, order)
             draw_outline(upper, state.fields, order + 0.2)
-            _mark_adhering(upper, state, 1.2, order + 0.4)
+            mark_adhering(upper, state, 1.2, order + 0.4)
             _label_state(upper, problem, state)
         corner, size = (front.x[0], front.y[0]), (np.ptp(front.x), np.ptp(front.y))
         upper.add_patch(Rectangle(corner, *size, fill=False, linewidth=0.8, linestyle=DASHES, zorder=9))
         mesh = draw_field(lower, last.fields, scale, 1)
         draw_elements(lower, last.fields, 2)
         draw_outline(lower, last.fields, 3)
-        _mark_adhering(lower, last, 1.8, 4)
-        lower.set_title(f"front at {_value(problem, last)}", loc="left")
-        figure.colorbar(
-            mesh, ax=[upper, lower], label=r"$I_1 = \mathrm{tr}\,\sigma / E$", aspect=40, pad=0.02
-        )
+        mark_adhering(lower, last, 1.8, 4)
+        at_last = shown_parameter(problem.drive.parameter_column, last.parameter)
+        lower.set_title(f"front at {at_last}", loc="left")
+        figure.colorbar(mesh, ax=[upper, lower], label=FIELD_LABEL, aspect=40, pad=0.02)
         handles = [
             Line2D([], [], color=VERMILION, linewidth=1.5, label="face that adheres"),
             Patch(
@@ -72,10 +86,10 @@ def shapes_figure(
         return figure
 
 
-def _spread(parameters: list[float]) -> list[float]:
-    """At most MOST_SHAPES of the values, as evenly spread as they allow, in their order; the last is one."""
+def spread(parameters: Sequence[float], most: int) -> list[float]:
+    """At most so many of the values, as evenly spread as they allow, in their order; the last is one."""
     values = np.array(parameters)
-    wanted = np.linspace(values[0], values[-1], MOST_SHAPES)
+    wanted = np.linspace(values[0], values[-1], most)
     nearest = np.unique(np.abs(values[:, None] - wanted).argmin(axis=0))
     return [float(value) for value in values[nearest]]
 
@@ -90,12 +104,6 @@ def _apart(states: list[BodyState]) -> list[BodyState]:
     return kept
 
 
-def _mark_adhering(axes: Axes, state: BodyState, width: float, order: float) -> None:
-    # the white seam keeps the mark apart from the field in print without colours
-    for color, total in (("white", width + 1), (VERMILION, width)):
-        axes.plot(*state.adhering.T, color=color, linewidth=total, zorder=order, solid_capstyle="butt")
-
-
 def _label_state(axes: Axes, problem: Problem, state: BodyState) -> None:
     """Write the parameter next to the driven side, on the outside."""
     side = problem.drive.side
@@ -104,7 +112,7 @@ def _label_state(axes: Axes, problem: Problem, state: BodyState) -> None:
     outwards *= 1 if side in ("right", "bottom") else -1
     x, y = outwards
     axes.annotate(
-        _value(problem, state),
+        shown_parameter(problem.drive.parameter_column, state.parameter),
         state.driven[1],
         4 * outwards,  # in points
         textcoords="offset points",
@@ -113,8 +121,3 @@ def _label_state(axes: Axes, problem: Problem, state: BodyState) -> None:
         fontsize=8,
         zorder=10,
     )
-
-
-def _value(problem: Problem, state: BodyState) -> str:
-    unit = problem.drive.parameter_column.unit
-    return f"{state.parameter:g}" + ("°" if unit == "degree" else f" {unit}")

@@ -1,0 +1,131 @@
+"""A stored run as an animation: the body and its curve, side by side."""
+
+import re
+from collections.abc import Callable, Iterable, Iterator
+from fractions import Fraction
+from itertools import chain
+from pathlib import Path
+
+import imageio_ffmpeg
+import numpy as np
+from PIL import Image
+from rich.console import Console
+
+from isopeel.chosen import shown_stages
+from isopeel.errors import InputError
+from isopeel.folder import FIGURES, make_folder
+from isopeel.post.figures.moving import MovingFigure, Picture
+from isopeel.post.summary import units_note
+from isopeel.progress import counted
+from isopeel.results.files import replacing
+from isopeel.stored import StoredStage
+
+#: Pictures per second that are possible: a gif counts in hundredths of a second, and shows no more than 50.
+FEWEST, MOST = 0.1, 50.0
+#: Pixels, each way.
+SMALLEST_SIZE, LARGEST_SIZE = 200, 4096
+_USUAL_SECONDS = 8.0  # of an animation whose pace is not chosen
+_USUAL_PACE = (2.0, 25.0)
+
+
+def animate_run(
+    folder: Path, suffix: str, fps: float | None, size: str, out: Path | None, console: Console
+) -> None:
+    """Animate the states whose displacement is stored in the folder of a run, to one file for each stage.
+
+    `suffix` is mp4 or gif, `fps` the states per second, by default so many that it takes some seconds, and
+    `size` the width and height in pixels, such as 1280x600. The files are animation.mp4 in the folder
+    `figures` of the run, or in `out`. Raises InputError where these make no sense, or a stage has one state
+    only; OSError where a file cannot be written. What ends it early leaves no file, or the earlier one.
+    """
+    if suffix not in _WRITERS:
+        raise InputError("--format", suffix, f"it is one of {', '.join(_WRITERS)}")
+    if fps is not None and not FEWEST <= fps <= MOST:
+        raise InputError("--fps", fps, f"{FEWEST:g} to {MOST:g} pictures per second are possible")
+    pixels = _pixels(size)
+    stages = shown_stages(folder)
+    moving = [stage for stage in stages if len(stage.run.fields) > 1]
+    if not moving:
+        allowed = "two stored states or more are needed; `isopeel run --fields-every` stores more"
+        raise InputError("DIR", str(folder), allowed)
+    for stage in moving:
+        into = stage.folder / FIGURES if out is None else out / stage.folder.relative_to(folder)
+        make_folder(into)
+        count = len(stage.run.fields)
+        pace = fps or min(max(count / _USUAL_SECONDS, _USUAL_PACE[0]), _USUAL_PACE[1])
+        path = into / f"animation.{suffix}"
+        with replacing(path) as part, counted(console, f"drawing {stage.title}", count) as next_one:
+            _WRITERS[suffix](part, _pictures(stage, pixels, next_one), pixels, pace)
+        console.print(f"{path}: {count} states, {pace:g} per second", soft_wrap=True)
+
+
+def _pixels(size: str) -> tuple[int, int]:
+    parts = re.fullmatch(r"(\d{1,5})x(\d{1,5})", size)
+    pixels = (int(parts[1]), int(parts[2])) if parts else (0, 0)
+    if not all(SMALLEST_SIZE <= length <= LARGEST_SIZE and length % 2 == 0 for length in pixels):
+        allowed = f"even numbers of pixels, {SMALLEST_SIZE} to {LARGEST_SIZE}, are needed, such as 1280x600"
+        raise InputError("--size", size, allowed)
+    return pixels
+
+
+def _pictures(stage: StoredStage, size: tuple[int, int], next_one: Callable[[], None]) -> Iterator[Picture]:
+    run = stage.run
+    figure = MovingFigure(
+        stage.stage.problem, stage.space, run.curve, run.fields, size, units_note(run.attributes)
+    )
+    for number in range(len(figure)):
+        yield figure.picture(number)
+        next_one()
+
+
+def _write_mp4(path: Path, pictures: Iterable[Picture], size: tuple[int, int], fps: float) -> None:
+    every = iter(pictures)
+    first, count = next(every), 0  # no file is begun before there is a picture
+    # its writer keeps Ctrl-C from ffmpeg, and ends it when the generator is closed; blocks of two pixels are
+    # what the colours of all players need
+    writer = imageio_ffmpeg.write_frames(
+        path,
+        size,
+        fps=Fraction(fps).limit_denominator(1000),
+        quality=8,
+        macro_block_size=2,
+        ffmpeg_log_level="error",
+    )
+    writer.send(None)
+    try:
+        for picture in chain([first], every):
+            writer.send(picture)
+            count += 1
+    finally:
+        writer.close()
+    # a disk that is full ends ffmpeg without a word to us
+    written = imageio_ffmpeg.count_frames_and_secs(path)[0] if path.exists() else 0
+    if written != count:
+        raise OSError(None, f"ffmpeg has written {written} of {count} pictures", str(path))
+
+
+def _write_gif(path: Path, pictures: Iterable[Picture], _size: tuple[int, int], fps: float) -> None:
+    every = iter(pictures)
+    first = next(every)
+    # each picture holds the bar of all colours, so that the first one's palette serves them all
+    found = Image.fromarray(first).quantize(255, Image.Quantize.MAXCOVERAGE).getpalette() or []
+    palette = Image.new("P", (1, 1))
+    palette.putpalette([255, 255, 255, *found[: 3 * 255]])
+    same = (_in_colours_of(palette, picture) for picture in chain([first], every))
+    next(same).save(path, "GIF", save_all=True, append_images=same, duration=round(1000 / fps), loop=0)
+
+
+def _in_colours_of(palette: Image.Image, picture: Picture) -> Image.Image:
+    """A picture in the colours of another one whose first one is white."""
+    numbers = np.array(Image.fromarray(picture).quantize(palette=palette, dither=Image.Dither.NONE))
+    # the nearest colour is looked up roughly, and a ground that is almost white looks dirty
+    numbers[(picture == 255).all(axis=2)] = 0
+    image = Image.fromarray(numbers)
+    image.putpalette(palette.getpalette() or [])
+    return image
+
+
+_WRITERS: dict[str, Callable[[Path, Iterable[Picture], tuple[int, int], float], None]] = {
+    "mp4": _write_mp4,
+    "gif": _write_gif,
+}

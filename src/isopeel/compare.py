@@ -1,0 +1,119 @@
+"""Stored runs beside each other: a table, a figure, and their differences."""
+
+import csv
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from rich.box import SIMPLE_HEAD
+from rich.console import Console
+from rich.table import Column, Table
+
+from isopeel.chosen import shown_stage
+from isopeel.errors import InputError
+from isopeel.folder import make_folder
+from isopeel.post.comparison import Compared, comparison, difference
+from isopeel.post.figures import comparison_figure, save
+from isopeel.post.style import check_format
+from isopeel.post.summary import find, short_unit, units_note
+from isopeel.results.curve import Curve
+from isopeel.results.files import replacing
+from isopeel.stored import StoredStage
+
+
+def compare_runs(folders: Sequence[Path], suffix: str, out: Path, console: Console) -> None:
+    """Print a table of the runs in folders, and write it with a figure and the differences to another folder.
+
+    The files are compare.csv, differences.csv (each run less the first, at the parameters that both have) and
+    compare with the suffix. Raises InputError for less than two folders, one that holds no run or several
+    stages, or runs whose curves are of different quantities; OSError where a file cannot be written.
+    """
+    check_format(suffix)
+    if len(folders) < 2:
+        raise InputError("DIR", " ".join(map(str, folders)), "two folders of runs or more are needed")
+    stages = [shown_stage(folder) for folder in folders]
+    for folder, stage in zip(folders, stages, strict=True):
+        _check_alike(folder, stage, stages[0])
+    runs = [
+        Compared(name, one.run, find(one.stage.problem, one.space, one.run, one.stage.window))
+        for name, one in zip(_names(folders), stages, strict=True)
+    ]
+    make_folder(out)
+    rows = comparison(runs)
+    _write(out / "compare.csv", rows[0], (row.values() for row in rows))
+    _write_differences(out / "differences.csv", runs)
+    path = out / f"compare.{suffix}"
+    with replacing(path) as part:
+        save(comparison_figure(runs, units_note(stages[0].run.attributes)), part)
+    console.print(_table(rows, runs[0].run.curve))
+    console.print(f"{units_note(stages[0].run.attributes)}; for a width of L0")
+    console.print(f"drawn in {path}, beside compare.csv and differences.csv", soft_wrap=True)
+
+
+def _check_alike(folder: Path, stage: StoredStage, first: StoredStage) -> None:
+    """Raise InputError where the curve of a stage is not of the quantities of the first."""
+
+    def told(one: StoredStage) -> str:
+        parameter, reaction = one.run.curve.parameter_column, one.run.curve.reaction_column
+        units = units_note(one.run.attributes)
+        return f"{reaction.name} ({reaction.unit}) over {parameter.name} ({parameter.unit}), {units}"
+
+    if told(stage) != told(first):
+        allowed = f"its curve is {told(stage)}; that of the first run is {told(first)}"
+        raise InputError("DIR", str(folder), allowed)
+
+
+def _names(folders: Sequence[Path]) -> list[str]:
+    """What to call runs: the names of their folders, or all of the paths where two names are the same."""
+    names = [folder.resolve().name for folder in folders]
+    if len(set(names)) < len(names):
+        names = [str(folder) for folder in folders]
+    for folder, name in zip(folders, names, strict=True):
+        if names.count(name) > 1:
+            raise InputError("DIR", str(folder), "it is given more than once")
+    return names
+
+
+def _write(path: Path, heading: Iterable[str], rows: Iterable[Iterable[object]]) -> None:
+    with replacing(path) as part, part.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file)
+        writer.writerow(heading)
+        writer.writerows(rows)
+
+
+def _write_differences(path: Path, runs: Sequence[Compared]) -> None:
+    """One row for each parameter of the first run; empty where a run does not have it."""
+    first, *others = runs
+    curve = first.run.curve
+    apart = [difference(other.run.curve, curve) for other in others]
+    parameters = np.unique(np.concatenate([one.parameter for one in apart]))
+    columns = [dict(zip(one.parameter.tolist(), one.reaction.tolist(), strict=True)) for one in apart]
+    heading = [curve.parameter_column.name, *(other.name for other in others)]
+    _write(path, heading, ([at, *(column.get(at) for column in columns)] for at in parameters.tolist()))
+
+
+def _table(rows: Sequence[dict[str, Any]], curve: Curve) -> Table:
+    """One column for each run, so that few of them fit on any terminal."""
+    reaction, unit = curve.reaction_column.unit, short_unit(curve.parameter_column)
+    table = Table("", *(Column(row["run"], overflow="fold") for row in rows), box=SIMPLE_HEAD)
+    for key, label, digits in (
+        ("space", "space", ""),
+        ("mesh", "mesh", ""),
+        ("dofs", "DOFs", ""),
+        ("reached", f"reached / {unit}", "g"),
+        ("plateau", f"plateau / {reaction}", ".6f"),
+        ("amplitude", f"amplitude / {reaction}", ".3e"),
+        ("steepest_rise", f"steepest rise / {reaction}/{unit}", "+.3e"),
+        ("steepest_fall", f"steepest fall / {reaction}/{unit}", "+.3e"),
+        ("onset", f"onset / {unit}", ".1f"),
+        ("seconds_per_step", "time of a step / s", ".2g"),
+        ("largest_difference", f"most off the first / {reaction}", "+.3e"),
+        ("largest_difference_at", f"  at / {unit}", "g"),
+    ):
+        values = ["-" if row[key] is None else f"{row[key]:{digits}}" for row in rows]
+        if key.startswith("largest"):
+            values[0] = ""
+        if set(values) - {"-", ""}:
+            table.add_row(label, *values)
+    return table

@@ -1,0 +1,88 @@
+"""A stored run as files for ParaView."""
+
+import re
+from pathlib import Path
+
+from rich.console import Console
+
+from isopeel.case import Case
+from isopeel.errors import InputError
+from isopeel.folder import check_folder, run_files
+from isopeel.post.grids import body_grids, body_mesh, side_grids, side_mesh
+from isopeel.results.run_file import StoredRun, read_run
+from isopeel.results.vtk import write_grid, write_series
+
+#: Most straight pieces of an element each way: the square of them are written for each element and state.
+MOST_PIECES = 20
+
+_BODY, _SIDE = "body", "adhesive-side"
+
+
+def export_run(folder: Path, out: Path | None, linear: int | None, console: Console) -> None:
+    """Write the stored fields of the run in a folder as series of grids, for ParaView and other readers.
+
+    They go to `out`, by default to `paraview` beside the file of the run; for a case of several stages there
+    is a folder for each that has fields. A series, `body.pvd` or `adhesive-side.pvd`, goes along the drive's
+    parameter as it is shown. Cells are Bezier cells, or elements cut into `linear` straight ones each way.
+    Files of an earlier export are replaced. Raises InputError where there is no run with a field in the
+    folder, or `out` cannot be written, and OSError where a file cannot be.
+    """
+    if linear is not None and not 1 <= linear <= MOST_PIECES:
+        raise InputError("--linear", linear, f"an element is cut into 1 to {MOST_PIECES} each way")
+    files = run_files(folder)
+    runs = {path: read_run(path) for path in files}
+    if not any(run.fields for run in runs.values()):
+        raise InputError("DIR", str(folder), "a run with a converged step is needed, and it has none yet")
+    for path, run in runs.items():
+        if run.fields:
+            place = path.parent / "paraview" if out is None else out
+            if out is not None and len(files) > 1:
+                place = out / path.parent.name
+            _export(run, path, place, linear)
+            unit = run.curve.parameter_column.unit
+            told = "" if run.ending == "completed" else f" (the run {_ENDINGS[run.ending]})"
+            states = f"{len(run.fields)} states, to {list(run.fields)[-1]:g} {unit}{told}"
+            console.print(f"{states}: {place / _BODY}.pvd and {_SIDE}.pvd", soft_wrap=True)
+
+
+_ENDINGS = {
+    "running": "goes on, or was killed",
+    "interrupted": "was interrupted",
+    "not converged": "found no equilibrium beyond",
+}
+
+
+def _export(run: StoredRun, path: Path, out: Path, linear: int | None) -> None:
+    try:
+        case = Case.parse(run.case_text, str(path))
+        # all stages have one body and one adhesion
+        problem, space = case.problem(), case.space()
+    except InputError as error:
+        raise InputError("DIR", str(path), f"the case in it cannot be used any more: {error}") from error
+    if any(
+        u.shape != (space.size, 2) for u in (*run.fields.values(), *([] if run.base is None else [run.base]))
+    ):
+        raise InputError("DIR", str(path), "the displacements in it are not of the case in it")
+    check_folder(out)
+    parameter = run.curve.parameter_column
+    notes = {
+        "case": case.name,
+        "L0": case.units.length,
+        "E0": case.units.stress,
+        "time": f"{parameter.name} [{parameter.unit}]",
+    }
+    states = list(run.fields.values())
+    body = body_grids(problem, space, body_mesh(problem, space, linear), states)
+    side = side_grids(problem, space, side_mesh(problem, space, linear), states, run.base)
+    times: dict[str, dict[str, float]] = {_BODY: {}, _SIDE: {}}
+    for number, (time, *grids) in enumerate(zip(run.fields, body, side, strict=True)):
+        for name, grid in zip(times, grids, strict=True):
+            file = f"{name}-{number:04d}.vtu"
+            write_grid(out / file, grid, time, notes)
+            times[name][file] = time
+    for name, written in times.items():
+        write_series(out / f"{name}.pvd", written)
+        # what an earlier run with more states has left
+        for old in out.glob(f"{name}-*.vtu"):
+            if old.name not in written and re.fullmatch(rf"{name}-\d{{4,}}\.vtu", old.name):
+                old.unlink()

@@ -1,0 +1,132 @@
+"""Figures of a stored run, drawn anew: in parts, at chosen states, in vector formats."""
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import NamedTuple
+
+from matplotlib.figure import Figure
+from rich.console import Console
+
+from isopeel.chosen import shown_stages, stored_parameters
+from isopeel.errors import InputError
+from isopeel.folder import FIGURES, make_folder
+from isopeel.post.figures import (
+    front_figure,
+    plateau_figure,
+    reaction_figure,
+    save,
+    shapes_figure,
+    tractions_figure,
+)
+from isopeel.post.figures.shapes import MOST_SHAPES, spread
+from isopeel.post.front import front_profile
+from isopeel.post.reading import unreadable
+from isopeel.post.style import check_format
+from isopeel.post.summary import Findings, find, units_note
+from isopeel.results.files import replacing
+from isopeel.stored import StoredStage
+
+
+class _Shown(NamedTuple):
+    """A stage, what was read from it, and the parameters of the states to show, if they were chosen."""
+
+    stored: StoredStage
+    found: Findings
+    at: list[float]
+
+    @property
+    def units(self) -> str:
+        return units_note(self.stored.run.attributes)
+
+
+def plot_run(
+    folder: Path,
+    only: Sequence[str],
+    at: Sequence[str],
+    suffix: str,
+    out: Path | None,
+    console: Console,
+) -> None:
+    """Draw figures of the run in a folder, by default all of PARTS, each to a file of its own.
+
+    They go to `out`, by default the folder `figures` in that of the run; where there are several stages, to
+    one such folder for each. The states `at` parameters are shown, by default some along the run; the front
+    is that of the last of them. Raises InputError where a part, a parameter or a format makes no sense, or a
+    part that was asked for cannot be drawn, OSError where a file cannot be written.
+    """
+    check_format(suffix)
+    for part in only:
+        if part not in PARTS:
+            raise InputError("--only", part, f"it is one of {', '.join(PARTS)}")
+    stages = shown_stages(folder)
+    if at and len(stages) > 1:
+        folders = ", ".join(str(stage.folder) for stage in stages)
+        allowed = f"parameters are those of one stage; give its folder: {folders}"
+        raise InputError("--at", " ".join(at), allowed)
+    for stage in stages:
+        shown = _Shown(
+            stage,
+            find(stage.stage.problem, stage.space, stage.run, stage.stage.window),
+            stored_parameters(stage, at),
+        )
+        into = stage.folder / FIGURES if out is None else out / stage.folder.relative_to(folder)
+        make_folder(into)
+        for part in only or PARTS:
+            draw = PARTS[part]
+            if part == "plateau" and shown.found.plateau is None:
+                told = _unread(shown)
+                if only and len(stages) == 1:
+                    raise InputError("--only", part, told)
+                if only or shown.found.window is not None:
+                    console.print(f"no {part} of {stage.title}: {told}", soft_wrap=True)
+                continue
+            path = into / f"{part}.{suffix}"
+            with replacing(path) as written:
+                save(draw(shown), written)
+            console.print(f"drawn in {path}", soft_wrap=True)
+
+
+def _unread(shown: _Shown) -> str:
+    window, theory = shown.found.window, shown.found.closed_form
+    if window is None:
+        return "the case names no window to read it in"
+    return str(unreadable(shown.stored.run.curve, window, theory.period if theory else None))
+
+
+def _curve(shown: _Shown) -> Figure:
+    return reaction_figure(shown.stored.run.curve, shown.found.plateau, shown.found.closed_form, shown.units)
+
+
+def _plateau(shown: _Shown) -> Figure:
+    plateau, theory = shown.found.plateau, shown.found.closed_form
+    assert plateau is not None  # it was looked at before
+    return plateau_figure(shown.stored.run.curve, plateau, theory.period if theory else None, shown.units)
+
+
+def _shapes(shown: _Shown) -> Figure:
+    stored = shown.stored
+    return shapes_figure(stored.stage.problem, stored.space, stored.run.fields, shown.units, shown.at)
+
+
+def _front(shown: _Shown) -> Figure:
+    stored = shown.stored
+    last = (shown.at or list(stored.run.fields))[-1]
+    return front_figure(stored.stage.problem, stored.space, last, stored.run.fields[last], shown.units)
+
+
+def _tractions(shown: _Shown) -> Figure:
+    stored = shown.stored
+    problem, fields = stored.stage.problem, stored.run.fields
+    at = shown.at or spread(list(fields), MOST_SHAPES)
+    profiles = {value: front_profile(problem, stored.space, fields[value]) for value in at}
+    return tractions_figure(profiles, problem.drive.parameter_column, shown.units)
+
+
+#: What can be drawn of a run, by the name of its file.
+PARTS: dict[str, Callable[[_Shown], Figure]] = {
+    "curve": _curve,
+    "plateau": _plateau,
+    "shapes": _shapes,
+    "front": _front,
+    "tractions": _tractions,
+}

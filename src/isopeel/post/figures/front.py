@@ -1,0 +1,146 @@
+"""The peeling front of one state: its stress, what pulls at it, and how well the body holds against that."""
+
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+from isopeel.arrays import FloatArray
+from isopeel.post.figures.body import (
+    FIELD_LABEL,
+    draw_elements,
+    draw_field,
+    draw_outline,
+    draw_substrate,
+    mark_adhering,
+)
+from isopeel.post.figures.labels import shown_parameter
+from isopeel.post.figures.tractions import ALONG, broken, draw_length, shade_element
+from isopeel.post.front import FrontProfile, front_profile, process_zone
+from isopeel.post.states import Window, body_state, front_window
+from isopeel.post.style import BLUE, ORANGE, TWO_COLUMNS, note_units, style
+from isopeel.problem import Problem
+from isopeel.splines.rows import RowSpace
+
+_LONGEST_ARROW = 0.3  # of the height of the window
+_ARROWS = 80  # across the window, at most
+
+
+def front_figure(
+    problem: Problem, space: RowSpace, parameter: float, displacement: FloatArray, units: str = ""
+) -> Figure:
+    """Draw the front of coefficients (size, 2) of a displacement, at a parameter in its column's unit.
+
+    Above, the body with I1 on its elements, and the force of the adhesion on it as arrows; below, along the
+    same part of the face, the tension of the adhesion and that in the body, which are equal in equilibrium,
+    and the length of the process zone, if there is a front. Elements are shaded by turns.
+    """
+    state = body_state(problem, space, parameter, displacement)
+    profile = front_profile(problem, space, displacement)
+    window = front_window(problem, state)
+    arrows = _arrows(profile, window)
+    window = _fitted(window, arrows, state.fields.position)
+    seen = _seen(profile, window)
+    inside = _inside(state.fields.position, window)
+    # of what is seen: stresses far from the front would drown it
+    scale = max(1e-6, float(np.nanmax(np.abs(state.fields.first_invariant[inside]), initial=0.0)))
+    with style():
+        width = TWO_COLUMNS - 1.4  # without labels and colour bar
+        height = min(width / window.aspect, 4.5)
+        figure = Figure(figsize=(TWO_COLUMNS, height + 3.3), layout="constrained")
+        upper, lower = figure.subplots(2, 1, height_ratios=(height, 1.9))
+        upper.set(xlim=window.x, ylim=window.y, aspect="equal", xlabel="$x / L_0$", ylabel="$y / L_0$")
+        draw_substrate(upper, problem.adhesion.substrate, window)
+        mesh = draw_field(upper, state.fields, scale, 1)
+        draw_elements(upper, state.fields, 2)
+        draw_outline(upper, state.fields, 3)
+        mark_adhering(upper, state, 1.8, 4)
+        shafts = LineCollection(list(_evenly(arrows, window)), colors=BLUE, linewidths=0.7, zorder=3.5)
+        upper.add_collection(shafts, autolim=False)
+        upper.plot(*arrows[:, 1].T, color=BLUE, linewidth=1.0, zorder=3.5)
+        at = shown_parameter(problem.drive.parameter_column, parameter)
+        upper.set_title(f"front at {at}: $I_1$ of the body, and the force of the adhesion on it", loc="left")
+        figure.colorbar(mesh, ax=upper, label=FIELD_LABEL, aspect=20, pad=0.02)
+        _draw_tensions(lower, profile, seen)
+        note_units(figure, units)
+        return figure
+
+
+def _arrows(profile: FrontProfile, window: Window) -> FloatArray:
+    """Forces on the face in a window, from the face to the tip, (n, 2, 2)."""
+    places, normals = profile.deformed.reshape(-1, 2), profile.normal.reshape(-1, 2)
+    inside = _inside(places, window)
+    start, tractions = places[inside], profile.adhesive_traction.ravel()[inside]
+    size = _LONGEST_ARROW * float(np.ptp(window.y)) / np.abs(tractions).max(initial=1e-300)
+    return np.stack([start, start + size * tractions[:, None] * normals[inside]], axis=1)
+
+
+def _evenly(arrows: FloatArray, window: Window) -> FloatArray:
+    """Those of many arrows along a face that are far enough apart to be told from each other."""
+    steps = np.linalg.norm(np.diff(arrows[:, 0], axis=0), axis=1)
+    number = np.floor(np.cumsum(np.append(0.0, steps)) * _ARROWS / float(np.ptp(window.x)))
+    kept: FloatArray = arrows[np.flatnonzero(np.diff(number, prepend=-1.0))]
+    return kept
+
+
+def _fitted(window: Window, arrows: FloatArray, body: FloatArray) -> Window:
+    """A window that holds all arrows, too, and not much that is outside of a body (..., 2)."""
+    margin = 0.1 * float(np.ptp(window.y))
+    ends = []
+    for k, (low, high) in enumerate((window.x, window.y)):
+        tips = arrows[:, 1, k]
+        low = min(max(low, float(body[..., k].min()) - margin), float(tips.min(initial=high)) - margin / 4)
+        high = max(min(high, float(body[..., k].max()) + margin), float(tips.max(initial=low)) + margin / 4)
+        ends.append((low, high))
+    return Window(*ends)
+
+
+def _inside(places: FloatArray, window: Window) -> NDArray[np.bool_]:
+    low, high = np.transpose([window.x, window.y])
+    inside: NDArray[np.bool_] = ((places >= low) & (places <= high)).all(axis=-1)
+    return inside
+
+
+def _seen(profile: FrontProfile, window: Window) -> tuple[float, float]:
+    """The part of the face, (from, to) along it, that is about what a window shows."""
+    places, x = profile.deformed.reshape(-1, 2), profile.position.ravel()
+    centre = np.mean([window.x, window.y], axis=1)
+    middle = float(x[np.linalg.norm(places - centre, axis=1).argmin()])
+    reach = float(np.ptp(window.x)) / 2
+    return max(middle - reach, float(x[0])), min(middle + reach, float(x[-1]))
+
+
+def _draw_tensions(axes: Axes, profile: FrontProfile, seen: tuple[float, float]) -> None:
+    x = profile.position
+    axes.axhline(0, color="black", linewidth=0.5, zorder=1)
+    curves = (
+        (profile.adhesive_traction, BLUE, 1.1, "of the adhesion, $-T$"),
+        (profile.body_traction, ORANGE, 2.2, r"in the body, $-n_o \cdot P N$"),
+    )
+    for order, (traction, color, width, label) in enumerate(curves):
+        look: dict[str, Any] = {"color": color, "linewidth": width, "label": label, "zorder": 3 - order / 2}
+        axes.plot(*broken(x, -traction), **look)
+    for start, end in x[::2, [0, -1]].tolist():
+        if start < seen[1] and end > seen[0]:
+            shade_element(axes, start, end)
+    zone = process_zone(profile)
+    if zone is not None and seen[0] <= zone.start and zone.end <= seen[1]:
+        draw_length(axes, zone.start, zone.end, zone.peak / 2)
+        axes.annotate(
+            f"process zone {zone.length:.3g} $L_0$",
+            (zone.end, zone.peak / 2),
+            (5, 0),
+            textcoords="offset points",
+            va="center",
+            fontsize=8,
+        )
+    inside = (x >= seen[0]) & (x <= seen[1])
+    values = np.concatenate([-profile.adhesive_traction[inside], -profile.body_traction[inside]])
+    low, high = float(np.nanmin(values, initial=0.0)), float(np.nanmax(values, initial=0.0))
+    room = 0.08 * (high - low or 1.0)
+    axes.set(xlim=seen, ylim=(low - room, high + room), xlabel=ALONG, ylabel="tension / $E_0$")
+    axes.set_title("tension per reference area; every other element is shaded", loc="left")
+    axes.legend(loc="best")

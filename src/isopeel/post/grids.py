@@ -1,0 +1,181 @@
+"""A deformed body and its adhesive side as grids for ParaView, of Bezier cells or of straight ones.
+
+Points are those of the body at rest; its displacement deforms it (in ParaView, "Warp By Vector"). Names of
+fields tell their units. Data in cells are those at their centres.
+
+Displacements are exact in Bezier cells. All other fields are none that such a cell can hold: they are exact
+at its Gauss points and interpolated in between (`BezierMesh`). In straight cells all are exact at the points,
+and nan at a corner where the sides of a shape meet without a corner. Where an element is inside out, stresses
+are nan.
+"""
+
+from collections.abc import Iterable, Iterator
+
+import numpy as np
+
+from isopeel.arrays import FloatArray, IntArray
+from isopeel.post.fields import SampledFields, fields_at
+from isopeel.post.pieces import BezierMesh, Ends, StraightMesh, cell_ends
+from isopeel.post.traction import AdhesiveTraction, adhesive_traction
+from isopeel.problem import Problem
+from isopeel.results import vtk
+from isopeel.splines.rows import RowSpace
+
+Mesh = BezierMesh | StraightMesh
+
+#: Components of a symmetric tensor in VTK's order.
+_SYMMETRIC = ([0, 1, 2, 0, 1, 0], [0, 1, 2, 1, 2, 2])
+
+
+def body_mesh(problem: Problem, space: RowSpace, pieces: int | None) -> Mesh:
+    """Cut a body into a Bezier cell for each element of shape and space, or those into straight `pieces`."""
+    shape = problem.body.shape
+    return _mesh(
+        problem, space, pieces, _ends(space, shape.spaces[0].breakpoints, shape.spaces[1].breakpoints)
+    )
+
+
+def side_mesh(problem: Problem, space: RowSpace, pieces: int | None) -> Mesh:
+    """Cut the part of a side that adheres into Bezier curves or straight lines, likewise."""
+    adhesion, shape = problem.adhesion, problem.body.shape
+    ends = _ends(space, shape.spaces[0].breakpoints, shape.spaces[1].breakpoints)
+    along = 1 if adhesion.side in ("left", "right") else 0
+    part = cell_ends(np.array([adhesion.start, adhesion.end]), ends[along])
+    # one cell across is enough, that at the side
+    across = ends[1 - along][:2] if adhesion.side in ("left", "bottom") else ends[1 - along][-2:]
+    return _mesh(problem, space, pieces, (across, part) if along else (part, across)).edge(adhesion.side)
+
+
+def body_grids(
+    problem: Problem, space: RowSpace, mesh: Mesh, displacements: Iterable[FloatArray]
+) -> Iterator[vtk.Grid]:
+    """Grids of a body in states with coefficients (size, 2). Raises InputError for those of another space."""
+    kind, cells, centres = _cells(mesh)
+    for displacement in displacements:
+        fields, central = (fields_at(problem, space, displacement, *at) for at in (mesh.places, centres))
+        data = {name: mesh.interpolated(values) for name, values in _body_data(fields).items()}
+        yield _grid(kind, cells, mesh, displacement, data, _body_data(central))
+
+
+def side_grids(
+    problem: Problem,
+    space: RowSpace,
+    mesh: Mesh,
+    displacements: Iterable[FloatArray],
+    before: FloatArray | None = None,
+) -> Iterator[vtk.Grid]:
+    """Grids of the side that adheres, in states with coefficients (size, 2) in the order of a path.
+
+    An irreversible joint that closes is on the way back from the largest opening in these states, and in
+    that `before` them: where it opened farther in between, it has a lower traction than is shown. Raises as
+    `body_grids` does.
+    """
+    kind, cells, centres = _cells(mesh)
+    along = 1 if problem.adhesion.side in ("left", "right") else 0
+    openings: list[FloatArray | None] = [None, None]
+    for number, displacement in enumerate(displacements if before is None else [before, *displacements]):
+        at_points, central = (
+            adhesive_traction(problem, space, displacement, at[along], opening)
+            for at, opening in zip((mesh.places, centres), openings, strict=True)
+        )
+        openings = [at_points.opening, central.opening]
+        if before is None or number > 0:
+            shape = mesh.points.shape[:-1]
+            data = {
+                name: mesh.interpolated(values.reshape(*shape, *values.shape[2:]))
+                for name, values in _side_data(at_points).items()
+            }
+            yield _grid(kind, cells, mesh, displacement, data, _side_data(central))
+
+
+def _mesh(problem: Problem, space: RowSpace, pieces: int | None, ends: Ends) -> Mesh:
+    shape = problem.body.shape
+    return (
+        BezierMesh.of(shape, space, ends) if pieces is None else StraightMesh.of(shape, space, ends, pieces)
+    )
+
+
+def _ends(space: RowSpace, along: FloatArray, across: FloatArray) -> Ends:
+    return cell_ends(space.rows[0].breakpoints, along), cell_ends(space.across.breakpoints, across)
+
+
+def _cells(mesh: Mesh) -> tuple[int, IntArray, Ends]:
+    """Kind of the cells, numbers (m, c) of their points, and where their centres are."""
+    n_x, n_y, a, b = mesh.points.shape[:-1]
+    numbers = np.arange(n_x * n_y * a * b).reshape(n_x * n_y, a * b)
+    curves = 1 in (a, b)
+    if isinstance(mesh, BezierMesh):
+        order = vtk.curve_order(a * b - 1) if curves else vtk.quadrilateral_order(a - 1, b - 1)
+        xi, eta = ((ends[:-1, None] + ends[1:, None]) / 2 for ends in mesh.ends)
+        return vtk.BEZIER_CURVE if curves else vtk.BEZIER_QUADRILATERAL, numbers[:, order], (xi, eta)
+    local = np.arange(a * b).reshape(a, b)
+    if curves:
+        flat = local.ravel()
+        corners = np.stack([flat[:-1], flat[1:]], axis=-1)
+    else:
+        corners = np.stack([local[:-1, :-1], local[1:, :-1], local[1:, 1:], local[:-1, 1:]], axis=-1)
+    xi, eta = (at if at.shape[1] == 1 else (at[:, :-1] + at[:, 1:]) / 2 for at in mesh.places)
+    size = corners.shape[-1]
+    return (
+        vtk.LINE if curves else vtk.QUAD,
+        numbers[:, corners.reshape(-1, size)].reshape(-1, size),
+        (xi, eta),
+    )
+
+
+def _grid(
+    kind: int,
+    cells: IntArray,
+    mesh: Mesh,
+    displacement: FloatArray,
+    data: dict[str, FloatArray],
+    central: dict[str, FloatArray],
+) -> vtk.Grid:
+    bezier = mesh if isinstance(mesh, BezierMesh) else None
+    u = mesh.displacement(displacement)
+    return vtk.Grid(
+        kind,
+        _in_space(mesh.points.reshape(-1, 2)),
+        cells,
+        {
+            "displacement [L0]": _in_space(u.reshape(-1, 2)),
+            **{name: _rows(values, mesh.points[..., 0].size) for name, values in data.items()},
+        },
+        {name: _rows(values, len(cells)) for name, values in central.items()},
+        bezier.degrees if bezier and kind == vtk.BEZIER_QUADRILATERAL else None,
+        bezier.weights.ravel() if bezier and bezier.rational else None,
+    )
+
+
+def _body_data(fields: SampledFields) -> dict[str, FloatArray]:
+    F = np.zeros(fields.nominal_stress.shape)
+    F[..., :2, :2], F[..., 2, 2] = fields.deformation_gradient, 1.0
+    return {
+        "deformation gradient [1]": _flat(F),
+        "first Piola-Kirchhoff stress [E0]": _flat(fields.nominal_stress),
+        "Cauchy stress [E0]": fields.cauchy_stress[..., *_SYMMETRIC],
+        "I1 [1]": fields.first_invariant,
+    }
+
+
+def _side_data(found: AdhesiveTraction) -> dict[str, FloatArray]:
+    return {
+        "gap [L0]": found.gap,
+        "normal adhesive traction [E0]": found.normal_traction,
+        "adhesive traction [E0]": _in_space(found.traction),
+    }
+
+
+def _flat(tensors: FloatArray) -> FloatArray:
+    return tensors.reshape(*tensors.shape[:-2], 9)
+
+
+def _rows(values: FloatArray, count: int) -> FloatArray:
+    """Values (..., c) or (...) at so many points or cells as (count, c) or (count,)."""
+    components = values.size // count
+    return values.reshape(count) if components == 1 else values.reshape(count, components)
+
+
+def _in_space(vectors: FloatArray) -> FloatArray:
+    """Vectors (..., 2) as (..., 3)."""
+    return np.concatenate([vectors, np.zeros_like(vectors[..., :1])], axis=-1)

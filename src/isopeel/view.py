@@ -1,0 +1,201 @@
+"""A stored run in a window: the deformed body, to be turned to any of its states by a slider."""
+
+import os
+import sys
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+import matplotlib as mpl
+import numpy as np
+from rich.console import Console
+
+from isopeel.arrays import FloatArray
+from isopeel.chosen import shown_stage, stored_parameters
+from isopeel.errors import InputError
+from isopeel.folder import make_folder
+from isopeel.physics.batch import evaluate_substrate
+from isopeel.post.fields import SampledFields
+from isopeel.post.states import BodyState, Window, body_state, common_view
+from isopeel.post.style import FIELD_MAP, SHADE, VERMILION
+from isopeel.post.summary import short_unit, units_note
+from isopeel.problem import Problem
+from isopeel.results.files import replacing
+from isopeel.stored import StoredStage
+
+_SIZE = (1280, 720)  # pixels
+_FIELD = "I1 = tr(sigma)/E"
+#: Where the colours are told: on the right, above the units.
+_BAR = {
+    "title": f"{_FIELD}\n ",
+    "vertical": True,
+    "position_x": 0.88,
+    "position_y": 0.3,
+    "height": 0.6,
+    "title_font_size": 18,
+    "label_font_size": 16,
+    "fmt": "%.3g",
+    "color": "black",
+}
+
+
+def view_run(folder: Path, at: str | None, screenshot: Path | None, console: Console) -> None:
+    """Show the stored states of a run of one stage, or of a stage, in a window, until it is closed.
+
+    It begins with the state `at` a parameter, by default the last one. With `screenshot`, a picture of that
+    state is written to a PNG file instead, which needs no display. Raises InputError where pyvista is not
+    installed or there is no display, OSError where the file cannot be written.
+    """
+    stage = shown_stage(folder)
+    fields = list(stage.run.fields)
+    number = fields.index(stored_parameters(stage, [at])[0]) if at is not None else len(fields) - 1
+    if screenshot is not None and screenshot.suffix.lower() != ".png":
+        raise InputError("--screenshot", str(screenshot), "its name must end in .png")
+    pyvista = _pyvista()
+    if screenshot is None:
+        _check_display()
+        viewer = Viewer(pyvista, stage, off_screen=False)
+        viewer.add_slider(number)
+        viewer.plotter.show(title=f"isopeel: {stage.title}")
+        return
+    make_folder(screenshot.parent)
+    # without a display VTK warns that there is none, and draws all the same
+    with pyvista.vtk_verbosity("off"), replacing(screenshot) as part:
+        viewer = Viewer(pyvista, stage, off_screen=True)
+        viewer.show(number)
+        viewer.plotter.screenshot(str(part))
+        viewer.plotter.close()
+    console.print(f"drawn in {screenshot}", soft_wrap=True)
+
+
+def _pyvista() -> ModuleType:
+    try:
+        import pyvista
+    except ImportError as error:
+        allowed = f"it is not installed ({error}); pip install 'isopeel[view]' does that"
+        raise InputError("view", "pyvista", allowed) from error
+    return pyvista
+
+
+def _check_display() -> None:
+    # elsewhere a window can always be asked for; without a display VTK ends the process
+    if sys.platform.startswith("linux") and not (
+        os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")
+    ):
+        allowed = "there is none to open a window on; --screenshot FILE writes a picture instead"
+        raise InputError("view", "display", allowed)
+
+
+class Viewer:
+    """A scene of the body of a stage, its substrate, and the state that is shown."""
+
+    def __init__(self, pyvista: ModuleType, stage: StoredStage, *, off_screen: bool) -> None:
+        self._pyvista = pyvista
+        self._column = stage.stage.problem.drive.parameter_column
+        problem = stage.stage.problem
+        self._stage, self._parameters = stage, list(stage.run.fields)
+        window, scale = common_view(problem, stage.space, stage.run.fields)
+        first = self._state(0)
+        #: The number, from zero, of the state that is shown.
+        self.shown: int = 0
+        #: Of VTK, once it has been added.
+        self.slider: Any = None
+        self._body = _mesh(pyvista, first.fields)
+        # in front of the body, which would hide half of it
+        self._above = 1e-3 * float(np.ptp(window.y))
+        self._face = pyvista.lines_from_points(_points(first.adhering, self._above))
+        self.plotter: Any = pyvista.Plotter(off_screen=off_screen, window_size=_SIZE)
+        self.plotter.set_background("white")
+        self.plotter.enable_anti_aliasing("ssaa")
+        self.plotter.add_mesh(
+            self._body,
+            scalars=_FIELD,
+            cmap=mpl.colormaps[FIELD_MAP],
+            clim=(-scale, scale),
+            lighting=False,
+            scalar_bar_args=_BAR,
+        )
+        self.plotter.add_mesh(self._face, color=VERMILION, line_width=8, lighting=False)
+        substrate = _substrate(pyvista, problem, window)
+        if substrate.n_cells:
+            self.plotter.add_mesh(substrate, color=SHADE, lighting=False)
+            edges = substrate.extract_feature_edges(feature_edges=False, manifold_edges=False)
+            self.plotter.add_mesh(edges, color="black", line_width=1, lighting=False)
+        units = units_note(stage.run.attributes)
+        self.plotter.add_text(units, position="lower_right", font_size=8, color="black")
+        self.plotter.view_xy()
+        self.plotter.enable_parallel_projection()
+        low, high = np.transpose([window.x, window.y])
+        self.plotter.camera.focal_point = (*(low + high) / 2, 0.0)
+        self.plotter.camera.position = (*(low + high) / 2, float(np.ptp(window.x)))
+        aspect = _SIZE[0] / _SIZE[1]
+        self.plotter.camera.parallel_scale = 0.65 * max(high[1] - low[1], (high[0] - low[0]) / aspect)
+
+    def _state(self, number: int) -> BodyState:
+        at, stage = self._parameters[number], self._stage
+        return body_state(stage.stage.problem, stage.space, at, stage.run.fields[at])
+
+    def show(self, number: int) -> None:
+        """Show a state, by its number from zero; numbers beyond the ends mean the ends."""
+        self.shown = min(max(number, 0), len(self._parameters) - 1)
+        state = self._state(self.shown)
+        self._body.points = _points(state.fields.position)
+        self._body[_FIELD] = state.fields.first_invariant.ravel()
+        self._face.points = _points(state.adhering, self._above)
+        text = f"{state.parameter:g} {short_unit(self._column)}"
+        self.plotter.add_text(text, position="upper_left", font_size=12, color="black", name="parameter")
+
+    def add_slider(self, number: int) -> None:
+        """Add a slider over the states, which the arrow keys move, too, and begin with one of them."""
+        last = len(self._parameters) - 1
+        self.show(number)
+        if not last:
+            return
+        self.slider = self.plotter.add_slider_widget(
+            lambda value: self.show(round(value)),
+            (0, last),
+            value=number,
+            title="stored state",
+            fmt="%.0f",
+            color="black",
+            pointa=(0.1, 0.1),
+            pointb=(0.6, 0.1),
+        )
+
+        self.plotter.add_key_event("Right", lambda: self.move(1))
+        self.plotter.add_key_event("Left", lambda: self.move(-1))
+
+    def move(self, by: int) -> None:
+        """Go so many states on, and the slider with them."""
+        self.show(self.shown + by)
+        self.slider.GetRepresentation().SetValue(self.shown)
+        self.plotter.render()
+
+
+def _points(places: FloatArray, height: float = 0.0) -> FloatArray:
+    """Places (..., 2) in a plane z = height, (n, 3)."""
+    flat = places.reshape(-1, 2)
+    return np.column_stack([flat, np.full(len(flat), height)])
+
+
+def _mesh(pyvista: ModuleType, fields: SampledFields) -> Any:
+    """The cells of all elements, each element with nodes of its own."""
+    nodes = np.arange(fields.first_invariant.size).reshape(fields.first_invariant.shape)
+    lower, upper = slice(None, -1), slice(1, None)
+    around = (lower, lower), (upper, lower), (upper, upper), (lower, upper)
+    corners = [nodes[..., along, across].ravel() for along, across in around]
+    cells = np.column_stack([np.full(len(corners[0]), 4), *corners])
+    mesh = pyvista.PolyData(_points(fields.position), faces=cells.ravel())
+    mesh[_FIELD] = fields.first_invariant.ravel()
+    return mesh
+
+
+def _substrate(pyvista: ModuleType, problem: Problem, window: Window) -> Any:
+    """The part of a window where the gap is negative."""
+    substrate, count = problem.adhesion.substrate, 401
+    x, y = np.meshgrid(np.linspace(*window.x, count), np.linspace(*window.y, count), indexing="ij")
+    gap, _, _ = evaluate_substrate(substrate.kernel, substrate.parameters, np.stack([x, y], axis=-1))
+    grid = pyvista.StructuredGrid(x, y, np.full_like(x, -1e-3 * float(np.ptp(window.y))))
+    # a substrate from a formula may have no value somewhere; nodes of the grid count along x first
+    grid["gap"] = np.nan_to_num(gap, nan=1.0).ravel(order="F")
+    return grid.clip_scalar(scalars="gap", value=0.0).extract_surface(algorithm=None)
