@@ -4,7 +4,7 @@ BIN := .venv/bin
 # one thread for BLAS: the factorization of a narrow band gains nothing from more
 export OMP_NUM_THREADS := 1
 
-.PHONY: strip test lint long paper benchmark clean
+.PHONY: strip test lint long docs paper benchmark clean
 
 strip: .venv/run  ## run the shipped strip to its figures, in out/strip
 	$(BIN)/isopeel run strip
@@ -19,6 +19,9 @@ lint: .venv/develop  ## check style and types
 
 long: .venv/develop  ## run the tests that take minutes
 	$(BIN)/python -m pytest -m long
+
+docs: .venv/develop  ## build the site, in out/docs/html; each page with code as a notebook, in out/docs/jupyter_execute
+	$(BIN)/python -m sphinx -q -W --keep-going -b html docs out/docs/html
 
 paper: .venv/run  ## run the published study and write its report, in out/paper
 	$(BIN)/isopeel paper
@@ -36,5 +39,5 @@ clean:
 	touch $@
 
 .venv/develop: .venv/run
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[dev,benchmark]'
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable '.[dev,docs,benchmark]'
 	touch $@

@@ -1,4 +1,4 @@
-"""The parts of docs/extending.md, each written to a file of its own, run, and checked."""
+"""Parts of docs/extending.md and of two how-to pages, each written to a file of its own, run, and checked."""
 
 import re
 import sys
@@ -14,47 +14,62 @@ from isopeel import InputError, trace
 from isopeel.arrays import FloatArray
 from isopeel.assembly.system import System
 from isopeel.case import Case
+from isopeel.case.kinds import KindSection
 from isopeel.physics.batch import evaluate_law, evaluate_material, evaluate_substrate
-from isopeel.registry import discover
+from isopeel.registry import OWN_PARTS, discover
 from isopeel.solve.linear import factorize
 
-TEXT = (Path(__file__).parents[1] / "docs/extending.md").read_text(encoding="utf-8")
-(CASE,) = re.findall(r"^```toml\n(.*?)^```", TEXT, re.DOTALL | re.MULTILINE)
-# package, module, and the text of the file
-FILES = [
-    (folder.replace("/", "."), module, code)
-    for code, folder, module in re.findall(
-        r"^```python\n(# src/(isopeel/[\w/]+)/(\w+)\.py\n.*?)^```", TEXT, re.DOTALL | re.MULTILINE
-    )
-]
+DOCS = Path(__file__).parents[1] / "docs"
+TEXT = "".join(
+    (DOCS / page).read_text(encoding="utf-8")
+    for page in ("howto/adhesion-law.md", "extending.md", "howto/shape.md")
+)
+(PAGE_CASE,) = re.findall(r"^%%writefile own-parts.toml\n(.*?)^```", TEXT, re.DOTALL | re.MULTILINE)
+# all parts in one
+CASE = PAGE_CASE.replace('"strip"', '"bevelled-strip"\ntop_length = "62 nm"').replace(
+    '"exponential"', '"power-law"'
+)
+# folder, module, and the text of the file
+FILES = re.findall(r"^%%writefile parts/(\w+)/(\w+)\.py\n(.*?)^```", TEXT, re.DOTALL | re.MULTILINE)
+FAMILIES = {family.package.rpartition(".")[2]: family for family in KindSection.__subclasses__()}
 
 
 @pytest.fixture(scope="module")
 def parts(tmp_path_factory: pytest.TempPathFactory) -> Iterator[dict[str, Any]]:
-    """The classes of the document, by their names, found in files next to those of the package."""
-    modules = {f"{package}.{module}" for package, module, _ in FILES}
+    """The classes of the pages, by their names, found in a folder that ISOPEEL_PARTS names."""
+    home = tmp_path_factory.mktemp("parts")
+    packages = {folder: FAMILIES[folder].package for folder, _, _ in FILES}
+    modules = {f"{packages[folder]}.{module}" for folder, module, _ in FILES}
     with pytest.MonkeyPatch.context() as patch:
-        for package, module, code in FILES:
-            folder = tmp_path_factory.mktemp(module)
-            (folder / f"{module}.py").write_text(code, encoding="utf-8")
-            home = import_module(package)
-            patch.setattr(home, "__path__", [*home.__path__, str(folder)])
+        patch.setenv(OWN_PARTS, str(home))
+        for folder, module, code in FILES:
+            (home / folder).mkdir(exist_ok=True)
+            (home / folder / f"{module}.py").write_text(code, encoding="utf-8")
+        for package in packages.values():
+            # undone at the end
+            patch.setattr(import_module(package), "__path__", import_module(package).__path__)
         discover.cache_clear()
         yield {
             name: kind
-            for package, _, _ in FILES
+            for package in packages.values()
             for name, kind in discover(package).items()
             if kind.__module__ in modules
         }
     discover.cache_clear()
-    for package, module, _ in FILES:
-        sys.modules.pop(f"{package}.{module}")
-        delattr(import_module(package), module)
+    for module in modules:
+        package, _, name = module.rpartition(".")
+        sys.modules.pop(module)
+        delattr(import_module(package), name)
 
 
-def test_the_document_has_a_part_of_each_kind(parts: dict[str, Any]) -> None:
-    assert list(parts) == ["power-law", "blatz-ko", "step", "bevelled-strip", "hinge"]
-    assert TEXT.count("```python") == len(FILES)
+def test_the_pages_have_a_part_of_each_kind(parts: dict[str, Any]) -> None:
+    assert list(parts) == ["power-law", "blatz-ko", "step", "hinge", "bevelled-strip"]
+
+
+def test_a_folder_of_parts_must_exist(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv(OWN_PARTS, "nowhere")
+    with pytest.raises(InputError, match="ISOPEEL_PARTS: 'nowhere' cannot be used; it names folders"):
+        discover.__wrapped__("isopeel.physics.adhesion")
 
 
 def test_the_case_of_the_document_runs(parts: dict[str, Any]) -> None:
