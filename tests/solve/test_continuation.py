@@ -116,6 +116,20 @@ def test_a_joint_that_only_opens_snaps_back_as_if_it_could_heal() -> None:
     assert theirs[-1].dissipated_energy > 0.9 * law.work_of_adhesion * LENGTH
 
 
+def test_a_curve_is_not_left_for_a_stretch_that_passes_nearby() -> None:
+    """Projected forces have no energy to tell; on a coarse mesh the curve runs back and forth."""
+    degrees = np.arange(0.0, 96.0)
+    problem, space = strip(traction="projected"), row_space("N4", (60, 2))
+    settings = NewtonSettings(control="continuation")
+    steps = list(trace(problem, space, np.radians(degrees), settings))
+    limits = np.degrees([step.parameter for step in steps if step.kind == "limit point"])
+    # each peak lies beyond the last one, by what the front moves along an element, and each dip likewise
+    assert len(limits) >= 8
+    assert (np.diff(limits[::2]) > 1).all()
+    assert (np.diff(limits[1::2]) > 1).all()
+    assert np.degrees(steps[-1].parameter) == pytest.approx(degrees[-1])
+
+
 def test_its_limit_points_are_located(curve: list[Step]) -> None:
     first, second = (step for step in curve if step.kind == "limit point")
     highest = minimize_scalar(lambda gap: -pull(gap), bounds=(REST, 0.5), options={"xatol": 1e-10})

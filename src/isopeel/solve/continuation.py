@@ -130,6 +130,16 @@ class Curve:
         """Of the angle between the tangents of two points."""
         return self._inner(one.along, one.turning, other.along, other.turning)
 
+    def straightness(self, one: Point, other: Point) -> float:
+        """The least cosine of the angles between the tangents of two points and the chord.
+
+        The chord is the one to tell where another stretch of the curve, which passes nearby, was met.
+        """
+        y, p = other.unknown_values - one.unknown_values, other.parameter - one.parameter
+        chord = np.sqrt(self._inner(y, p, y, p))
+        ends = [self._inner(point.along, point.turning, y, p) / chord for point in (one, other)]
+        return float(min(self.cosine(one, other), *ends))
+
     def beyond(self, point: Point, radius: float) -> Point:
         """The point at a distance along the tangent of another; raises ConvergenceError."""
         row, corner = self._row(point)

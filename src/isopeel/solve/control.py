@@ -183,7 +183,7 @@ def _next(
     while True:
         try:
             new = curve.beyond(point, radius)
-            cosine = curve.cosine(point, new)
+            cosine = curve.straightness(point, new)
             if cosine < LEAST_COSINE or (
                 path.has_energy and not path.fits(_past(path, point), _past(path, new), step)
             ):

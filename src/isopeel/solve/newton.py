@@ -34,7 +34,7 @@ _STALL = 10
 #: What to try.
 HINTS: dict[Cause, str] = {
     "inverted element": "take smaller steps, or a mesh that is finer where the element is",
-    "limit point": "follow the path beyond it with control = continuation or jump, or take a finer mesh",
+    "limit point": "go beyond it with control = continuation, or jump where forces have an energy, or refine",
     "stalled residual": "take smaller steps, or control = continuation",
     "line search": "take smaller steps, or a finer mesh",
     "non-finite traction": "take smaller steps, or see whether the body meets the substrate",
