@@ -132,9 +132,9 @@ def test_profile_step_prints_four_tables(monkeypatch: pytest.MonkeyPatch) -> Non
     rows = [line for line in lines if line[:2] == ["L1", "20x2"]]
     parts = ["forces", "tangent", "factor", "solve", "update"]
     assert [row[2] for row in rows[2:-1]] == parts
-    # the time of a step is what it was, and more than that of the same calls at best
+    # the time of a step is what it was, and more than that of the same calls at best, which is next to none
     measured, dgemm = map(float, rows[-1][2:4])
-    assert measured == float(rows[1][2]) > dgemm > 0
+    assert measured == float(rows[1][2]) > dgemm >= 0
     unknowns = System(isopeel.strip(), isopeel.row_space("L1", (20, 2))).constraints.count
     assert rows[0][2] == str(unknowns)
 
