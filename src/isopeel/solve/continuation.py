@@ -32,7 +32,7 @@ USUAL_TANGENTS = 2
 _QUICK = 0.3
 #: Of Newton's tolerance: the one for corrections with a kept tangent.
 _LEFT = 0.01
-#: Cosine of the angle between the tangents at both ends of a step, at least.
+#: Cosine of the angles between the tangents at both ends of a step and its chord, at least.
 LEAST_COSINE = 0.8
 #: The same where the radius may grow.
 CALM_COSINE = 0.95
@@ -42,10 +42,10 @@ SHORTEST = 2.0**-20
 _TURNED = 1e-6
 #: Of the change of the parameter in a step: how near its value is approached before Newton's method ends it.
 _MET = 1e-10
-#: Points that such a search interpolates.
-_INTERPOLATED = 4
 #: Of the value before: a trial of a search along the curve that comes no nearer is slow.
 _SLOW = 0.5
+#: Points that such a search interpolates.
+_INTERPOLATED = 4
 #: Trials of such a search: enough to halve a step down to round-off, were each second one slow.
 _MOST_TRIALS = 120
 
@@ -90,8 +90,9 @@ class Curve:
 
     ds^2 = |dy|^2 / n + (scale dp)^2 over the n unknowns of the displacement, where `scale` is the root of
     |dy/dp|^2 / n at the first point: there the parameter and the unknowns count the same, whatever their
-    units. Steps are Keller's: the tangent as a guess, and corrections at right angles to it with the exact
-    linearization (Keller, Numerical Solution of Bifurcation and Nonlinear Eigenvalue Problems, 1977).
+    units. Steps are Keller's: the tangent as a guess, and corrections at right angles to it by the
+    linearization there, made anew where it does not lead on quickly (Keller, Numerical Solution of
+    Bifurcation and Nonlinear Eigenvalue Problems, 1977).
     """
 
     def __init__(
