@@ -22,7 +22,7 @@ def chain(n: int, differences: int) -> BandMatrix:
 
 
 def test_single_precision_solves_a_tangent_to_its_digits() -> None:
-    system = System(strip(), row_space("N4", (40, 4)))
+    system = System(strip(), row_space("N4", (40, 8)))
     u, _ = system.state(np.zeros(system.count), 0.0)
     right_side = np.random.default_rng(0).standard_normal((system.count,))
     matrix = system.linearize(u)[1]

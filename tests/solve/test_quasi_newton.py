@@ -101,7 +101,7 @@ def test_it_finds_what_newton_finds() -> None:
 
 
 def _led(parameters: np.ndarray, energies: np.ndarray, values: np.ndarray, target: float) -> float:
-    return float(best_weights(parameters, energies, values[:, None], target) @ values)
+    return float(best_weights(parameters, energies, values[:, None], target)[0] @ values)
 
 
 def test_the_polynomial_is_the_one_that_did_best() -> None:
@@ -130,9 +130,19 @@ def test_the_energy_leads_where_the_parameter_hesitates() -> None:
 
 
 def test_slope_is_that_of_the_polynomial() -> None:
-    history = {x: np.array([x**2, 1 - x]) for x in (0.0, 0.3, 0.4)}
-    assert slope(history, np.array([1.0, 0.5])) == pytest.approx(2 * 0.4 - 0.5, rel=1e-14)
-    assert slope({0.4: np.ones(2)}, np.ones(2)) == 0.0
+    p = np.array([0.0, 0.3, 0.4, 0.55, 0.6])
+    assert slope(p, p, p**4 - p) == pytest.approx(4 * 0.6**3 - 1, rel=1e-12)
+    assert slope(p[:1], p[:1], np.ones(1)) == 0.0
+    # since the drive has turned: a joint that was torn before follows another law
+    turned, values = np.array([0.1, 0.5, 0.7, 0.6, 0.4]), np.array([0.1, 0.5, 0.7, 0.36, 0.16])
+    expected = np.polyval(np.polyder(np.polyfit(turned[2:], values[2:], 2)), 0.4)
+    assert slope(turned, turned, values) == pytest.approx(expected, rel=1e-12)
+
+
+def test_slope_follows_the_adhesive_energy_past_a_limit_point() -> None:
+    s = np.array([0.1, 0.3, 0.4, 0.45, 0.6])
+    p = s - s**2  # turns at s = 0.5
+    assert slope(3 * s - 1, p, s**3) == pytest.approx(3 * 0.6**2 / (1 - 2 * 0.6), rel=1e-12)
 
 
 def test_the_last_step_alone_keeps_the_memory() -> None:

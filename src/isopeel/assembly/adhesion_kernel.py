@@ -11,7 +11,7 @@ from numba import njit
 from isopeel.arrays import FloatArray, IntArray
 from isopeel.physics.adhesion.irreversible import with_history
 from isopeel.physics.adhesion.sliding import with_slip
-from isopeel.physics.batch import BatchFunction
+from isopeel.physics.batch import law_at, substrate_at
 
 # Reordered sums let loops run in vector registers; nan must stay nan, because it is how an inverted
 # element is noticed.
@@ -20,9 +20,9 @@ _compiled = njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc
 
 @_compiled
 def adhesion(
-    law: BatchFunction,
+    law_address: int,
     law_parameters: FloatArray,
-    substrate: BatchFunction,
+    substrate_address: int,
     substrate_parameters: FloatArray,
     functions: IntArray,
     values: FloatArray,
@@ -54,6 +54,7 @@ def adhesion(
     curvature k: dn/dx = k/(1 + k r) t t (Sadhana 46:3, 2021, Eqs. 19, 26, 27; with v = F^-T N_o, w = F^-1 n,
     d phi/dF_kL = v_k w_L). Shapes as in `SideTable`.
     """
+    law, substrate = law_at(law_address), substrate_at(substrate_address)
     elements, m = functions.shape
     Q = weights.shape[1]
     x = np.empty((2, Q))

@@ -17,7 +17,7 @@ import numpy as np
 from numba import njit
 
 from isopeel.arrays import FloatArray, IntArray
-from isopeel.physics.batch import BatchFunction
+from isopeel.physics.batch import material_at
 
 #: Elements that are treated together, at most: enough that the test for overlapping arrays, made before each
 #: innermost loop, costs little, and few enough that what is kept of them fits the processor's cache.
@@ -31,7 +31,7 @@ _inlined = njit(inline="always")
 
 @_compiled
 def body(
-    material: BatchFunction,
+    material_address: int,
     parameters: FloatArray,
     kinds: IntArray,
     sizes: IntArray,
@@ -53,6 +53,7 @@ def body(
     Tables as in `BodyTable`; unknowns (rows, 2, largest size, X); u, forces (size, 2); band (unknowns + 1,
     width), whose last row takes what no unknown wants, untouched without `with_tangent`.
     """
+    material = material_at(material_address)
     rows, X = first.shape
     Y, _, R, C = across.shape
     P, largest = along.shape[2], along.shape[3]

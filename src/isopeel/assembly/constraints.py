@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numba import njit
 
 from isopeel.arrays import FloatArray, IntArray
 from isopeel.errors import InputError
@@ -11,6 +12,8 @@ from isopeel.problem import Drive, Problem
 from isopeel.splines.rows import RowSpace
 
 HELD = -1
+
+_compiled = njit(cache=True)
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,8 +35,8 @@ class Constraints:
 
     def displacement(self, unknown_values: FloatArray, parameter: float) -> FloatArray:
         """Coefficients u (size, 2) of unknowns z (count,) at a value of the drive's parameter."""
-        # the number HELD = -1 reads the zero at the end
-        u: FloatArray = np.append(unknown_values, 0.0)[self.unknowns] + self.offset
+        u = self.offset.copy()
+        _add_unknowns(self.unknowns, unknown_values, u)
         u[self.driven] += self.drive.prescribed(self.driven_points, parameter)
         return u
 
@@ -47,12 +50,29 @@ class Constraints:
 
     def condense(self, forces: FloatArray) -> FloatArray:
         """T^T f (count,) of forces f (size, 2) that work on the coefficients."""
-        totals = np.bincount(self.unknowns.ravel() + 1, forces.ravel(), minlength=self.count + 1)
-        return totals[1:].astype(np.float64, copy=False)
+        totals = np.zeros(self.count)
+        _add_forces(self.unknowns, forces, totals)
+        return totals
 
     def reaction(self, forces: FloatArray, parameter: float) -> float:
         """Generalised force that works on the parameter of a drive that moves its side."""
         return float(np.sum(forces[self.driven] * self.drive.rate(self.driven_points, parameter)))
+
+
+@_compiled
+def _add_unknowns(unknowns: IntArray, values: FloatArray, u: FloatArray) -> None:
+    for f in range(len(unknowns)):
+        for i in range(2):
+            if unknowns[f, i] >= 0:
+                u[f, i] += values[unknowns[f, i]]
+
+
+@_compiled
+def _add_forces(unknowns: IntArray, forces: FloatArray, totals: FloatArray) -> None:
+    for f in range(len(unknowns)):
+        for i in range(2):
+            if unknowns[f, i] >= 0:
+                totals[unknowns[f, i]] += forces[f, i]
 
 
 def constrain(

@@ -246,7 +246,7 @@ class System:
         forces = np.zeros_like(displacement)
         table = self.body
         stored, lowest = body_kernel(
-            material.kernel,
+            material.kernel.address,
             material.parameters,
             table.kinds,
             table.sizes,
@@ -265,9 +265,9 @@ class System:
         )
         side = self.adhesive
         adhesive, dissipated = adhesion_kernel(
-            adhesion.law.kernel,
+            adhesion.law.kernel.address,
             adhesion.law.parameters,
-            adhesion.substrate.kernel,
+            adhesion.substrate.kernel.address,
             adhesion.substrate.parameters,
             side.functions,
             side.values,

@@ -8,7 +8,9 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from numba import boolean, cfunc, float64, int64, njit, void
+from numba import boolean, cfunc, float64, int64, njit, types, void
+from numba.core import cgutils
+from numba.extending import intrinsic
 
 from isopeel.arrays import FloatArray
 
@@ -36,6 +38,33 @@ def compile_batch(signature: Any, function: Callable[..., None], cache: bool = T
     an exception could not cross the call by address.
     """
     return cfunc(signature, cache=cache, error_model="numpy")(function)
+
+
+def _of_address(signature: Any) -> Any:
+    """What makes a batch function of its address, within compiled code.
+
+    Numba would take the function itself as well, but looks up its type and its address at each call, which
+    takes as long as a few hundred points of a law.
+    """
+    function = types.FunctionType(signature)
+
+    @intrinsic
+    def taken(_context: Any, _address: Any) -> Any:
+        def code(context: Any, builder: Any, _signature: Any, arguments: Any) -> Any:
+            value = cgutils.create_struct_proxy(function)(context, builder)
+            null = cgutils.voidptr_t(None)
+            value.c_addr = builder.inttoptr(arguments[0], cgutils.voidptr_t)
+            value.py_addr, value.jit_addr = null, null
+            return value._getvalue()
+
+        return function(int64), code
+
+    return taken
+
+
+material_at = _of_address(MATERIAL_SIGNATURE)
+law_at = _of_address(ADHESION_SIGNATURE)
+substrate_at = _of_address(SUBSTRATE_SIGNATURE)
 
 
 def evaluate_material(

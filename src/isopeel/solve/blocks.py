@@ -50,12 +50,10 @@ class BlockedFactor:
     def solve(self, right_side: FloatArray) -> FloatArray:
         """Solve A x = right side (n,)."""
         blocks, _, below = self.panels.shape
-        x = np.zeros(blocks * _COLUMNS + below, self.panels.dtype)
-        # single precision ends at 1e38, which units of a problem could pass
-        largest = float(np.abs(right_side).max()) or 1.0
-        np.divide(right_side, largest, out=x[: self.count], casting="same_kind")
-        _solve(self.panels, self.inverses, x)
-        return largest * x[: self.count].astype(np.float64)
+        x = np.empty(blocks * _COLUMNS + below, self.panels.dtype)
+        solution = np.empty(self.count)
+        _solve(self.panels, self.inverses, right_side, x, solution)
+        return solution
 
 
 @_compiled
@@ -86,9 +84,18 @@ def _take(columns: Floats, panels: Floats, inverses: Floats) -> None:
 
 
 @_compiled
-def _solve(panels: Floats, inverses: Floats, x: Floats) -> None:
-    """Solve L L^T y = x in place; x is as long as all blocks and the rows below the last one."""
+def _solve(panels: Floats, inverses: Floats, right_side: FloatArray, x: Floats, solution: FloatArray) -> None:
+    """Solve L L^T solution = right side; x has room for all blocks and the rows below the last one."""
     blocks, _, below = panels.shape
+    n = len(right_side)
+    # single precision ends at 1e38, which units of a problem could pass
+    largest = 0.0
+    for i in range(n):
+        largest = max(largest, abs(right_side[i]))
+    largest = largest if largest > 0.0 else 1.0
+    for i in range(n):
+        x[i] = right_side[i] / largest
+    x[n:].fill(0.0)
     part = np.empty(_COLUMNS, x.dtype)
     zero = 0 * x[0]
     for block in range(blocks):
@@ -146,3 +153,5 @@ def _solve(panels: Floats, inverses: Floats, x: Floats) -> None:
             for row in range(_COLUMNS):
                 total += inverses[block, c, row] * part[row]
             x[start + c] = total
+    for i in range(n):
+        solution[i] = largest * x[i]

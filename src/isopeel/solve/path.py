@@ -1,6 +1,6 @@
 """A path on its way: what the solver knows of it, and the equilibrium at one value of the parameter."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from typing import NamedTuple
 from weakref import ref
 
@@ -12,7 +12,7 @@ from isopeel.assembly.system import Equilibrium, System
 from isopeel.errors import InputError
 from isopeel.solve.descent import descend, potential_energy
 from isopeel.solve.newton import ConvergenceError, NewtonResult, NewtonSettings, newton
-from isopeel.solve.predictor import MOST_STATES, TRIES, best_weights, extrapolate, slope
+from isopeel.solve.predictor import MOST_STATES, SLOPE_STATES, TRIES, best_weights, extrapolate, slope
 from isopeel.solve.quasi_newton import QuasiNewton
 from isopeel.solve.step import PARABOLA_POINTS, Kind, Past, State, Step
 
@@ -48,6 +48,8 @@ class Path:
         self._number = 0
         self._side = np.unique(system.adhesive.functions)
         self._bends: dict[float, FloatArray] = {}
+        #: Whether the adhesive energy was the better measure of the way at the last guess.
+        self._by_energy = False
         past = start[-1].past if start else ()
         for kept in past:
             if any(
@@ -55,11 +57,11 @@ class Path:
             ):
                 allowed = f"the system has {system.count} unknowns"
                 raise InputError("start", kept.unknown_values.shape, allowed)
-            self._remember(kept)
+            self._remember(kept, system.state(kept.unknown_values, kept.parameter)[0])
         for state in () if past else start:
             y = system.unknown_values(state.displacement, state.parameter)
             u, load = system.state(y, state.parameter)
-            self._remember(self.past(state.parameter, y, u, load, system.equilibrium(u, load)))
+            self._remember(self.past(state.parameter, y, u, load, system.equilibrium(u, load)), u)
         self._quasi_newton: QuasiNewton | None = None
         if QuasiNewton.applies(system) and not settings.plain:
             memory = start[-1].memory if start else None
@@ -84,10 +86,10 @@ class Path:
             # states of the branch that was left would mislead the next guess
             self.history.clear()
         past = self.past(parameter, y, u, result.load, at)
-        self._remember(past)
+        self._remember(past, u)
         if not result.exact:
             # along the path dE/dp = dE/dp at fixed y + R . dy/dp: so the error is of second order in R
-            missed = slope(by_parameter(self.history[-PARABOLA_POINTS:]), at.residual)
+            missed = self._slope(at.residual)
             past = self.history[-1] = past._replace(rate=past.rate + missed)
             reaction += missed if system.load is None else -missed
         if last is not None and self.has_energy:
@@ -122,11 +124,11 @@ class Path:
         adhesive_energy = at.adhesive_energy + at.dissipated_energy
         return Past(parameter, y, *self.system.potential(at, u, load, parameter), adhesive_energy)
 
-    def _remember(self, past: Past) -> None:
+    def _remember(self, past: Past, u: FloatArray) -> None:
+        """Keep a state, whose coefficients are u (size, 2)."""
         # a drive that turns back meets a parameter again: its last state counts
         others = [other for other in self.history if other.parameter != past.parameter]
         self.history = [*others, past][-STATES_TO_GO_ON:]
-        u, _ = self.system.state(past.unknown_values, past.parameter)
         coefficients = u[self._side]
         # a turn of the body as a whole, which dwarfs all else, leaves second differences as they are
         order = min(2, len(coefficients) - 1)
@@ -219,13 +221,21 @@ class Path:
     def _by_kept_tangent(self, parameter: float) -> NewtonResult | None:
         if self._quasi_newton is None:
             return None
-        return self._quasi_newton.equilibrium(self._guess(parameter), parameter)
+        last = self.history[-1].unknown_values if self.history else None
+        return self._quasi_newton.equilibrium(self._guess(parameter), parameter, last)
+
+    def _slope(self, covector: FloatArray) -> float:
+        """Derivative of covector (count,) . unknowns by the parameter, at the last state."""
+        last = self.history[-SLOPE_STATES:]
+        parameters = np.array([past.parameter for past in last])
+        way = np.array([past.adhesive_energy for past in last]) if self._by_energy else parameters
+        return slope(way, parameters, np.array([covector @ past.unknown_values for past in last]))
 
     def _guess(self, parameter: float) -> FloatArray:
         """Where the path leads to."""
         guess = np.zeros(self.system.count)
         if self.history:
-            weights = best_weights(
+            weights, self._by_energy = best_weights(
                 np.array([past.parameter for past in self.history]),
                 np.array([past.adhesive_energy for past in self.history]),
                 np.array([self._bends[past.parameter] for past in self.history]),
@@ -271,8 +281,3 @@ class Path:
 def _released(one: Past, other: Past) -> float:
     """Work of the drive from one state to another, by the trapezoidal rule, less what the energy gained."""
     return one.energy + (one.rate + other.rate) / 2 * (other.parameter - one.parameter) - other.energy
-
-
-def by_parameter(history: Iterable[Past]) -> dict[float, FloatArray]:
-    """The unknowns (count,) of states at their parameters."""
-    return {past.parameter: past.unknown_values for past in history}

@@ -18,6 +18,8 @@ MOST_STATES = 8
 #: The last states that each polynomial is tried on.
 TRIES = 3
 _FEWEST_OF_ENERGY = 3
+#: States that a slope is taken from, at most: more of them gain nothing over their own errors.
+SLOPE_STATES = 5
 _ITERATIONS = 20
 _FARTHEST = 4.0  # last steps
 _CLOSE = 1e-12  # to the end of the step, of the step
@@ -41,13 +43,13 @@ def extrapolate(history: Mapping[float, FloatArray], parameter: float, count: in
 @_compiled
 def best_weights(
     parameters: FloatArray, energies: FloatArray, samples: FloatArray, target: float
-) -> FloatArray:
+) -> tuple[FloatArray, bool]:
     """Weights (n,) of past states whose sum leads to the target, of the polynomial that did best so far.
 
     Past are the parameters (n,) and adhesive energies (n,) of states, the newest at the end, and numbers
     that tell how well a state is met, samples (n, m). Each polynomial, in either measure of the way and
     through 1 to MOST_STATES states, is judged by the mean logarithm of what it would have missed the last
-    states by.
+    states by. The second value is whether its measure is the energy.
     """
     n, m = samples.shape
     weights = np.zeros(n)
@@ -85,7 +87,7 @@ def best_weights(
         weights[n - 1] = 0.0
         for k in range(best_count):
             weights[first + k] = trial[k]
-    return weights
+    return weights, by_energy
 
 
 @_compiled
@@ -133,17 +135,24 @@ def _lead(way: FloatArray, parameters: FloatArray, target: float, weights: Float
     return True
 
 
-def slope(history: Mapping[float, FloatArray], covector: FloatArray) -> float:
-    """Derivative of covector (count,) . state by the parameter, at the last of the states of a path.
+def slope(way: FloatArray, parameters: FloatArray, values: FloatArray) -> float:
+    """Derivative by the parameter of what has these values (n,) at the states of a path, at the last of them.
 
-    That of Lagrange's polynomial through all of them; zero where there is no state before the last.
+    That of the polynomial in the way through the last states, up to SLOPE_STATES, along which it has grown or
+    fallen steadily. Zero where there is no state before the last.
     """
-    *past, last = history
+    way = way[-SLOPE_STATES:]
+    steps = np.diff(way)
+    (turns,) = np.nonzero(steps * steps[-1:] <= 0)
+    count = len(way) - (turns[-1] + 1 if len(turns) else 0)
+    if count < 2:
+        return 0.0
+    *past, last = way[-count:]
     nodes = np.array(past)
-    # of the polynomial (x - last) q(x) + f(last), with q through the difference quotients
+    # of the polynomial (s - last) q(s) + f(last), with q through the difference quotients
     weights = _lagrange(nodes, last) / (nodes - last)
-    along = np.array([float(covector @ values) for values in history.values()])
-    return float(weights @ (along[:-1] - along[-1]))
+    along, parameter = (weights @ (f[-count:-1] - f[-1]) for f in (values, parameters))
+    return float(along / parameter)
 
 
 def _lagrange(nodes: FloatArray, at: float) -> FloatArray:

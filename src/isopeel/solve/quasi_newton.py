@@ -18,8 +18,11 @@ _MOST_STEPS = 40
 #: A step that takes more corrections is the last one of its tangent.
 _SLOW = 6
 _MOST_CORRECTIONS = 12
-#: Of the tolerance: the last correction leaves a tenth of the error, where Newton's method squares it.
+#: Of the tolerance, where a guess has missed more than this part of the way from the last state: the last
+#: correction leaves a tenth of the error, where Newton's method squares it, and what is left turns up in
+#: reactions as far as the path's slope is known no better.
 _SHARE = 1e-2
+_FORESEEN = 1e-2
 #: An energy residual that falls by less is a poor correction; the second one of a step ends it.
 _POOR = 0.5
 
@@ -82,25 +85,29 @@ class QuasiNewton:
         """Make a new tangent at the next step."""
         self.memory = self._factor = None
 
-    def equilibrium(self, guess: FloatArray, parameter: float) -> NewtonResult | None:
-        """Find the equilibrium near a guess y (count,); None where Newton's method should."""
-        result = self._solve(guess, parameter)
+    def equilibrium(
+        self, guess: FloatArray, parameter: float, last: FloatArray | None = None
+    ) -> NewtonResult | None:
+        """Find the equilibrium near a guess y (count,), one step from the last; None where Newton should."""
+        result = self._solve(guess, parameter, last)
         if result is None:
             self.forget()
         return result
 
-    def _solve(self, guess: FloatArray, parameter: float) -> NewtonResult | None:
+    def _solve(self, guess: FloatArray, parameter: float, last: FloatArray | None) -> NewtonResult | None:
         try:
             factor, memory = self._kept_tangent(guess, parameter)
         except NotPositiveDefiniteError:
             return None
         y, pairs = guess, list(memory.pairs)
         u, load, at = self._at(y, parameter)
-        threshold = _SHARE * self._settings.tolerance * self._system.energy_scale
+        threshold = self._settings.tolerance * self._system.energy_scale
         measures: list[float] = []
         poor = 0
         for _ in range(_MOST_CORRECTIONS):
             correction, measure = _correction(factor, pairs, at)
+            if not measures and not _foreseen(guess, correction, last):
+                threshold *= _SHARE
             # a residual that is not finite fails this test too
             poor += bool(measures) and not measure < max(_POOR * measures[-1], threshold)
             if poor > 1 and memory.steps > 0 and np.isfinite(measure):
@@ -114,9 +121,9 @@ class QuasiNewton:
                 return None
             measures.append(measure)
             y = y + correction
-            last = at
+            before = at
             u, load, at = self._at(y, parameter)
-            pair = Pair.of(correction, at.residual - last.residual)
+            pair = Pair.of(correction, at.residual - before.residual)
             if pair.curvature > 0:
                 pairs = [*pairs[1 - _MOST_PAIRS :], pair]
             if measure <= threshold:
@@ -148,6 +155,13 @@ class QuasiNewton:
     def _made(self, memory: Memory) -> Factor:
         u, load = self._system.state(memory.unknown_values, memory.parameter)
         return approximate(self._system.linearize(u, "symmetric", load, memory.openings)[1])
+
+
+def _foreseen(guess: FloatArray, correction: FloatArray, last: FloatArray | None) -> bool:
+    """Whether the first correction of a guess (count,) is little of the way from the last state."""
+    if last is None:
+        return False
+    return bool(np.abs(correction).max() < _FORESEEN * np.abs(guess - last).max())
 
 
 def _correction(factor: Factor, pairs: list[Pair], at: Equilibrium) -> tuple[FloatArray, float]:
