@@ -51,7 +51,7 @@ def _of_address(signature: Any) -> Any:
     @intrinsic
     def taken(_context: Any, _address: Any) -> Any:
         def code(context: Any, builder: Any, _signature: Any, arguments: Any) -> Any:
-            value = cgutils.create_struct_proxy(function)(context, builder)
+            value: Any = cgutils.create_struct_proxy(function)(context, builder)  # type: ignore[no-untyped-call]
             null = cgutils.voidptr_t(None)
             value.c_addr = builder.inttoptr(arguments[0], cgutils.voidptr_t)
             value.py_addr, value.jit_addr = null, null
