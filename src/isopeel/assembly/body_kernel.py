@@ -21,7 +21,7 @@ from isopeel.physics.batch import material_at
 
 #: Elements that are treated together, at most: enough that the test for overlapping arrays, made before each
 #: innermost loop, costs little, and few enough that what is kept of them fits the processor's cache.
-_LANES = 128
+_LANES = 256
 
 # Reordered sums let loops run in vector registers; nan must stay nan, because it is how an inverted
 # element is noticed. Numba takes seconds to compile an assignment to a part of an array, but not its fill.
@@ -65,10 +65,10 @@ def body(
     lines = np.empty((rows, 2, 2, P, block))
     loads = np.empty((rows, 2, 2, P, block))
     channel = np.empty((channels, block))
-    F = np.empty((2, 2, points))
-    density = np.empty(points)
-    stress = np.empty((2, 2, points))
-    A = np.empty((2, 2, 2, 2, points))
+    F = np.empty((2, 2, block))
+    density = np.empty(block)
+    stress = np.empty((2, 2, block))
+    A = np.empty((P, 2, 2, 2, 2, block))
     half = np.empty((2, 2, block))
     moduli = np.empty((2 * channels, 2 * channels, points))
     pairs = np.zeros((C, C, 2, 2, 2, 2, P, block) if with_tangent else (1, 1, 2, 2, 2, 2, 1, 1))
@@ -77,7 +77,7 @@ def body(
     place = np.empty(block, np.int64)
     flat = band.ravel()
     energy = 0.0
-    least = np.full(points, np.inf)
+    least = np.full(block, np.inf)
     for start in range(0, X, block):
         n = min(block, X - start)
         lanes = slice(start, start + n)
@@ -101,13 +101,22 @@ def body(
                             along[kind, order, p, 1, lanes],
                             n,
                         )
-                        for a in range(2, sizes[kind]):
-                            _add_product(line, local[i, a], along[kind, order, p, a, lanes], n)
+                        for a in range(2, sizes[kind] - 1, 2):
+                            _add_products(
+                                line,
+                                local[i, a],
+                                along[kind, order, p, a, lanes],
+                                local[i, a + 1],
+                                along[kind, order, p, a + 1, lanes],
+                                n,
+                            )
+                        if sizes[kind] > 2 and sizes[kind] % 2 == 1:
+                            last = sizes[kind] - 1
+                            _add_product(line, local[i, last], along[kind, order, p, last, lanes], n)
         for y in range(Y):
             row = first_rows[y]
             for r in range(R):
                 for p in range(P):
-                    here = slice(p * n, (p + 1) * n)
                     for i in range(2):
                         for h in range(channels):
                             factors = across[y, 1 if h == 1 else 0, r]
@@ -123,7 +132,7 @@ def body(
                             for c in range(2, C):
                                 _add_scaled(channel[h], factors[c], lines[row + c, order, i, p], n)
                         for J in range(2):
-                            gradient = F[i, J, here]
+                            gradient = F[i, J]
                             _set_products(
                                 gradient,
                                 1.0 if i == J else 0.0,
@@ -135,16 +144,13 @@ def body(
                             )
                             if channels == 3:
                                 _add_product(gradient, maps[y, r, p, 2, J, lanes], channel[2], n)
-                count = P * n
-                # one for each place in the arrays: a single one would not run in vector registers
-                for point in range(count):
-                    determinant = F[0, 0, point] * F[1, 1, point] - F[0, 1, point] * F[1, 0, point]
-                    least[point] = determinant if determinant < least[point] else least[point]
-                material(F, parameters, count, density, stress, A, with_tangent)
-                for p in range(P):
-                    here = slice(p * n, (p + 1) * n)
+                    # one for each place in the arrays: a single one would not run in vector registers
+                    for lane in range(n):
+                        determinant = F[0, 0, lane] * F[1, 1, lane] - F[0, 1, lane] * F[1, 0, lane]
+                        least[lane] = determinant if determinant < least[lane] else least[lane]
+                    material(F, parameters, n, density, stress, A[p], with_tangent)
                     area = weights[y, r, p, lanes]
-                    energy += _sum_of_products(area, density[here], n)
+                    energy += _sum_of_products(area, density, n)
                     for i in range(2):
                         for h in range(channels):
                             flow = channel[h]
@@ -152,9 +158,9 @@ def body(
                                 flow,
                                 area,
                                 maps[y, r, p, h, 0, lanes],
-                                stress[i, 0, here],
+                                stress[i, 0],
                                 maps[y, r, p, h, 1, lanes],
-                                stress[i, 1, here],
+                                stress[i, 1],
                                 n,
                             )
                             factors = across[y, 1 if h == 1 else 0, r]
@@ -231,12 +237,6 @@ def _set_weighted_products(total: Any, weight: Any, x0: Any, y0: Any, x1: Any, y
 
 
 @_inlined
-def _scale(total: Any, x: Any, n: int) -> None:
-    for lane in range(n):
-        total[lane] *= x[lane]
-
-
-@_inlined
 def _add_scaled_to_both(one: Any, factor0: float, other: Any, factor1: float, x: Any, n: int) -> None:
     for lane in range(n):
         one[lane] += factor0 * x[lane]
@@ -288,16 +288,15 @@ def _pull_back(A: Any, maps: Any, weights: Any, start: int, n: int, half: Any, m
             for k in range(2):
                 for i in range(2):
                     for J in range(2):
-                        _set_products(
+                        _set_weighted_products(
                             half[i, J],
-                            0.0,
-                            A[i, J, k, 0, here],
+                            weights[p, lanes],
+                            A[p, i, J, k, 0],
                             maps[p, g, 0, lanes],
-                            A[i, J, k, 1, here],
+                            A[p, i, J, k, 1],
                             maps[p, g, 1, lanes],
                             n,
                         )
-                        _scale(half[i, J], weights[p, lanes], n)
                 for h in range(channels):
                     for i in range(2):
                         # the other half follows from the symmetry
@@ -374,30 +373,7 @@ def _spread(
                             n,
                         )
                 for a in range(b if same_row and i == k else 0, one.shape[2]):
-                    value.fill(0.0)
-                    # by two points, which halves the traffic of the sum
-                    for p in range(0, P - 1, 2):
-                        _add_four_products(
-                            value,
-                            one[0, p, a, lanes],
-                            flux[0, p],
-                            one[1, p, a, lanes],
-                            flux[1, p],
-                            one[0, p + 1, a, lanes],
-                            flux[0, p + 1],
-                            one[1, p + 1, a, lanes],
-                            flux[1, p + 1],
-                            n,
-                        )
-                    if P % 2 == 1:
-                        _add_products(
-                            value,
-                            one[0, P - 1, a, lanes],
-                            flux[0, P - 1],
-                            one[1, P - 1, a, lanes],
-                            flux[1, P - 1],
-                            n,
-                        )
+                    _sum_over_points(value, one[:, :, a, lanes], flux, n)
                     _scatter(
                         flat,
                         diagonal,
@@ -409,6 +385,19 @@ def _spread(
                         n,
                         same_row and i == k and a == b,
                     )
+
+
+@_compiled
+def _sum_over_points(value: Any, functions: Any, x: Any, n: int) -> None:
+    """Set value (n,) to sum_p N(p) x_0(p) + dN/dxi(p) x_1(p), of functions and x (2, P, n)."""
+    N, dN, x0, x1 = functions[0], functions[1], x[0], x[1]
+    P = N.shape[0]
+    value.fill(0.0)
+    # by two points, which halves the traffic of the sum
+    for p in range(0, P - 1, 2):
+        _add_four_products(value, N[p], x0[p], dN[p], x1[p], N[p + 1], x0[p + 1], dN[p + 1], x1[p + 1], n)
+    if P % 2 == 1:
+        _add_products(value, N[P - 1], x0[P - 1], dN[P - 1], x1[P - 1], n)
 
 
 @_inlined

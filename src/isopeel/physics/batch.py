@@ -35,9 +35,10 @@ def compile_batch(signature: Any, function: Callable[..., None], cache: bool = T
     """Compile a batch function to machine code for one of the signatures above.
 
     `error_model="numpy"` makes a division by zero give inf or nan, which the solver detects and reports;
-    an exception could not cross the call by address.
+    an exception could not cross the call by address. A product and a sum may be one operation, with one
+    rounding.
     """
-    return cfunc(signature, cache=cache, error_model="numpy")(function)
+    return cfunc(signature, cache=cache, error_model="numpy", fastmath={"contract"})(function)
 
 
 def _of_address(signature: Any) -> Any:

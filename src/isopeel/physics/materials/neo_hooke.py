@@ -83,7 +83,7 @@ def _neo_hooke(
 ) -> None:
     mu = parameters[0]
     lam = parameters[1]
-    J = np.empty(count)
+    J = np.empty(count)  # det F, and then its inverse: a division takes as long as ten products
     c = np.empty(count)
     G = np.empty((2, 2, count))  # F^-1
     # loops over few arrays each: one over all of them could not prove that they do not overlap, and would
@@ -95,12 +95,14 @@ def _neo_hooke(
         log_J = log(J[n])
         c[n] = lam * log_J - mu
         energy[n] = (0.5 * lam * log_J - mu) * log_J - mu
+        J[n] = 1.0 / J[n]
     for i in range(2):
+        for n in range(count):
+            energy[n] += 0.5 * mu * (F[i, 0, n] * F[i, 0, n] + F[i, 1, n] * F[i, 1, n])
         for K in range(2):
             sign = 1.0 if i == K else -1.0
             for n in range(count):
-                energy[n] += 0.5 * mu * F[i, K, n] * F[i, K, n]
-                G[K, i, n] = sign * F[1 - i, 1 - K, n] / J[n]
+                G[K, i, n] = sign * F[1 - i, 1 - K, n] * J[n]
             for n in range(count):
                 P[i, K, n] = mu * F[i, K, n] + c[n] * G[K, i, n]
     if not tangent:
