@@ -1,10 +1,11 @@
 """Direct solvers for band matrices."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import NamedTuple, Protocol
 
 import numpy as np
-from scipy.linalg.blas import dsbmv
+from scipy.linalg.blas import dsbmv, dtbmv
 from scipy.linalg.lapack import dgbtrf, dgbtrs, dpbtrf, dpbtrs, spbtrf
 
 from isopeel.arrays import FloatArray, IntArray
@@ -13,7 +14,7 @@ from isopeel.solve.blocks import BlockedFactor
 
 #: Of the energy of a solution: an iteration corrects what is left, and learns what it is.
 _ENOUGH = 0.01
-#: LAPACK factorizes narrower bands column by column, and in double precision no more slowly.
+#: LAPACK factorizes narrower bands column by column, in single precision no faster than in double.
 _WIDE = 65
 
 
@@ -56,19 +57,30 @@ class BandCholesky:
 def approximate(matrix: BandMatrix) -> BlockedFactor:
     """A factor of a symmetric matrix whose solutions are right to about a hundredth in energy.
 
-    In single precision where that pays, and suffices for the softest motions, which suffer most: two inverse
-    iterations lead to them. The entries may be overwritten. Raises NotPositiveDefiniteError.
+    It is kept in single precision where that suffices for the softest motions, which suffer most. The entries
+    may be overwritten. Raises NotPositiveDefiniteError.
     """
-    if matrix.half_bandwidth >= _WIDE:
+    b = matrix.half_bandwidth
+    if b >= _WIDE:
         entries, info = spbtrf(matrix.entries.astype(np.float32).T, lower=1, overwrite_ab=1)
         if info == 0:
             factor = BlockedFactor.of(entries)
-            start = factor.solve(np.random.default_rng(0).standard_normal(len(matrix.entries)))
-            soft = factor.solve(start)
-            energy = float(soft @ dsbmv(matrix.half_bandwidth, 1.0, matrix.entries.T, soft, lower=1))
-            if abs(energy - float(soft @ start)) < _ENOUGH * energy:
+            if _suffices(factor, lambda x: float(x @ dsbmv(b, 1.0, matrix.entries.T, x, lower=1))):
                 return factor
-    return BlockedFactor.of(BandCholesky.of(matrix).entries)
+    exact = BandCholesky.of(matrix).entries
+    if b < _WIDE:
+        factor = BlockedFactor.of(exact.astype(np.float32))
+        if _suffices(factor, lambda x: float(np.sum(dtbmv(b, exact, x, lower=1, trans=1) ** 2))):
+            return factor
+    return BlockedFactor.of(exact)
+
+
+def _suffices(factor: BlockedFactor, energy: Callable[[FloatArray], float]) -> bool:
+    """Whether a factor is right for soft motions, to which inverse iterations lead; `energy` is x . A x."""
+    start = factor.solve(np.random.default_rng(0).standard_normal((factor.count,)))
+    soft = factor.solve(start)
+    exact = energy(soft)
+    return abs(exact - float(soft @ start)) < _ENOUGH * exact
 
 
 @dataclass(frozen=True, eq=False)
