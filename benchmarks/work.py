@@ -46,14 +46,17 @@ def tangent(system: System) -> Work:
 
 
 def factorization(n: int, b: int) -> Work:
-    """Of a band of n rows: column j is divided by its root, and m (m + 1)/2 products are subtracted."""
+    """Of a band of n rows: column j is divided by its root, and m (m + 1)/2 products are subtracted.
+
+    It is read in double precision and kept in single.
+    """
     m = _below(n, b)
-    return Work(float(((m + 1) ** 2).sum()), 2 * 8 * n * (b + 1))
+    return Work(float(((m + 1) ** 2).sum()), (8 + 4) * n * (b + 1))
 
 
 def solution(n: int, b: int) -> Work:
-    """Of a band of n rows, with its factor read forwards and backwards."""
-    return Work(float((4 * _below(n, b) + 2).sum()), 2 * 8 * n * (b + 1))
+    """Of a band of n rows, with its factor, in single precision, read forwards and backwards."""
+    return Work(float((4 * _below(n, b) + 2).sum()), 2 * 4 * n * (b + 1))
 
 
 def update(n: int, pairs: int) -> Work:

@@ -145,6 +145,7 @@ def test_slope_follows_the_adhesive_energy_past_a_limit_point() -> None:
     assert slope(3 * s - 1, p, s**3) == pytest.approx(3 * 0.6**2 / (1 - 2 * 0.6), rel=1e-12)
 
 
+@pytest.mark.kept_tangent
 def test_the_last_step_alone_keeps_the_memory() -> None:
     steps = trace(strip(), row_space("N2", (20, 2)), np.radians([0.0, 0.1, 0.2]))
     first, second = next(steps), next(steps)
