@@ -12,18 +12,21 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption("--plain", action="store_true", help="a new tangent for every correction, unless told")
 
 
-@pytest.fixture(autouse=True)
-def plain_by_default(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
-    """With --plain, make plain Newton's method the default, and leave out tests of the kept tangent itself."""
-    if not request.config.getoption("--plain"):
-        return
-    if request.node.get_closest_marker("kept_tangent"):
+def pytest_configure(config: pytest.Config) -> None:
+    """Make this process what the tests need."""
+    if config.getoption("--plain"):
+        *others, _ = NewtonSettings.__init__.__defaults__ or ()
+        NewtonSettings.__init__.__defaults__ = (*others, True)
+    let_it_be_interrupted()
+
+
+def pytest_runtest_setup(item: pytest.Item) -> None:
+    """Leave out tests of the kept tangent itself where there is none."""
+    if item.config.getoption("--plain") and item.get_closest_marker("kept_tangent"):
         pytest.skip("it tests the kept tangent itself")
-    *others, _ = NewtonSettings.__init__.__defaults__ or ()
-    monkeypatch.setattr(NewtonSettings.__init__, "__defaults__", (*others, True))
 
 
-def pytest_configure() -> None:
+def let_it_be_interrupted() -> None:
     """Let Ctrl-C end this process and its children, even where a shell has it run in the background.
 
     Such a shell has SIGINT ignored, which is handed on from process to process.

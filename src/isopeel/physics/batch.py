@@ -35,10 +35,9 @@ def compile_batch(signature: Any, function: Callable[..., None], cache: bool = T
     """Compile a batch function to machine code for one of the signatures above.
 
     `error_model="numpy"` makes a division by zero give inf or nan, which the solver detects and reports;
-    an exception could not cross the call by address. A product and a sum may be one operation, with one
-    rounding.
+    an exception could not cross the call by address.
     """
-    return cfunc(signature, cache=cache, error_model="numpy", fastmath={"contract"})(function)
+    return cfunc(signature, cache=cache, error_model="numpy")(function)
 
 
 def _of_address(signature: Any) -> Any:
