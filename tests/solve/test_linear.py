@@ -37,7 +37,7 @@ def test_single_precision_solves_a_tangent_to_its_digits() -> None:
     np.testing.assert_array_equal(single.solve(np.zeros(system.count)), 0.0)
 
 
-@pytest.mark.parametrize(("differences", "columns"), [(3, 41), (2, 81), (3, 81)])
+@pytest.mark.parametrize(("differences", "columns"), [(3, 41), (3, 81)])
 def test_what_single_precision_cannot_tell_apart_is_kept_in_double(differences: int, columns: int) -> None:
     """Its soft motions have a billionth of the stiffness of others."""
     matrix = chain(300, differences, columns)
@@ -46,7 +46,7 @@ def test_what_single_precision_cannot_tell_apart_is_kept_in_double(differences: 
     x = np.random.default_rng(1).standard_normal((300,))
     D = np.diff(np.eye(300), differences, axis=0)
     solution = factor.solve(D.T @ (D @ x) + 1e-9 * x)
-    # condition number 1e10 to 1e11
+    # condition number 1e11
     np.testing.assert_allclose(solution, x, rtol=0, atol=1e-4)
 
 

@@ -67,11 +67,11 @@ def approximate(matrix: BandMatrix) -> BlockedFactor:
             factor = BlockedFactor.of(entries)
             if _suffices(factor, lambda x: float(x @ dsbmv(b, 1.0, matrix.entries.T, x, lower=1))):
                 return factor
+    # what is rounded at the end has smaller errors
     exact = BandCholesky.of(matrix).entries
-    if b < _WIDE:
-        factor = BlockedFactor.of(exact.astype(np.float32))
-        if _suffices(factor, lambda x: float(np.sum(dtbmv(b, exact, x, lower=1, trans=1) ** 2))):
-            return factor
+    factor = BlockedFactor.of(exact.astype(np.float32))
+    if _suffices(factor, lambda x: float(np.sum(dtbmv(b, exact, x, lower=1, trans=1) ** 2))):
+        return factor
     return BlockedFactor.of(exact)
 
 
