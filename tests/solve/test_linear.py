@@ -21,12 +21,13 @@ def chain(n: int, differences: int, columns: int) -> BandMatrix:
     return BandMatrix(band, columns - 1, "symmetric")
 
 
-def test_single_precision_solves_a_tangent_to_its_digits() -> None:
-    system = System(strip(), row_space("N4", (40, 8)))
+@pytest.mark.parametrize(("name", "mesh"), [("N4", (40, 8)), ("L1", (20, 2))])
+def test_single_precision_solves_a_tangent_to_its_digits(name: str, mesh: tuple[int, int]) -> None:
+    system = System(strip(), row_space(name, mesh))
     u, _ = system.state(np.zeros(system.count), 0.0)
     right_side = np.random.default_rng(0).standard_normal((system.count,))
     matrix = system.linearize(u)[1]
-    single = approximate(matrix)
+    single = approximate(BandMatrix(matrix.workspace.copy(), matrix.half_bandwidth, "symmetric"))
     assert single.panels.dtype == np.float32
     found, exact = single.solve(right_side), BandCholesky.of(matrix).solve(right_side)
     # condition number about 1e5, times a round-off of 6e-8
@@ -37,7 +38,7 @@ def test_single_precision_solves_a_tangent_to_its_digits() -> None:
     np.testing.assert_array_equal(single.solve(np.zeros(system.count)), 0.0)
 
 
-@pytest.mark.parametrize(("differences", "columns"), [(3, 41), (3, 81)])
+@pytest.mark.parametrize(("differences", "columns"), [(4, 41), (4, 81)])
 def test_what_single_precision_cannot_tell_apart_is_kept_in_double(differences: int, columns: int) -> None:
     """Its soft motions have a billionth of the stiffness of others."""
     matrix = chain(300, differences, columns)
@@ -46,20 +47,8 @@ def test_what_single_precision_cannot_tell_apart_is_kept_in_double(differences: 
     x = np.random.default_rng(1).standard_normal((300,))
     D = np.diff(np.eye(300), differences, axis=0)
     solution = factor.solve(D.T @ (D @ x) + 1e-9 * x)
-    # condition number 1e11
-    np.testing.assert_allclose(solution, x, rtol=0, atol=1e-4)
-
-
-def test_narrow_bands_are_factorized_in_double_precision_and_kept_in_single() -> None:
-    system = System(strip(), row_space("L1", (20, 2)))
-    u, _ = system.state(np.zeros(system.count), 0.0)
-    matrix = system.linearize(u)[1]
-    factor = approximate(BandMatrix(matrix.workspace.copy(), matrix.half_bandwidth, "symmetric"))
-    assert factor.panels.dtype == np.float32
-    right_side = np.random.default_rng(0).standard_normal((system.count,))
-    found, exact = factor.solve(right_side), BandCholesky.of(matrix).solve(right_side)
-    # the rounding of a factor, and a condition number of about 100
-    np.testing.assert_allclose(found, exact, rtol=0, atol=1e-5 * np.abs(exact).max())
+    # condition number 3e11, times a round-off of 1e-16 and the size of x
+    np.testing.assert_allclose(solution, x, rtol=0, atol=1e-3)
 
 
 @pytest.mark.parametrize("n", [1, 7, 8, 9, 63, 64, 200])
@@ -75,7 +64,7 @@ def test_blocks_solve_what_lapack_solves(n: int, half_bandwidth: int) -> None:
     assert info == 0
     # the condition number is of order 10: all but two digits of either precision
     largest = np.abs(exact).max()
-    double = BlockedFactor.of(np.asfortranarray(lower)).solve(right_side)
+    double = BlockedFactor.of(np.asfortranarray(lower), np.float64).solve(right_side)
     np.testing.assert_allclose(double, exact, rtol=0, atol=1e-13 * largest)
-    single = BlockedFactor.of(np.asfortranarray(lower, dtype=np.float32)).solve(right_side)
+    single = BlockedFactor.of(np.asfortranarray(lower), np.float32).solve(right_side)
     np.testing.assert_allclose(single, exact, rtol=0, atol=1e-5 * largest)

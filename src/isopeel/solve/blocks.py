@@ -36,14 +36,14 @@ class BlockedFactor:
     count: int
 
     @classmethod
-    def of(cls, lower: Floats) -> "BlockedFactor":
-        """Take L (half-bandwidth + 1, n), stored as by LAPACK's pbtrf, lower."""
+    def of(cls, lower: FloatArray, precision: type[np.floating[Any]]) -> "BlockedFactor":
+        """Take L (half-bandwidth + 1, n), stored as by LAPACK's pbtrf, lower, and keep it in a precision."""
         width, n = lower.shape
         blocks = -(-n // _COLUMNS)
         # whole vector registers
         below = -(-(width - 1) // _COLUMNS) * _COLUMNS
-        panels = np.empty((blocks, _COLUMNS, below), lower.dtype)
-        inverses = np.zeros((blocks, _COLUMNS, _COLUMNS), lower.dtype)
+        panels = np.empty((blocks, _COLUMNS, below), precision)
+        inverses = np.zeros((blocks, _COLUMNS, _COLUMNS), precision)
         _take(lower.T, panels, inverses)
         return cls(panels, inverses, n)
 
@@ -57,7 +57,7 @@ class BlockedFactor:
 
 
 @_compiled
-def _take(columns: Floats, panels: Floats, inverses: Floats) -> None:
+def _take(columns: FloatArray, panels: Floats, inverses: Floats) -> None:
     """Fill panels and inverses from the columns (n, width) of L."""
     n, width = columns.shape
     blocks, _, below = panels.shape

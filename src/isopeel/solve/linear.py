@@ -1,12 +1,11 @@
 """Direct solvers for band matrices."""
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import NamedTuple, Protocol
 
 import numpy as np
-from scipy.linalg.blas import dsbmv, dtbmv
-from scipy.linalg.lapack import dgbtrf, dgbtrs, dpbtrf, dpbtrs, spbtrf
+from scipy.linalg.blas import dtbmv
+from scipy.linalg.lapack import dgbtrf, dgbtrs, dpbtrf, dpbtrs
 
 from isopeel.arrays import FloatArray, IntArray
 from isopeel.assembly.system import BandMatrix
@@ -14,8 +13,6 @@ from isopeel.solve.blocks import BlockedFactor
 
 #: Of the energy of a solution: an iteration corrects what is left, and learns what it is.
 _ENOUGH = 0.01
-#: LAPACK factorizes narrower bands column by column, in single precision no faster than in double.
-_WIDE = 65
 
 
 class Factor(Protocol):
@@ -57,30 +54,17 @@ class BandCholesky:
 def approximate(matrix: BandMatrix) -> BlockedFactor:
     """A factor of a symmetric matrix whose solutions are right to about a hundredth in energy.
 
-    It is kept in single precision where that suffices for the softest motions, which suffer most. The entries
-    may be overwritten. Raises NotPositiveDefiniteError.
+    It is kept in single precision where that suffices for the softest motions, which suffer most: inverse
+    iterations lead to them. The entries are overwritten. Raises NotPositiveDefiniteError.
     """
-    b = matrix.half_bandwidth
-    if b >= _WIDE:
-        entries, info = spbtrf(matrix.entries.astype(np.float32).T, lower=1, overwrite_ab=1)
-        if info == 0:
-            factor = BlockedFactor.of(entries)
-            if _suffices(factor, lambda x: float(x @ dsbmv(b, 1.0, matrix.entries.T, x, lower=1))):
-                return factor
-    # what is rounded at the end has smaller errors
+    # rounded when it is made: sums in single precision would often not suffice
     exact = BandCholesky.of(matrix).entries
-    factor = BlockedFactor.of(exact.astype(np.float32))
-    if _suffices(factor, lambda x: float(np.sum(dtbmv(b, exact, x, lower=1, trans=1) ** 2))):
-        return factor
-    return BlockedFactor.of(exact)
-
-
-def _suffices(factor: BlockedFactor, energy: Callable[[FloatArray], float]) -> bool:
-    """Whether a factor is right for soft motions, to which inverse iterations lead; `energy` is x . A x."""
+    factor = BlockedFactor.of(exact, np.float32)
     start = factor.solve(np.random.default_rng(0).standard_normal((factor.count,)))
     soft = factor.solve(start)
-    exact = energy(soft)
-    return abs(exact - float(soft @ start)) < _ENOUGH * exact
+    energy = float(np.sum(dtbmv(matrix.half_bandwidth, exact, soft, lower=1, trans=1) ** 2))  # soft . A soft
+    suffices = abs(energy - float(soft @ start)) < _ENOUGH * energy
+    return factor if suffices else BlockedFactor.of(exact, np.float64)
 
 
 @dataclass(frozen=True, eq=False)
