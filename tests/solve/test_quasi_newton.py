@@ -143,6 +143,8 @@ def test_slope_follows_the_adhesive_energy_past_a_limit_point() -> None:
     s = np.array([0.1, 0.3, 0.4, 0.45, 0.6])
     p = s - s**2  # turns at s = 0.5
     assert slope(3 * s - 1, p, s**3) == pytest.approx(3 * 0.6**2 / (1 - 2 * 0.6), rel=1e-12)
+    s[-1] = 0.52  # the last step crosses the limit point: forwards, while the slope is backwards
+    assert slope(3 * s - 1, s - s**2, s**3) == 0.0
 
 
 @pytest.mark.kept_tangent

@@ -139,7 +139,8 @@ def slope(way: FloatArray, parameters: FloatArray, values: FloatArray) -> float:
     """Derivative by the parameter of what has these values (n,) at the states of a path, at the last of them.
 
     That of the polynomial in the way through the last states, up to SLOPE_STATES, along which it has grown or
-    fallen steadily. Zero where there is no state before the last.
+    fallen steadily. Zero where there is no state before the last, and at a limit point of the parameter,
+    where there is no such derivative.
     """
     way = way[-SLOPE_STATES:]
     steps = np.diff(way)
@@ -151,8 +152,10 @@ def slope(way: FloatArray, parameters: FloatArray, values: FloatArray) -> float:
     nodes = np.array(past)
     # of the polynomial (s - last) q(s) + f(last), with q through the difference quotients
     weights = _lagrange(nodes, last) / (nodes - last)
-    along, parameter = (weights @ (f[-count:-1] - f[-1]) for f in (values, parameters))
-    return float(along / parameter)
+    along, parameter = (float(weights @ (f[-count:-1] - f[-1])) for f in (values, parameters))
+    # of which the last step tells the sign
+    onwards = parameter * steps[-1] * (parameters[-1] - parameters[-2]) > 0
+    return along / parameter if onwards else 0.0
 
 
 def _lagrange(nodes: FloatArray, at: float) -> FloatArray:
