@@ -100,6 +100,20 @@ def test_it_finds_what_newton_finds() -> None:
     np.testing.assert_allclose(found.unknown_values, exact.unknown_values, rtol=0, atol=1e-8 * largest)
 
 
+def test_a_step_that_was_not_foreseen_ends_at_a_hundredth_of_the_tolerance() -> None:
+    system = System(strip(), row_space("N2", (60, 3)))
+    guess, limit = np.zeros(system.count), 1e-15
+    settings = NewtonSettings(tolerance=limit / system.energy_scale)
+    blind = QuasiNewton(system, settings).equilibrium(guess, 0.002)
+    # from a last state that far away, all of the way is foreseen but for a trifle
+    near = QuasiNewton(system, settings).equilibrium(guess, 0.002, guess - 1e3)
+    assert blind is not None
+    assert near is not None
+    assert near.iterations[-1] <= limit < near.iterations[-2]
+    assert blind.iterations[-1] <= 1e-2 * limit < blind.iterations[-2] <= limit
+    assert near.iterations == blind.iterations[:-1]
+
+
 def _led(parameters: np.ndarray, energies: np.ndarray, values: np.ndarray, target: float) -> float:
     return float(best_weights(parameters, energies, values[:, None], target)[0] @ values)
 

@@ -122,6 +122,9 @@ class System:
         self._body_unknowns: IntArray = self.body.unknowns(self.constraints)
         self._adhesive_unknowns: IntArray = self.constraints.unknowns[self.adhesive.functions]
         self._workspaces: dict[Storage, FloatArray] = {}
+        # kept alive, as compiled code is told their addresses only
+        self._material = problem.body.material.kernel
+        self._law, self._substrate = adhesion.law.kernel, adhesion.substrate.kernel
 
     @property
     def load_is_unknown(self) -> bool:
@@ -246,7 +249,7 @@ class System:
         forces = np.zeros_like(displacement)
         table = self.body
         stored, lowest = body_kernel(
-            material.kernel.address,
+            self._material.address,
             material.parameters,
             table.kinds,
             table.sizes,
@@ -265,9 +268,9 @@ class System:
         )
         side = self.adhesive
         adhesive, dissipated = adhesion_kernel(
-            adhesion.law.kernel.address,
+            self._law.address,
             adhesion.law.parameters,
-            adhesion.substrate.kernel.address,
+            self._substrate.address,
             adhesion.substrate.parameters,
             side.functions,
             side.values,
