@@ -8,8 +8,10 @@ from typing import Any
 from unittest.mock import patch
 
 from isopeel.assembly.system import System
-from isopeel.solve import path, quasi_newton
+from isopeel.solve import quasi_newton
 from isopeel.solve.blocks import BlockedFactor
+from isopeel.solve.pairs import Pairs
+from isopeel.solve.predictor import Predictor
 
 #: The parts of a load step, by what is called for each.
 PARTS = ("forces", "tangent", "factor", "solve", "update", "state", "guess")
@@ -32,11 +34,12 @@ class Clock:
                 (System, "linearize", "tangent"),
                 (BlockedFactor, "solve", "solve"),
                 (quasi_newton, "approximate", "factor"),
-                (quasi_newton, "_product", "update"),
+                (Pairs, "correction", "update"),
+                (Pairs, "followed_by", "update"),
                 (System, "state", "state"),
-                (path, "best_weights", "guess"),
-                (path, "daxpy", "guess"),
-                (path, "slope", "guess"),
+                (Predictor, "guess", "guess"),
+                (Predictor, "remember", "guess"),
+                (Predictor, "slope", "guess"),
             ):
                 watched.enter_context(patch.object(owner, name, self._watched(part, getattr(owner, name))))
             yield

@@ -20,7 +20,7 @@ from isopeel.assembly.system import System
 from isopeel.case import parse_mesh
 from isopeel.paper.study import MESHES, SPACES
 from isopeel.solve.linear import approximate
-from isopeel.solve.quasi_newton import Pair, _product
+from isopeel.solve.pairs import Pairs
 from peeling import STEP, TIMED, Strip, left_out, peel
 from printing import plain_table, wide_console
 from work import Work
@@ -65,34 +65,31 @@ def profile(strip: Strip, reach: float, coarse: float, steps: int) -> Profile:
     path = peel(strip, reach, coarse, steps)
     clock = Clock()
     timed: list[isopeel.Step] = []
-    pairs: tuple[Pair, ...] = ()
+    pairs = Pairs.none(0)
     with clock.running():
         for step in path:
             timed.append(step)
             # only the last step has its memory
-            pairs = max(pairs, _learned(step), key=len)
+            memory = step.state.memory
+            if memory is not None and len(memory.pairs.corrections) >= len(pairs.corrections):
+                pairs = memory.pairs
     system = System(strip.problem, strip.row_space)
     u, load = system.state(timed[-1].unknown_values, timed[-1].parameter)
     residual = system.equilibrium(u, load).residual
     n, b = system.constraints.count, system.half_bandwidth
-    alone = parts_alone(system, u, load, residual, list(pairs))
+    alone = parts_alone(system, u, load, residual, pairs)
     needed = {
         "forces": work.forces(system),
         "tangent": work.tangent(system),
         "factor": work.factorization(n, b),
         "solve": work.solution(n, b),
-        "update": work.update(n, len(pairs)),
+        "update": work.update(n, len(pairs.corrections)),
     }
     return Profile(strip, n, b, alone, needed, clock, timed)
 
 
-def _learned(step: isopeel.Step) -> tuple[Pair, ...]:
-    memory = step.state.memory
-    return () if memory is None else memory.pairs
-
-
 def parts_alone(
-    system: System, u: FloatArray, load: float, residual: FloatArray, pairs: list[Pair]
+    system: System, u: FloatArray, load: float, residual: FloatArray, pairs: Pairs
 ) -> dict[str, float]:
     """Least seconds of each part, of coefficients u (size, 2) and a residual (count,)."""
     _, matrix = system.linearize(u, load=load)
@@ -108,7 +105,7 @@ def parts_alone(
     np.copyto(matrix.entries, tangent)
     factor = approximate(matrix)
     alone["solve"] = machine.least_seconds(lambda: factor.solve(residual))
-    alone["update"] = machine.least_seconds(lambda: _product(factor, pairs, residual)) - alone["solve"]
+    alone["update"] = machine.least_seconds(lambda: pairs.correction(factor, residual)) - alone["solve"]
     return alone
 
 

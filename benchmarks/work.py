@@ -60,8 +60,11 @@ def solution(n: int, b: int) -> Work:
 
 
 def update(n: int, pairs: int) -> Work:
-    """Of what the pairs add to a solution: on the way there and back, a product and a sum of vectors each."""
-    return Work(2 * 2 * 2 * n * pairs, 2 * 2 * 8 * n * pairs)
+    """Of what the pairs add to a solution: on the way there and back, a product and a sum of vectors each.
+
+    They are in single precision.
+    """
+    return Work(2 * 2 * 2 * n * pairs, 2 * 2 * 4 * n * pairs)
 
 
 def body_forces(table: BodyTable) -> int:

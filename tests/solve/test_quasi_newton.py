@@ -7,8 +7,8 @@ from isopeel.assembly.system import System
 from isopeel.problem import strip
 from isopeel.solve.linear import BandCholesky
 from isopeel.solve.newton import NewtonSettings, newton
-from isopeel.solve.predictor import best_weights, slope
-from isopeel.solve.quasi_newton import Pair, QuasiNewton, _product
+from isopeel.solve.pairs import MOST_PAIRS, Pairs
+from isopeel.solve.quasi_newton import QuasiNewton
 from isopeel.solve.step import Step
 from isopeel.solve.trace import trace
 from isopeel.splines.rows import row_space
@@ -68,17 +68,37 @@ def test_product_is_that_of_the_updates_one_by_one() -> None:
             K[i, j] = K[j, i] = matrix.entries[j, i - j]
     H = np.linalg.inv(K)
     rng = np.random.default_rng(1)
-    pairs = []
+    pairs = Pairs.none(n)
     for _ in range(4):
         s = rng.standard_normal((n,))
-        pairs.append(Pair.of(s, K @ s + 0.1 * s))
-        rho = 1 / pairs[-1].curvature
-        V = np.eye(n) - rho * np.outer(pairs[-1].change, s)
+        pairs = pairs.followed_by(s, K @ s + 0.1 * s)
+        s, change = (kept[-1].astype(np.float64) for kept in (pairs.corrections, pairs.changes))
+        rho = 1 / (s @ change)
+        V = np.eye(n) - rho * np.outer(change, s)
         H = V.T @ H @ V + rho * np.outer(s, s)
     residual = rng.standard_normal((n,))
-    found = _product(BandCholesky.of(matrix), pairs, residual)
+    found = pairs.correction(BandCholesky.of(matrix), residual)
     # condition number about 1e5
     np.testing.assert_allclose(found, -H @ residual, rtol=0, atol=1e-9 * np.abs(found).max())
+
+
+def test_pairs_are_the_last_ones_and_positive() -> None:
+    numbers = np.arange(1.0, 60.0)
+    pairs = Pairs.none(1)
+    seen = []
+    for x in numbers:
+        pairs = pairs.followed_by(np.array([x]), np.array([2 * x]))
+        # one that would make the tangent indefinite teaches nothing
+        assert pairs.followed_by(np.array([x]), np.array([-x])) is pairs
+        seen.append(pairs)
+    for k, then in enumerate(seen, start=1):
+        expected = numbers[max(k - MOST_PAIRS, 0) : k]
+        np.testing.assert_array_equal(then.corrections[:, 0], expected)
+        np.testing.assert_array_equal(then.changes[:, 0], 2 * expected)
+    # a copy goes its own way
+    other = seen[4].copy().followed_by(np.array([7.0]), np.array([7.0]))
+    assert other.corrections[-1] == 7
+    np.testing.assert_array_equal(seen[5].corrections[:, 0], numbers[:6])
 
 
 def test_it_gives_up_where_it_does_not_converge_well() -> None:
@@ -112,53 +132,6 @@ def test_a_step_that_was_not_foreseen_ends_at_a_hundredth_of_the_tolerance() -> 
     assert near.iterations[-1] <= limit < near.iterations[-2]
     assert blind.iterations[-1] <= 1e-2 * limit < blind.iterations[-2] <= limit
     assert near.iterations == blind.iterations[:-1]
-
-
-def _led(parameters: np.ndarray, energies: np.ndarray, values: np.ndarray, target: float) -> float:
-    return float(best_weights(parameters, energies, values[:, None], target)[0] @ values)
-
-
-def test_the_polynomial_is_the_one_that_did_best() -> None:
-    x = np.arange(12.0)
-    none = np.zeros(12)  # an energy that does not change is no measure of the way
-    assert _led(x, none, x**2 + 1, 12.0) == pytest.approx(145, rel=1e-12)
-    assert _led(x[:1], none[:1], x[:1] + 7, 1.0) == 7
-    # a cubic, as far as its states go: one more is tried
-    assert _led(x[:3], none[:3], x[:3] ** 3, 3.0) == pytest.approx(21, rel=1e-12)
-    assert _led(x, none, np.where(x < 10, 0.0, 1.0), 12.0) == 1
-
-
-def test_the_energy_leads_where_the_parameter_hesitates() -> None:
-    # near the limit point of p = s - s^2/2 at s = 1: the state's slope by p grows without end
-    parameters = 0.49 + 0.0009 * np.arange(11)
-    way = 1 - np.sqrt(1 - 2 * parameters)
-    target = parameters[-1] + 0.0009
-    exact = 1 - np.sqrt(1 - 2 * target)
-    cubed = _led(parameters, 5 * way - 3, way**3, target)
-    assert cubed == pytest.approx(exact**3, rel=1e-9)  # 11 digits of the states, less what weights cost
-    # without a measure but the parameter, a hundredth of the last step is missed at least
-    blind = _led(parameters, np.zeros(11), way**3, target)
-    assert abs(blind - exact**3) > 0.01 * (way[-1] ** 3 - way[-2] ** 3)
-    # beyond the limit point there is nothing to lead to; some state comes back all the same
-    assert np.isfinite(_led(parameters, 5 * way - 3, way**3, 0.52))
-
-
-def test_slope_is_that_of_the_polynomial() -> None:
-    p = np.array([0.0, 0.3, 0.4, 0.55, 0.6])
-    assert slope(p, p, p**4 - p) == pytest.approx(4 * 0.6**3 - 1, rel=1e-12)
-    assert slope(p[:1], p[:1], np.ones(1)) == 0.0
-    # since the drive has turned: a joint that was torn before follows another law
-    turned, values = np.array([0.1, 0.5, 0.7, 0.6, 0.4]), np.array([0.1, 0.5, 0.7, 0.36, 0.16])
-    expected = np.polyval(np.polyder(np.polyfit(turned[2:], values[2:], 2)), 0.4)
-    assert slope(turned, turned, values) == pytest.approx(expected, rel=1e-12)
-
-
-def test_slope_follows_the_adhesive_energy_past_a_limit_point() -> None:
-    s = np.array([0.1, 0.3, 0.4, 0.45, 0.6])
-    p = s - s**2  # turns at s = 0.5
-    assert slope(3 * s - 1, p, s**3) == pytest.approx(3 * 0.6**2 / (1 - 2 * 0.6), rel=1e-12)
-    s[-1] = 0.52  # the last step crosses the limit point: forwards, while the slope is backwards
-    assert slope(3 * s - 1, s - s**2, s**3) == 0.0
 
 
 @pytest.mark.kept_tangent

@@ -1,7 +1,7 @@
 """Constraints: which degrees of freedom are held, which follow the drive, and the order of the unknowns."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numba import njit
@@ -32,12 +32,18 @@ class Constraints:
     drive: Drive
     driven: IntArray  # functions on the driven side
     driven_points: FloatArray  # their control points in the base state
+    _moved: dict[float, FloatArray] = field(
+        default_factory=dict, init=False, repr=False
+    )  # by the last parameter
 
     def displacement(self, unknown_values: FloatArray, parameter: float) -> FloatArray:
         """Coefficients u (size, 2) of unknowns z (count,) at a value of the drive's parameter."""
         u = self.offset.copy()
         _add_unknowns(self.unknowns, unknown_values, u)
-        u[self.driven] += self.drive.prescribed(self.driven_points, parameter)
+        if parameter not in self._moved:
+            self._moved.clear()
+            self._moved[parameter] = self.drive.prescribed(self.driven_points, parameter)
+        u[self.driven] += self._moved[parameter]
         return u
 
     def unknown_values(self, displacement: FloatArray, parameter: float) -> FloatArray:

@@ -34,8 +34,9 @@ from isopeel.results.journal import Record, read_journal
 from isopeel.results.provenance import Provenance
 from isopeel.results.untrusted import UntrustedError
 from isopeel.solve.newton import HINTS, Cause
-from isopeel.solve.quasi_newton import Memory, Pair
-from isopeel.solve.step import KINDS, Past, State
+from isopeel.solve.pairs import Pairs
+from isopeel.solve.quasi_newton import Memory
+from isopeel.solve.step import KINDS, PARABOLA_POINTS, Past, State
 from isopeel.splines.rows import RowSpace
 
 #: How a run ended; "running" is what the file of a killed run says.
@@ -172,8 +173,10 @@ def _write_state(group: h5py.Group, state: State) -> None:
         group["past/parameter"] = np.array(parameters)
         group["past/unknown_values"] = np.array(unknowns)
         group["past/energies"] = np.stack(energies, axis=1)
+        # no others than the last ones are ever polished
         nothing = np.full_like(unknowns[0], np.nan)
-        group["past/polished"] = np.array([nothing if y is None else y for y in polished])
+        last = polished[-PARABOLA_POINTS:]
+        group["past/polished"] = np.array([nothing if y is None else y for y in last])
     if state.memory is not None:
         _write_memory(group.create_group("memory"), state.memory)
 
@@ -183,12 +186,13 @@ def _state(group: h5py.Group) -> State:
     if "past" in group:
         stored = untrusted.group(group, "past")
         parameters = untrusted.floats(stored, "parameter", 1).tolist()
-        unknowns, polished = (map(frozen, untrusted.floats(stored, name, 2)) for name in _UNKNOWNS)
+        unknowns, polished = ([*map(frozen, untrusted.floats(stored, name, 2))] for name in _UNKNOWNS)
         energies = untrusted.floats(stored, "energies", 2).tolist()
+        padded = [np.full(1, np.nan)] * (len(parameters) - len(polished)) + list(polished)
         past = tuple(
             Past(parameter, y, energy, rate, adhesive, None if np.isnan(exact).all() else exact)
             for parameter, y, (energy, rate, adhesive), exact in zip(
-                parameters, unknowns, energies, polished, strict=True
+                parameters, unknowns, energies, padded, strict=True
             )
         )
     return State(
@@ -204,9 +208,8 @@ def _write_memory(group: h5py.Group, memory: Memory) -> None:
     group.attrs.update({"parameter": memory.parameter, "steps": memory.steps, "slow": memory.slow})
     group["unknown_values"] = memory.unknown_values
     group["openings"] = memory.openings
-    empty = np.empty((0, memory.unknown_values.size))
-    group["corrections"] = np.array([pair.correction for pair in memory.pairs] or empty)
-    group["changes"] = np.array([pair.change for pair in memory.pairs] or empty)
+    group["corrections"] = memory.pairs.corrections.astype(np.float64)
+    group["changes"] = memory.pairs.changes.astype(np.float64)
 
 
 def _memory(group: h5py.Group) -> Memory:
@@ -218,7 +221,7 @@ def _memory(group: h5py.Group) -> Memory:
         y,
         untrusted.number(group, "parameter"),
         frozen(untrusted.floats(group, "openings", 2)),
-        tuple(map(Pair.of, corrections, changes)),
+        Pairs.of(corrections, changes),
         int(untrusted.number(group, "steps")),
         bool(untrusted.number(group, "slow")),
     )

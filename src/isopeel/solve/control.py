@@ -1,6 +1,7 @@
 """What a path does where a step of its parameter finds no equilibrium: end, cut the step, jump, or turn."""
 
 from collections.abc import Generator, Iterable, Iterator, Sequence
+from contextlib import nullcontext
 from itertools import pairwise
 from time import perf_counter
 
@@ -45,11 +46,12 @@ def controlled(path: Path, parameters: Iterable[float], passed: Sequence[float])
         found = _cut(path, parameters)
     else:
         found = _along_the_curve(path, [*passed, *parameters], len(passed), jumps=control == "jump")
-    libraries = ThreadpoolController()
+    libraries = ThreadpoolController().select(user_api="blas")
+    threaded = any(library["num_threads"] > 1 for library in libraries.info())
     while True:
         began = perf_counter()
         # narrow bands and vectors of this length gain nothing from threads, and lose by their start
-        with libraries.limit(limits=1, user_api="blas"):
+        with libraries.limit(limits=1) if threaded else nullcontext():
             one = next(found, None)
             if one is None:
                 return

@@ -5,21 +5,15 @@ from typing import NamedTuple
 from weakref import ref
 
 import numpy as np
-from scipy.linalg.blas import daxpy
 
 from isopeel.arrays import FloatArray
 from isopeel.assembly.system import Equilibrium, System
 from isopeel.errors import InputError
 from isopeel.solve.descent import descend, potential_energy
 from isopeel.solve.newton import ConvergenceError, NewtonResult, NewtonSettings, newton
-from isopeel.solve.predictor import MOST_STATES, SLOPE_STATES, TRIES, best_weights, extrapolate, slope
+from isopeel.solve.predictor import Predictor, extrapolate
 from isopeel.solve.quasi_newton import QuasiNewton
 from isopeel.solve.step import PARABOLA_POINTS, Kind, Past, State, Step
-
-#: States that a kept tangent starts from at most, and those by which the polynomial is chosen.
-STATES_TO_GO_ON = MOST_STATES + TRIES
-#: Places along the adhesive side where polynomials are compared, about.
-_SAMPLES = 100
 
 #: Energy that a step may seem to release, of the drive's work in a usual step: errors of the trapezoidal rule
 #: are some 1e-4 of it where a path is steep, and the smallest jumps over a snap-back some 1e-2.
@@ -44,12 +38,8 @@ class Path:
     def __init__(self, system: System, settings: NewtonSettings, start: Sequence[State]) -> None:
         self.system = system
         self.settings = settings
-        self.history: list[Past] = []
+        self._predictor = Predictor(system)
         self._number = 0
-        self._side = np.unique(system.adhesive.functions)
-        self._bends: dict[float, FloatArray] = {}
-        #: Whether the adhesive energy was the better measure of the way at the last guess.
-        self._by_energy = False
         past = start[-1].past if start else ()
         for kept in past:
             if any(
@@ -57,11 +47,11 @@ class Path:
             ):
                 allowed = f"the system has {system.count} unknowns"
                 raise InputError("start", kept.unknown_values.shape, allowed)
-            self._remember(kept, system.state(kept.unknown_values, kept.parameter)[0])
+            self._predictor.remember(kept, system.state(kept.unknown_values, kept.parameter)[0])
         for state in () if past else start:
             y = system.unknown_values(state.displacement, state.parameter)
             u, load = system.state(y, state.parameter)
-            self._remember(self.past(state.parameter, y, u, load, system.equilibrium(u, load)), u)
+            self._predictor.remember(self.past(state.parameter, y, u, load, system.equilibrium(u, load)), u)
         self._quasi_newton: QuasiNewton | None = None
         if QuasiNewton.applies(system) and not settings.plain:
             memory = start[-1].memory if start else None
@@ -69,6 +59,11 @@ class Path:
                 allowed = f"the system has {system.count} unknowns"
                 raise InputError("start", memory.unknown_values.shape, allowed)
             self._quasi_newton = QuasiNewton(system, settings, memory)
+
+    @property
+    def history(self) -> list[Past]:
+        """Its last states, the newest at the end."""
+        return self._predictor.states
 
     @property
     def has_energy(self) -> bool:
@@ -84,12 +79,12 @@ class Path:
         last = self.history[-1] if self.history else None
         if found.kind == "jump":
             # states of the branch that was left would mislead the next guess
-            self.history.clear()
+            self._predictor.forget()
         past = self.past(parameter, y, u, result.load, at)
-        self._remember(past, u)
+        self._predictor.remember(past, u)
         if not result.exact:
             # along the path dE/dp = dE/dp at fixed y + R . dy/dp: so the error is of second order in R
-            missed = self._slope(at.residual)
+            missed = self._predictor.slope(at.residual)
             past = self.history[-1] = past._replace(rate=past.rate + missed)
             reaction += missed if system.load is None else -missed
         if last is not None and self.has_energy:
@@ -123,18 +118,6 @@ class Path:
         """What is kept of an equilibrium, of unknowns y (count,) and coefficients u (size, 2)."""
         adhesive_energy = at.adhesive_energy + at.dissipated_energy
         return Past(parameter, y, *self.system.potential(at, u, load, parameter), adhesive_energy)
-
-    def _remember(self, past: Past, u: FloatArray) -> None:
-        """Keep a state, whose coefficients are u (size, 2)."""
-        # a drive that turns back meets a parameter again: its last state counts
-        others = [other for other in self.history if other.parameter != past.parameter]
-        self.history = [*others, past][-STATES_TO_GO_ON:]
-        coefficients = u[self._side]
-        # a turn of the body as a whole, which dwarfs all else, leaves second differences as they are
-        order = min(2, len(coefficients) - 1)
-        bends = np.diff(coefficients, order, axis=0)[:: 1 + len(coefficients) // _SAMPLES]
-        known = {other.parameter: self._bends[other.parameter] for other in self.history[:-1]}
-        self._bends = known | {past.parameter: bends.ravel()}
 
     def equilibrium(self, parameter: float, kind: Kind = "requested") -> Found:
         """By the kept tangent or by Newton's method; raises ConvergenceError."""
@@ -222,28 +205,7 @@ class Path:
         if self._quasi_newton is None:
             return None
         last = self.history[-1].unknown_values if self.history else None
-        return self._quasi_newton.equilibrium(self._guess(parameter), parameter, last)
-
-    def _slope(self, covector: FloatArray) -> float:
-        """Derivative of covector (count,) . unknowns by the parameter, at the last state."""
-        last = self.history[-SLOPE_STATES:]
-        parameters = np.array([past.parameter for past in last])
-        way = np.array([past.adhesive_energy for past in last]) if self._by_energy else parameters
-        return slope(way, parameters, np.array([covector @ past.unknown_values for past in last]))
-
-    def _guess(self, parameter: float) -> FloatArray:
-        """Where the path leads to."""
-        guess = np.zeros(self.system.count)
-        if self.history:
-            weights, self._by_energy = best_weights(
-                np.array([past.parameter for past in self.history]),
-                np.array([past.adhesive_energy for past in self.history]),
-                np.array([self._bends[past.parameter] for past in self.history]),
-                parameter,
-            )
-            for weight, past in zip(weights, self.history, strict=True):
-                daxpy(past.unknown_values, guess, a=weight)
-        return guess
+        return self._quasi_newton.equilibrium(self._predictor.guess(parameter), parameter, last)
 
     def _as_foreseen(self, parameter: float) -> NewtonResult | None:
         last = self.history[-PARABOLA_POINTS:]

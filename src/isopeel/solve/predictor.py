@@ -3,29 +3,98 @@
 A path is a curve (p(s), y(s)): parameter and unknowns. Polynomials in s through its last points lead on, to
 where p(s) is the parameter that is asked for. The parameter itself may be s. Where a front peels, the
 adhesive energy is the better measure of the way: it grows steadily with the front, while the parameter halts
-at limit points, and hesitates near them.
+at limit points, and hesitates near them. Best of all is what the front did on the element before.
 """
 
 from collections.abc import Mapping
+from typing import NamedTuple
 
 import numpy as np
-from numba import njit
+from scipy.linalg.blas import daxpy
 
 from isopeel.arrays import FloatArray
+from isopeel.assembly.system import System
+from isopeel.solve.advance import Advance
+from isopeel.solve.leading import best_weights
+from isopeel.solve.step import Past
 
-#: States that a polynomial leads through, at most.
-MOST_STATES = 8
-#: The last states that each polynomial is tried on.
-TRIES = 3
-_FEWEST_OF_ENERGY = 3
+#: States that are remembered: a front takes some 20 steps for an element of the coarsest published mesh.
+STATES_TO_GO_ON = 36
 #: States that a slope is taken from, at most: more of them gain nothing over their own errors.
 SLOPE_STATES = 5
-_ITERATIONS = 20
-_FARTHEST = 4.0  # last steps
-_CLOSE = 1e-12  # to the end of the step, of the step
+#: Places along the adhesive side where states are compared, about.
+_PLACES = 100
 
-# a quotient of what does not change is no number, and leads nowhere
-_compiled = njit(cache=True, error_model="numpy")
+
+class Predictor:
+    """The last states of a path, and where they lead to."""
+
+    def __init__(self, system: System) -> None:
+        self._system = system
+        self._advance = Advance.of(system)
+        side = np.unique(system.adhesive.functions)
+        self._functions = np.stack([side, side if self._advance is None else self._advance.ahead[side]])
+        #: The newest at the end.
+        self.states: list[Past] = []
+        self._notes: list[_Note] = []
+        self._displacement = np.empty((0, 2))  # of the last state
+        # whether the adhesive energy was the better measure of the way at the last guess
+        self._by_energy = False
+
+    def remember(self, state: Past, displacement: FloatArray) -> None:
+        """Take a state, of coefficients u (size, 2)."""
+        parameter, advance = state.parameter, self._advance
+        ahead = np.nan if advance is None else advance.parameter(parameter, displacement)
+        # a turn of the body as a whole, which dwarfs all else, leaves second differences as they are
+        order = min(2, self._functions.shape[1] - 1)
+        every = 1 + self._functions.shape[1] // _PLACES
+        bends = np.diff(displacement[self._functions], order, axis=1)[:, ::every]
+        # a drive that turns back meets a parameter again: its last state counts
+        known = [k for k, other in enumerate(self.states) if other.parameter != parameter]
+        known = known[1 - STATES_TO_GO_ON :]
+        self.states = [*(self.states[k] for k in known), state]
+        self._notes = [*(self._notes[k] for k in known), _Note(ahead, bends.reshape(2, -1))]
+        self._displacement = displacement
+
+    def forget(self) -> None:
+        """Leave all states."""
+        self.states, self._notes = [], []
+
+    def guess(self, parameter: float) -> FloatArray:
+        """Unknowns (count,) that the path leads to; zeros without a state."""
+        guess = np.zeros(self._system.count)
+        if not self.states:
+            return guess
+        weights, self._by_energy = best_weights(
+            np.array([[past.parameter for past in self.states], [note.ahead for note in self._notes]]),
+            np.array([past.adhesive_energy for past in self.states]),
+            np.array([note.bends for note in self._notes]),
+            parameter,
+        )
+        if self._advance is not None and weights[1].any():
+            self._add(weights[1], guess)
+            guess = self._advance.change(guess, self._displacement)
+        self._add(weights[0], guess)
+        return guess
+
+    def _add(self, weights: FloatArray, values: FloatArray) -> None:
+        for weight, past in zip(weights.tolist(), self.states, strict=True):
+            if weight:
+                daxpy(past.unknown_values, values, a=weight)
+
+    def slope(self, covector: FloatArray) -> float:
+        """Derivative of covector (count,) . unknowns by the parameter, at the last state."""
+        last = self.states[-SLOPE_STATES:]
+        parameters = np.array([past.parameter for past in last])
+        way = np.array([past.adhesive_energy for past in last]) if self._by_energy else parameters
+        return slope(way, parameters, np.array([covector @ past.unknown_values for past in last]))
+
+
+class _Note(NamedTuple):
+    """Of a state: its parameter when it is carried on, and its bends (2, m), as it is and carried on."""
+
+    ahead: float
+    bends: FloatArray
 
 
 def extrapolate(history: Mapping[float, FloatArray], parameter: float, count: int) -> FloatArray:
@@ -38,101 +107,6 @@ def extrapolate(history: Mapping[float, FloatArray], parameter: float, count: in
     for weight, values in zip(weights, history.values(), strict=True):
         start += weight * values
     return start
-
-
-@_compiled
-def best_weights(
-    parameters: FloatArray, energies: FloatArray, samples: FloatArray, target: float
-) -> tuple[FloatArray, bool]:
-    """Weights (n,) of past states whose sum leads to the target, of the polynomial that did best so far.
-
-    Past are the parameters (n,) and adhesive energies (n,) of states, the newest at the end, and numbers
-    that tell how well a state is met, samples (n, m). Each polynomial, in either measure of the way and
-    through 1 to MOST_STATES states, is judged by the mean logarithm of what it would have missed the last
-    states by. The second value is whether its measure is the energy.
-    """
-    n, m = samples.shape
-    weights = np.zeros(n)
-    weights[n - 1] = 1.0
-    trial = np.zeros(n)
-    best = np.inf
-    best_count, by_energy = 1, False
-    # the same for all, however few states there are
-    tries = max(1, min(TRIES, n - MOST_STATES))
-    for energy in (False, True):
-        way = energies if energy else parameters
-        for count in range(_FEWEST_OF_ENERGY if energy else 1, min(n - 1, MOST_STATES) + 1):
-            score = 0.0
-            for last in range(n - tries, n):
-                first = last - count
-                if not _lead(way[first:last], parameters[first:last], parameters[last], trial[:count]):
-                    score = np.inf
-                    break
-                missed = 0.0
-                for i in range(m):
-                    difference = samples[last, i]
-                    for k in range(count):
-                        difference -= trial[k] * samples[first + k, i]
-                    missed += difference**2
-                # a state that is met to the last digit is met no better than to round-off
-                score += np.log(missed + 1e-300) / tries
-            if score < best:
-                best, best_count, by_energy = score, count, energy
-    # where all states that there were met the last one best, one more may do better
-    if best_count == n - 1 < MOST_STATES:
-        best_count = n
-    way = energies if by_energy else parameters
-    first = n - best_count
-    if _lead(way[first:], parameters[first:], target, trial[:best_count]):
-        weights[n - 1] = 0.0
-        for k in range(best_count):
-            weights[first + k] = trial[k]
-    return weights, by_energy
-
-
-@_compiled
-def _lead(way: FloatArray, parameters: FloatArray, target: float, weights: FloatArray) -> bool:
-    """Set the weights (n,) of Lagrange's polynomials of the way where the parameter is the target.
-
-    Says whether there is such a place, not far ahead.
-    """
-    n = len(way)
-    if n == 1:
-        weights[0] = 1.0
-        return True
-    unit = way[n - 1] - way[n - 2]
-    s = np.empty(n)
-    for i in range(n):
-        if i > 0 and not (way[i] - way[i - 1]) * unit > 0.0:
-            return False
-        s[i] = (way[i] - way[n - 1]) / unit
-    step = target - parameters[n - 1]
-    # Newton's form of p(s), by divided differences
-    form = np.empty(n)
-    for i in range(n):
-        form[i] = parameters[i] - parameters[n - 1]
-    for order in range(1, n):
-        for i in range(n - 1, order - 1, -1):
-            form[i] = (form[i] - form[i - 1]) / (s[i] - s[i - order])
-    at = step / (parameters[n - 1] - parameters[n - 2])
-    for _ in range(_ITERATIONS):
-        value, slope = form[n - 1], 0.0
-        for i in range(n - 2, -1, -1):
-            slope = slope * (at - s[i]) + value
-            value = value * (at - s[i]) + form[i]
-        if not slope * step > 0.0 or not 0.0 < at < _FARTHEST:
-            return False
-        at += (step - value) / slope
-        if abs(step - value) <= _CLOSE * abs(step):
-            break
-    else:
-        return False
-    for i in range(n):
-        weights[i] = 1.0
-        for k in range(n):
-            if k != i:
-                weights[i] *= (at - s[k]) / (s[i] - s[k])
-    return True
 
 
 def slope(way: FloatArray, parameters: FloatArray, values: FloatArray) -> float:

@@ -1,18 +1,15 @@
 """Newton's method with a tangent that is kept from step to step, and learns from the steps it has taken."""
 
 from dataclasses import dataclass, replace
-from typing import NamedTuple, Self
 
 import numpy as np
-from scipy.linalg.blas import daxpy, ddot
 
 from isopeel.arrays import FloatArray
 from isopeel.assembly.system import Equilibrium, System
 from isopeel.solve.linear import Factor, NotPositiveDefiniteError, approximate
 from isopeel.solve.newton import NewtonResult, NewtonSettings
+from isopeel.solve.pairs import Pairs
 
-#: Pairs of a correction and the change of the residual that it made; more of them learn little more.
-_MOST_PAIRS = 10
 #: Steps that one tangent serves.
 _MOST_STEPS = 40
 #: A step that takes more corrections is the last one of its tangent.
@@ -22,22 +19,9 @@ _MOST_CORRECTIONS = 12
 #: correction leaves a tenth of the error, where Newton's method squares it, and what is left turns up in
 #: reactions as far as the path's slope is known no better.
 _SHARE = 1e-2
-_FORESEEN = 1e-2
+_FORESEEN = 0.001
 #: An energy residual that falls by less is a poor correction; the second one of a step ends it.
 _POOR = 0.5
-
-
-class Pair(NamedTuple):
-    """A correction of the unknowns (count,), and the change of the residual (count,) that it made."""
-
-    correction: FloatArray
-    change: FloatArray
-    curvature: float  # correction . change, positive
-
-    @classmethod
-    def of(cls, correction: FloatArray, change: FloatArray) -> Self:
-        """Take their product."""
-        return cls(correction, change, float(ddot(correction, change)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,7 +34,7 @@ class Memory:
     unknown_values: FloatArray  # (count,)
     parameter: float
     openings: FloatArray  # (E, Q), for irreversible adhesion
-    pairs: tuple[Pair, ...] = ()  # the newest at the end
+    pairs: Pairs
     steps: int = 0
     slow: bool = False  # the last step
 
@@ -60,8 +44,7 @@ class QuasiNewton:
 
     A residual is far cheaper than a tangent and its factor, and along a path the tangent changes little
     from step to step. So the factor of one tangent serves many steps; what has changed since is learned
-    from the residuals (Nocedal and Wright, Numerical Optimization, Algorithm 7.4, with the factor as the
-    initial matrix; Matthies and Strang, Int. J. Numer. Methods Eng. 14, 1979). It ends as Newton's method
+    from the residuals (Matthies and Strang, Int. J. Numer. Methods Eng. 14, 1979). It ends as Newton's method
     does, with the first correction whose energy residual is below the tolerance, and gives up early where
     it does not converge well: Newton's method then decides.
 
@@ -74,7 +57,7 @@ class QuasiNewton:
         self._settings = settings
         self._factor: Factor | None = None
         #: What goes on from here needs to do so bit for bit.
-        self.memory: Memory | None = memory
+        self.memory: Memory | None = None if memory is None else replace(memory, pairs=memory.pairs.copy())
 
     @staticmethod
     def applies(system: System) -> bool:
@@ -99,7 +82,7 @@ class QuasiNewton:
             factor, memory = self._kept_tangent(guess, parameter)
         except NotPositiveDefiniteError:
             return None
-        y, pairs = guess, list(memory.pairs)
+        y, pairs = guess, memory.pairs
         u, load, at = self._at(y, parameter)
         threshold = self._settings.tolerance * self._system.energy_scale
         measures: list[float] = []
@@ -113,7 +96,8 @@ class QuasiNewton:
             if poor > 1 and memory.steps > 0 and np.isfinite(measure):
                 # the tangent is of another step: one of this step may do
                 try:
-                    factor, memory, pairs, poor = *self._new_tangent(y, parameter), [], 0
+                    (factor, memory), poor = self._new_tangent(y, parameter), 0
+                    pairs = memory.pairs
                 except NotPositiveDefiniteError:
                     return None
                 correction, measure = _correction(factor, pairs, at)
@@ -123,14 +107,12 @@ class QuasiNewton:
             y = y + correction
             before = at
             u, load, at = self._at(y, parameter)
-            pair = Pair.of(correction, at.residual - before.residual)
-            if pair.curvature > 0:
-                pairs = [*pairs[1 - _MOST_PAIRS :], pair]
+            pairs = pairs.followed_by(correction, at.residual - before.residual)
             if measure <= threshold:
                 if not (np.isfinite(at.residual).all() and at.lowest_determinant > 0):
                     return None
                 slow = len(measures) > _SLOW
-                self.memory = replace(memory, pairs=tuple(pairs), steps=memory.steps + 1, slow=slow)
+                self.memory = replace(memory, pairs=pairs, steps=memory.steps + 1, slow=slow)
                 return NewtonResult(y, u, load, at, tuple(measures), exact=False)
         return None
 
@@ -148,7 +130,7 @@ class QuasiNewton:
         return self._factor, memory
 
     def _new_tangent(self, y: FloatArray, parameter: float) -> tuple[Factor, Memory]:
-        memory = Memory(y, parameter, self._system.openings)
+        memory = Memory(y, parameter, self._system.openings, Pairs.none(len(y)))
         self._factor = self._made(memory)
         return self._factor, memory
 
@@ -164,21 +146,7 @@ def _foreseen(guess: FloatArray, correction: FloatArray, last: FloatArray | None
     return bool(np.abs(correction).max() < _FORESEEN * np.abs(guess - last).max())
 
 
-def _correction(factor: Factor, pairs: list[Pair], at: Equilibrium) -> tuple[FloatArray, float]:
+def _correction(factor: Factor, pairs: Pairs, at: Equilibrium) -> tuple[FloatArray, float]:
     """The correction of a state, and its energy residual per unknown."""
-    correction = _product(factor, pairs, at.residual)
+    correction = pairs.correction(factor, at.residual)
     return correction, abs(float(at.residual @ correction)) / len(correction)
-
-
-def _product(factor: Factor, pairs: list[Pair], residual: FloatArray) -> FloatArray:
-    """-H r with the inverse H of the kept tangent, updated by the pairs: the two-loop recursion."""
-    rest = -residual
-    shares = []
-    for correction, change, curvature in reversed(pairs):
-        share = ddot(correction, rest) / curvature
-        shares.append(share)
-        daxpy(change, rest, a=-share)
-    product = factor.solve(rest)
-    for (correction, change, curvature), share in zip(pairs, reversed(shares), strict=True):
-        daxpy(correction, product, a=share - ddot(change, product) / curvature)
-    return product

@@ -6,8 +6,8 @@ from isopeel.paper.reading import WINDOW, Reading
 from isopeel.paper.study import STEP, Run
 from isopeel.paper.wording import UNIT
 from isopeel.report.document import Block, Text
+from isopeel.solve.leading import MOST_STATES
 from isopeel.solve.newton import NewtonSettings
-from isopeel.solve.predictor import MOST_STATES
 from isopeel.solve.step import PARABOLA_POINTS
 
 TITLE = "What was computed"
@@ -47,7 +47,8 @@ def blocks() -> Iterator[Block]:
     )
     yield Text(
         f"Steps are of {STEP:g} degree, each started from the polynomial through up to {MOST_STATES} "
-        "states, in the angle or in the adhesive energy, whichever did best in the last steps. A tangent is "
+        "states, in the angle or in the adhesive energy, or from what the front did on the element before, "
+        "whichever did best in the last steps. A tangent is "
         "kept for many of them, and updated from the residuals (BFGS). Where that does not converge well, "
         "plain Newton's method decides: it starts from the parabola through the last "
         f"{PARABOLA_POINTS} states, has no line search, and ends when |R . dz|/n is below "

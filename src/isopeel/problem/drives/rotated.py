@@ -67,5 +67,5 @@ class RotatedSide:
     @staticmethod
     def _arms(points: FloatArray) -> FloatArray:
         # any point of the line would do: another one differs by a translation, which is free
-        arms: FloatArray = points - points.mean(axis=0)
+        arms: FloatArray = points - points.sum(axis=0) / len(points)
         return arms

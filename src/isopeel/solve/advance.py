@@ -1,0 +1,149 @@
+"""A state with its front one element further: on even elements, a front peels each one as it did the last.
+
+All functions take over what those of the next element are, on the way to the driven side. Near that side,
+whose own deformation would be carried away with them, the body moves as a rigid one: it follows the functions
+of the hinge, where it is bent evenly, and turns by what the body bends there on one element.
+"""
+
+from dataclasses import dataclass
+from typing import Self
+
+import numpy as np
+from numba import njit
+
+from isopeel.arrays import FloatArray, IntArray
+from isopeel.assembly.system import System
+from isopeel.splines.nurbs import Side
+from isopeel.splines.space import SplineSpace
+
+#: Where a side's own deformation has decayed (Saint-Venant), in lengths of the side.
+_DECAYED = 2.0
+
+_compiled = njit(cache=True)
+
+
+@dataclass(frozen=True, eq=False)
+class Advance:
+    """What each function takes over, and what is rigid."""
+
+    system: System
+    ahead: IntArray  # (size,) number of the same function of the next element
+    rigid: IntArray  # numbers of the functions near the driven side
+    hinge: IntArray  # (3,) a function next to them, and the same of the elements before and beyond
+    points: FloatArray  # (size, 2) control points of the body
+    followers: FloatArray  # (count,) coefficients that follow each unknown
+
+    @classmethod
+    def of(cls, system: System) -> Self | None:
+        """For a front that runs along rows of elements, from a side at their end; None for others."""
+        side, space = system.problem.drive.side, system.space
+        along = side in ("left", "right") and system.problem.adhesion.side in ("bottom", "top")
+        if not along or space.elements[0] < 2:
+            return None
+        rows = list(zip(space.rows, space.offsets[:-1], space.offsets[1:], strict=True))
+        ahead = np.arange(space.size)
+        for row, start, stop in rows:
+            stride = _stride(row, side)
+            ahead[start:stop] = np.clip(ahead[start:stop] + stride, start, stop - 1)
+        points = space.interpolate(system.problem.body.shape.evaluate)
+        height, length = (_extent(points[space.side_functions(name)]) for name in (side, "bottom"))
+        from_side = np.abs(space.greville[:, 0] - (1.0 if side == "right" else 0.0))
+        # in a row in the middle, the function nearest to the side that its deformation does not reach
+        row, start, stop = rows[len(rows) // 2]
+        of_row = np.arange(start, stop)
+        evenly_bent = of_row[from_side[of_row] >= _DECAYED * height / length]
+        if not len(evenly_bent):
+            return None
+        here = evenly_bent[np.argmin(from_side[evenly_bent])]
+        hinge = here + _stride(row, side) * np.array([0, -1, 1])
+        if not (start <= hinge.min() and hinge.max() < stop):
+            return None
+        (rigid,) = np.nonzero(from_side <= from_side[here])
+        unknowns = system.constraints.unknowns
+        followers = np.bincount(unknowns[unknowns >= 0], minlength=system.constraints.count)
+        return cls(system, ahead, rigid, hinge, points, followers.astype(np.float64))
+
+    def change(self, change: FloatArray, displacement: FloatArray) -> FloatArray:
+        """What a small change of the unknowns (count,) becomes, at coefficients u (size, 2)."""
+        unknowns = self.system.constraints.unknowns
+        carried = np.empty(unknowns.shape)
+        _carry(unknowns, change, self.points + displacement, self.ahead, self.rigid, self.hinge, carried)
+        return self.system.constraints.condense(carried) / self.followers
+
+    def parameter(self, parameter: float, displacement: FloatArray) -> float:
+        """What the parameter of a drive that moves its side becomes, of coefficients u (size, 2)."""
+        constraints = self.system.constraints
+        rate = constraints.drive.rate(constraints.driven_points, parameter)
+        size = float(np.sum(rate**2))
+        if size == 0.0:
+            # a load stays as it is
+            return parameter
+        position = self.points + displacement
+        here, _, beyond = self.hinge
+        driven = position[constraints.driven]
+        cosine, sine = _turn(position, self.hinge)
+        turned = (driven - position[here]) @ np.array([[cosine, sine], [-sine, cosine]])
+        moved = self.points[here] + displacement[beyond] + turned - driven
+        return parameter + float(np.sum(moved * rate)) / size
+
+
+def _stride(row: SplineSpace, side: Side) -> int:
+    """From a function of a row to the same one of the next element, on the way to a side at its end."""
+    numbers = row.first_functions
+    middle = len(numbers) // 2
+    stride = int(numbers[middle] - numbers[middle - 1])
+    return stride if side == "right" else -stride
+
+
+def _extent(points: FloatArray) -> float:
+    """From the first of some points (n, 2) to the last."""
+    return float(np.linalg.norm(points[-1] - points[0]))
+
+
+@_compiled
+def _turn(position: FloatArray, hinge: IntArray) -> tuple[float, float]:
+    """Cosine and sine of the rotation from one element to the next at the hinge."""
+    here, before, beyond = hinge[0], hinge[1], hinge[2]
+    x0, y0 = position[here, 0] - position[before, 0], position[here, 1] - position[before, 1]
+    x1, y1 = position[beyond, 0] - position[here, 0], position[beyond, 1] - position[here, 1]
+    cosine, sine = x0 * x1 + y0 * y1, x0 * y1 - y0 * x1
+    size = np.sqrt(cosine**2 + sine**2)
+    return cosine / size, sine / size
+
+
+@_compiled
+def _carry(
+    unknowns: IntArray,
+    change: FloatArray,
+    position: FloatArray,
+    ahead: IntArray,
+    rigid: IntArray,
+    hinge: IntArray,
+    carried: FloatArray,
+) -> None:
+    """Set coefficients (size, 2) to those of a change of the unknowns (count,), one element ahead."""
+    u = np.zeros(unknowns.shape)
+    here, before, beyond = hinge[0], hinge[1], hinge[2]
+    for f in range(len(u)):
+        for i in range(2):
+            if unknowns[f, i] >= 0:
+                u[f, i] = change[unknowns[f, i]]
+    for f in range(len(u)):
+        for i in range(2):
+            carried[f, i] = u[ahead[f], i]
+    cosine, sine = _turn(position, hinge)
+    # the change of the angle between the elements
+    angle = _angle(position, u, here, beyond) - _angle(position, u, before, here)
+    for f in rigid:
+        x = u[f, 0] - u[here, 0] - angle * (position[f, 1] - position[here, 1])
+        y = u[f, 1] - u[here, 1] + angle * (position[f, 0] - position[here, 0])
+        carried[f, 0] = u[beyond, 0] + cosine * x - sine * y
+        carried[f, 1] = u[beyond, 1] + sine * x + cosine * y
+
+
+@_compiled
+def _angle(position: FloatArray, change: FloatArray, one: int, other: int) -> float:
+    """What a small change of all positions (size, 2) turns the line from one of them to another by."""
+    x, y = position[other, 0] - position[one, 0], position[other, 1] - position[one, 1]
+    turned = x * (change[other, 1] - change[one, 1]) - y * (change[other, 0] - change[one, 0])
+    return float(turned / (x * x + y * y))

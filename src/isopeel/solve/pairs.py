@@ -1,0 +1,129 @@
+"""What a kept tangent has learned: corrections, and the changes of the residual that they made."""
+
+from dataclasses import dataclass
+from typing import Any, Self, TypeAlias
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from isopeel.arrays import FloatArray
+from isopeel.solve.linear import Factor
+
+#: In single precision: what is learned is no more exact, and half of the memory is read in half of the time.
+Singles: TypeAlias = NDArray[np.float32]
+
+#: Pairs that are kept; more of them learn little more.
+MOST_PAIRS = 10
+#: Rows of an array of pairs: what is beyond the kept ones is room for the next.
+_ROWS = 3 * MOST_PAIRS
+
+# reordered sums let loops run in vector registers; nan must stay nan
+_compiled = njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "nsz"})
+
+
+@dataclass(frozen=True, eq=False)
+class Pairs:
+    """Corrections of the unknowns, and the changes of the residual that they made; the newest at the end.
+
+    They are the rows from `first` up to `end` of arrays that have room for more. Only the newest pairs may be
+    followed by others: a `copy` may, wherever they come from.
+    """
+
+    rows: Singles  # (2, rows, count): corrections s, changes c
+    products: FloatArray  # (rows,) s . c, positive
+    first: int = 0
+    end: int = 0
+
+    @classmethod
+    def none(cls, count: int) -> Self:
+        """For a number of unknowns."""
+        return cls(np.empty((2, _ROWS, count), np.float32), np.empty(_ROWS))
+
+    @classmethod
+    def of(cls, corrections: NDArray[Any], changes: NDArray[Any]) -> Self:
+        """Take corrections (k, count) and changes (k, count)."""
+        pairs = cls.none(corrections.shape[1])
+        for correction, change in zip(corrections, changes, strict=True):
+            pairs = pairs.followed_by(correction.astype(np.float64), change.astype(np.float64))
+        return pairs
+
+    @property
+    def corrections(self) -> Singles:
+        """(k, count)."""
+        return self.rows[0, self.first : self.end]
+
+    @property
+    def changes(self) -> Singles:
+        """(k, count)."""
+        return self.rows[1, self.first : self.end]
+
+    def copy(self) -> Self:
+        """The same, whatever others are followed by."""
+        return self.of(self.corrections, self.changes)
+
+    def followed_by(self, correction: FloatArray, change: FloatArray) -> Self:
+        """These and a new pair, if its product is positive; the oldest beyond MOST_PAIRS are left out."""
+        rows, products, first, end = self.rows, self.products, self.first, self.end
+        first = max(first, end - MOST_PAIRS + 1)
+        if end == len(products):
+            rows, products, kept = np.empty_like(rows), np.empty_like(products), slice(first, end)
+            first, end = 0, end - first
+            rows[:, :end], products[:end] = self.rows[:, kept], self.products[kept]
+        products[end] = _keep(correction, change, rows[0, end], rows[1, end])
+        if not products[end] > 0:
+            return self
+        return type(self)(rows, products, first, end + 1)
+
+    def correction(self, factor: Factor, residual: FloatArray) -> FloatArray:
+        """-H r with the inverse H of a kept tangent, updated by the pairs: the two-loop recursion.
+
+        Nocedal and Wright, Numerical Optimization, Algorithm 7.4; the kept tangent is the initial matrix.
+        """
+        rest = -residual
+        shares = np.empty(self.end - self.first)
+        kept = slice(self.first, self.end)
+        _take_off(self.corrections, self.changes, self.products[kept], rest, shares)
+        product = factor.solve(rest)
+        _put_back(self.corrections, self.changes, self.products[kept], product, shares)
+        return product
+
+
+@_compiled
+def _keep(correction: FloatArray, change: FloatArray, one: Singles, other: Singles) -> float:
+    """Round a pair to single precision; return the product of what is kept."""
+    total = 0.0
+    for i in range(len(correction)):
+        one[i] = correction[i]
+        other[i] = change[i]
+        total += np.float64(one[i]) * np.float64(other[i])
+    return total
+
+
+@_compiled
+def _take_off(
+    corrections: Singles, changes: Singles, products: FloatArray, rest: FloatArray, shares: FloatArray
+) -> None:
+    """The first loop of the recursion, from the newest pair to the oldest."""
+    for k in range(len(products) - 1, -1, -1):
+        total = 0.0
+        for i in range(len(rest)):
+            total += corrections[k, i] * rest[i]
+        share = total / products[k]
+        shares[k] = share
+        for i in range(len(rest)):
+            rest[i] -= share * changes[k, i]
+
+
+@_compiled
+def _put_back(
+    corrections: Singles, changes: Singles, products: FloatArray, product: FloatArray, shares: FloatArray
+) -> None:
+    """The second loop, from the oldest pair to the newest."""
+    for k in range(len(products)):
+        total = 0.0
+        for i in range(len(product)):
+            total += changes[k, i] * product[i]
+        share = shares[k] - total / products[k]
+        for i in range(len(product)):
+            product[i] += share * corrections[k, i]

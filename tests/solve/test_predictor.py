@@ -1,0 +1,149 @@
+"""Where a path leads to: polynomials, and what the front did on the element before."""
+
+import numpy as np
+import pytest
+
+from isopeel.assembly.system import System
+from isopeel.problem import strip
+from isopeel.solve.advance import Advance
+from isopeel.solve.leading import best_weights
+from isopeel.solve.newton import NewtonSettings
+from isopeel.solve.predictor import slope
+from isopeel.solve.trace import trace
+from isopeel.splines.rows import row_space
+
+
+def _led(parameters: np.ndarray, energies: np.ndarray, values: np.ndarray, target: float) -> float:
+    nothing = np.full(len(values), np.nan)  # is carried on
+    both, samples = np.stack([parameters, nothing]), np.stack([values, nothing], axis=1)[..., None]
+    weights, _ = best_weights(both, energies, samples, target)
+    assert not weights[1].any()
+    return float(weights[0] @ values)
+
+
+def test_the_polynomial_is_the_one_that_did_best() -> None:
+    x = np.arange(12.0)
+    none = np.zeros(12)  # an energy that does not change is no measure of the way
+    assert _led(x, none, x**2 + 1, 12.0) == pytest.approx(145, rel=1e-12)
+    assert _led(x[:1], none[:1], x[:1] + 7, 1.0) == 7
+    # a cubic, as far as its states go: one more is tried
+    assert _led(x[:3], none[:3], x[:3] ** 3, 3.0) == pytest.approx(21, rel=1e-12)
+    assert _led(x, none, np.where(x < 10, 0.0, 1.0), 12.0) == 1
+
+
+def test_the_energy_leads_where_the_parameter_hesitates() -> None:
+    # near the limit point of p = s - s^2/2 at s = 1: the state's slope by p grows without end
+    parameters = 0.49 + 0.0009 * np.arange(11)
+    way = 1 - np.sqrt(1 - 2 * parameters)
+    target = parameters[-1] + 0.0009
+    exact = 1 - np.sqrt(1 - 2 * target)
+    cubed = _led(parameters, 5 * way - 3, way**3, target)
+    assert cubed == pytest.approx(exact**3, rel=1e-9)  # 11 digits of the states, less what weights cost
+    # without a measure but the parameter, a hundredth of the last step is missed at least
+    blind = _led(parameters, np.zeros(11), way**3, target)
+    assert abs(blind - exact**3) > 0.01 * (way[-1] ** 3 - way[-2] ** 3)
+    # beyond the limit point there is nothing to lead to; some state comes back all the same
+    assert np.isfinite(_led(parameters, 5 * way - 3, way**3, 0.52))
+
+
+def test_slope_is_that_of_the_polynomial() -> None:
+    p = np.array([0.0, 0.3, 0.4, 0.55, 0.6])
+    assert slope(p, p, p**4 - p) == pytest.approx(4 * 0.6**3 - 1, rel=1e-12)
+    assert slope(p[:1], p[:1], np.ones(1)) == 0.0
+    # since the drive has turned: a joint that was torn before follows another law
+    turned, values = np.array([0.1, 0.5, 0.7, 0.6, 0.4]), np.array([0.1, 0.5, 0.7, 0.36, 0.16])
+    expected = np.polyval(np.polyder(np.polyfit(turned[2:], values[2:], 2)), 0.4)
+    assert slope(turned, turned, values) == pytest.approx(expected, rel=1e-12)
+
+
+def test_slope_follows_the_adhesive_energy_past_a_limit_point() -> None:
+    s = np.array([0.1, 0.3, 0.4, 0.45, 0.6])
+    p = s - s**2  # turns at s = 0.5
+    assert slope(3 * s - 1, p, s**3) == pytest.approx(3 * 0.6**2 / (1 - 2 * 0.6), rel=1e-12)
+    s[-1] = 0.52  # the last step crosses the limit point: forwards, while the slope is backwards
+    assert slope(3 * s - 1, s - s**2, s**3) == 0.0
+
+
+def _recurrent(way: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Parameter and state of a path that repeats itself after 2.3, but for what changes slowly."""
+    phase = 2 * np.pi * way / 2.3
+    parameter = way + 0.1 * np.sin(phase) + 0.01 * way**2
+    state = np.stack([np.cos(phase) + np.sin(2 * phase), np.sin(phase + 1) + 0.01 * way], axis=1)
+    return parameter, state
+
+
+def test_a_recurrence_leads_on_where_polynomials_cannot() -> None:
+    fine = np.linspace(0, 10, 100001)
+    parameters = np.arange(0.5, 8.0, 0.2)
+    way = np.interp(parameters, _recurrent(fine)[0], fine)
+    for _ in range(3):  # Newton's method for p(way) = parameter
+        rate = (_recurrent(way + 1e-6)[0] - _recurrent(way - 1e-6)[0]) / 2e-6
+        way -= (_recurrent(way)[0] - parameters) / rate
+    values = _recurrent(way)[1]
+    past = slice(0, -1)
+    both = np.stack([parameters, parameters])[:, past]
+    samples = np.stack([values, values], axis=1)[past]
+    weights, by_energy = best_weights(both, 3 * way[past] - 1, samples, parameters[-1])
+    assert by_energy
+    assert weights[1].any()
+    missed = np.abs(weights[0] @ values[past] + weights[1] @ values[past] - values[-1]).max()
+    samples[:, 1] = np.nan
+    alone, _ = best_weights(both, 3 * way[past] - 1, samples, parameters[-1])
+    assert not alone[1].any()
+    # states around a place, of eleven in a period, against those before it
+    assert missed < 0.3 * np.abs(alone[0] @ values[past] - values[-1]).max()
+
+
+@pytest.mark.parametrize("name", ["L1", "L2", "N3", "N2.1"])
+def test_what_is_linear_is_carried_on_by_one_element(name: str) -> None:
+    system = System(strip(), row_space(name, (40, 2)))
+    advance = Advance.of(system)
+    assert advance is not None
+    gradient, element = np.array([[0.1, -0.7], [0.9, 0.2]]), np.array([5.0, 0.0])
+    unknowns = system.constraints.unknowns
+    own = (unknowns >= 0) & (advance.followers[unknowns] == 1)
+    field = np.where(own, advance.points @ gradient.T, 0.0)
+    change = np.zeros(system.count)
+    change[unknowns[own]] = field[own]
+    carried = advance.change(change, np.zeros_like(field))
+    expected = (advance.points + element) @ gradient.T
+    # where all functions are alike: off the ends by the functions of a degree, and off what is held
+    inside = np.abs(system.space.greville[:, 0] - 0.5) < 0.3
+    np.testing.assert_allclose(carried[unknowns[inside]], expected[inside], rtol=0, atol=1e-12 * 200)
+
+
+def test_near_the_driven_side_the_body_is_carried_on_as_a_rigid_one() -> None:
+    system = System(strip(), row_space("N2", (100, 4)))
+    advance = Advance.of(system)
+    assert advance is not None
+    curvature, element = 0.01, 2.0
+    x, y = advance.points.T
+
+    def bent(angle: np.ndarray, height: np.ndarray) -> np.ndarray:
+        radius = 1 / curvature - height
+        return np.stack([radius * np.sin(angle), 1 / curvature - radius * np.cos(angle)], axis=1)
+
+    displacement = bent(curvature * x, y) - advance.points
+    angle = curvature * 200.0
+    ahead = advance.parameter(angle, displacement)
+    # control points of a circle's spline lie off it by some (curvature x element)^2
+    assert ahead - angle == pytest.approx(curvature * element, rel=1e-3)
+
+
+def test_a_single_element_has_no_next_one() -> None:
+    assert Advance.of(System(strip(), row_space("L1", (1, 1)))) is None
+
+
+@pytest.mark.kept_tangent
+def test_the_front_of_a_finer_mesh_needs_few_corrections(monkeypatch: pytest.MonkeyPatch) -> None:
+    angles = np.radians(np.concatenate([np.arange(0, 76, 1.0), np.arange(76, 80.05, 0.1)]))
+    corrections, moments = [], []
+    for blind in (False, True):
+        if blind:
+            monkeypatch.setattr(Advance, "of", lambda _: None)
+        steps = [*trace(strip(), row_space("N2.1", (100, 5)), angles, NewtonSettings(control="auto"))]
+        last = [step for step in steps if step.kind == "requested"][-10:]
+        corrections.append(np.mean([len(step.iterations) for step in last]))
+        moments.append([step.reaction for step in last])
+    assert corrections[0] < 0.75 * corrections[1]
+    np.testing.assert_allclose(moments[0], moments[1], rtol=1e-8)
