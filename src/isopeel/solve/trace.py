@@ -28,7 +28,8 @@ def trace(
 
     Each step starts from where the last states lead to (see `Predictor`), those of `start` among them, of
     which the last is the newest; without any, from the body as it is. A kept tangent is tried first, where
-    forces have a potential (see `QuasiNewton`), then Newton's method from the parabola through the last three.
+    forces have a potential (see `QuasiNewton`), then Newton's method from the parabola through the last
+    three.
     Where the path is a stage after another, `base` is the state that the latter ended in: there the drive
     begins, with the parameter zero, and what is held stays where it is. Values that the path has `passed`
     before its start are met again where its curve turns back, under a control that follows it. The adhesive
