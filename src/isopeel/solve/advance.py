@@ -67,7 +67,9 @@ class Advance:
         """What a small change of the unknowns (count,) becomes, at coefficients u (size, 2)."""
         unknowns = self.system.constraints.unknowns
         carried = np.empty(unknowns.shape)
-        _carry(unknowns, change, self.points + displacement, self.ahead, self.rigid, self.hinge, carried)
+        position = self.points + displacement
+        turn = _turn(position[self.hinge])
+        _carry(unknowns, change, position, self.ahead, self.rigid, self.hinge, turn, carried)
         return self.system.constraints.condense(carried) / self.followers
 
     def parameter(self, parameter: float, displacement: FloatArray) -> float:
@@ -78,11 +80,10 @@ class Advance:
         if size == 0.0:
             # a load stays as it is
             return parameter
-        position = self.points + displacement
         here, _, beyond = self.hinge
-        driven = position[constraints.driven]
-        cosine, sine = _turn(position, self.hinge)
-        turned = (driven - position[here]) @ np.array([[cosine, sine], [-sine, cosine]])
+        at_hinge, driven = (self.points[k] + displacement[k] for k in (self.hinge, constraints.driven))
+        cosine, sine = _turn(at_hinge)
+        turned = (driven - at_hinge[0]) @ np.array([[cosine, sine], [-sine, cosine]])
         moved = self.points[here] + displacement[beyond] + turned - driven
         return parameter + float(np.sum(moved * rate)) / size
 
@@ -101,11 +102,10 @@ def _extent(points: FloatArray) -> float:
 
 
 @_compiled
-def _turn(position: FloatArray, hinge: IntArray) -> tuple[float, float]:
-    """Cosine and sine of the rotation from one element to the next at the hinge."""
-    here, before, beyond = hinge[0], hinge[1], hinge[2]
-    x0, y0 = position[here, 0] - position[before, 0], position[here, 1] - position[before, 1]
-    x1, y1 = position[beyond, 0] - position[here, 0], position[beyond, 1] - position[here, 1]
+def _turn(at_hinge: FloatArray) -> tuple[float, float]:
+    """Cosine and sine of the rotation from one element to the next, of the positions (3, 2) at the hinge."""
+    x0, y0 = at_hinge[0, 0] - at_hinge[1, 0], at_hinge[0, 1] - at_hinge[1, 1]
+    x1, y1 = at_hinge[2, 0] - at_hinge[0, 0], at_hinge[2, 1] - at_hinge[0, 1]
     cosine, sine = x0 * x1 + y0 * y1, x0 * y1 - y0 * x1
     size = np.sqrt(cosine**2 + sine**2)
     return cosine / size, sine / size
@@ -119,6 +119,7 @@ def _carry(
     ahead: IntArray,
     rigid: IntArray,
     hinge: IntArray,
+    turn: tuple[float, float],
     carried: FloatArray,
 ) -> None:
     """Set coefficients (size, 2) to those of a change of the unknowns (count,), one element ahead."""
@@ -131,7 +132,7 @@ def _carry(
     for f in range(len(u)):
         for i in range(2):
             carried[f, i] = u[ahead[f], i]
-    cosine, sine = _turn(position, hinge)
+    cosine, sine = turn
     # the change of the angle between the elements
     angle = _angle(position, u, here, beyond) - _angle(position, u, before, here)
     for f in rigid:

@@ -74,13 +74,13 @@ class Path:
         """Take a note of an equilibrium that was found, and make a step of it."""
         system, result, parameter = self.system, found.result, found.parameter
         at, u, y = result.equilibrium, result.displacement, result.unknown_values
-        reaction = system.reaction(at, u, result.load, parameter)
         released = 0.0
         last = self.history[-1] if self.history else None
         if found.kind == "jump":
             # states of the branch that was left would mislead the next guess
             self._predictor.forget()
         past = self.past(parameter, y, u, result.load, at)
+        reaction = past.rate if system.load is None else system.reaction(at, u, result.load, parameter)
         self._predictor.remember(past, u)
         if not result.exact:
             # along the path dE/dp = dE/dp at fixed y + R . dy/dp: so the error is of second order in R

@@ -53,7 +53,7 @@ class Predictor:
         known = [k for k, other in enumerate(self.states) if other.parameter != parameter]
         known = known[1 - STATES_TO_GO_ON :]
         self.states = [*(self.states[k] for k in known), state]
-        self._notes = [*(self._notes[k] for k in known), _Note(ahead, bends.reshape(2, -1))]
+        self._notes = [*(self._notes[k] for k in known), _Note(ahead, bends.reshape(1, 2, -1))]
         self._displacement = displacement
 
     def forget(self) -> None:
@@ -68,7 +68,7 @@ class Predictor:
         weights, self._by_energy = best_weights(
             np.array([[past.parameter for past in self.states], [note.ahead for note in self._notes]]),
             np.array([past.adhesive_energy for past in self.states]),
-            np.array([note.bends for note in self._notes]),
+            np.concatenate([note.bends for note in self._notes]),
             parameter,
         )
         if self._advance is not None and weights[1].any():
@@ -91,7 +91,7 @@ class Predictor:
 
 
 class _Note(NamedTuple):
-    """Of a state: its parameter when it is carried on, and its bends (2, m), as it is and carried on."""
+    """Of a state: its parameter when it is carried on, and its bends (1, 2, m), as it is and carried on."""
 
     ahead: float
     bends: FloatArray

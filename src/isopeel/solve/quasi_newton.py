@@ -3,6 +3,7 @@
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.linalg.blas import idamax
 
 from isopeel.arrays import FloatArray
 from isopeel.assembly.system import Equilibrium, System
@@ -143,7 +144,8 @@ def _foreseen(guess: FloatArray, correction: FloatArray, last: FloatArray | None
     """Whether the first correction of a guess (count,) is little of the way from the last state."""
     if last is None:
         return False
-    return bool(np.abs(correction).max() < _FORESEEN * np.abs(guess - last).max())
+    way = guess - last
+    return bool(abs(correction[idamax(correction)]) < _FORESEEN * abs(way[idamax(way)]))
 
 
 def _correction(factor: Factor, pairs: Pairs, at: Equilibrium) -> tuple[FloatArray, float]:
