@@ -35,7 +35,6 @@ class Clock:
                 (BlockedFactor, "solve", "solve"),
                 (quasi_newton, "approximate", "factor"),
                 (Pairs, "correction", "update"),
-                (Pairs, "followed_by", "update"),
                 (System, "state", "state"),
                 (Predictor, "guess", "guess"),
                 (Predictor, "remember", "guess"),

@@ -32,7 +32,8 @@ def blocks(results: Results, meshes: Sequence[str]) -> Iterator[Block]:
         "method then starts far from the next equilibrium, the more so as it starts from the parabola "
         "through the last three; and beyond a limit point, where the path turns back, there may be no "
         "equilibrium nearby. So the angle where a run ends is one of the mesh, the step and the predictor "
-        "together; one column tells whether the step that failed can be made from the last state alone, "
+        "together, and where a jump is met by chance, of the last digits too; one column tells whether the "
+        "step that failed can be made from the last state alone, "
         "the last one where the runs of the tables end, which start from more states and keep their tangents."
     )
     yield Table(
