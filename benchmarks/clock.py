@@ -37,8 +37,6 @@ class Clock:
                 (Pairs, "correction", "update"),
                 (System, "state", "state"),
                 (Predictor, "guess", "guess"),
-                (Predictor, "remember", "guess"),
-                (Predictor, "slope", "guess"),
             ):
                 watched.enter_context(patch.object(owner, name, self._watched(part, getattr(owner, name))))
             yield
