@@ -32,9 +32,8 @@ class Constraints:
     drive: Drive
     driven: IntArray  # functions on the driven side
     driven_points: FloatArray  # their control points in the base state
-    _moved: dict[float, FloatArray] = field(
-        default_factory=dict, init=False, repr=False
-    )  # by the last parameter
+    # what the drive prescribes at the last parameter: a step asks for it several times
+    _moved: dict[float, FloatArray] = field(default_factory=dict, init=False, repr=False)
 
     def displacement(self, unknown_values: FloatArray, parameter: float) -> FloatArray:
         """Coefficients u (size, 2) of unknowns z (count,) at a value of the drive's parameter."""

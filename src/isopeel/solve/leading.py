@@ -17,10 +17,11 @@ TRIES = 3
 _FEWEST_OF_ENERGY = 3
 #: States that the rest d of a recurrence is led through, at most.
 _MOST_OF_REST = 5
-#: States around a place between them that tell what was there.
+#: States around a place between them that tell what was there; 8 to 12 tell no more.
 _AROUND = 6
 #: Times the least way per parameter of the last steps: one that takes more has a limit point ahead, beyond
-#: which the path may have jumped a period ago, while it still has an equilibrium here.
+#: which the path may have jumped a period ago, while it still has an equilibrium here. Steps of L1 at
+#: 200 x 10 elements take up to 1.8 times as much before a jump, and 2.6 times at least with one.
 _JUMP = 2.5
 _ITERATIONS = 40
 _FARTHEST = 4.0  # last steps

@@ -20,7 +20,7 @@ _MOST_CORRECTIONS = 12
 #: correction leaves a tenth of the error, where Newton's method squares it, and what is left turns up in
 #: reactions as far as the path's slope is known no better.
 _SHARE = 1e-2
-_FORESEEN = 0.001
+_FORESEEN = 1e-3
 #: An energy residual that falls by less is a poor correction; the second one of a step ends it.
 _POOR = 0.5
 
