@@ -245,10 +245,31 @@ class System:
     ) -> Equilibrium:
         band = np.empty((0, 0)) if matrix is None else matrix.workspace
         diagonal = 0 if matrix is None or matrix.storage == "symmetric" else 2 * self.half_bandwidth
-        material, adhesion = self.problem.body.material, self.problem.adhesion
         forces = np.zeros_like(displacement)
-        table = self.body
-        stored, lowest = body_kernel(
+        target = forces, band, diagonal, matrix is not None
+        stored, lowest = self._add_body(displacement, *target)
+        adhesive, dissipated = self._add_adhesion(
+            displacement, self.openings if openings is None else openings, *target
+        )
+        unbalanced = forces
+        if self.load is not None:
+            unbalanced = forces - load * self.load.forces(displacement)
+            if matrix is not None and self.load.load.follows:
+                self.load.add_stiffness(band, diagonal, load)
+        residual = self.constraints.condense(unbalanced)
+        return Equilibrium(stored, adhesive, dissipated, lowest, forces, residual)
+
+    def _add_body(
+        self,
+        displacement: FloatArray,
+        forces: FloatArray,
+        band: FloatArray,
+        diagonal: int,
+        with_tangent: bool,
+    ) -> tuple[float, float]:
+        """Add what deforms the body; its stored energy, and the least determinant of F."""
+        material, table = self.problem.body.material, self.body
+        energies: tuple[float, float] = body_kernel(
             self._material.address,
             material.parameters,
             table.kinds,
@@ -264,10 +285,22 @@ class System:
             forces,
             band,
             diagonal,
-            matrix is not None,
+            with_tangent,
         )
-        side = self.adhesive
-        adhesive, dissipated = adhesion_kernel(
+        return energies
+
+    def _add_adhesion(
+        self,
+        displacement: FloatArray,
+        openings: FloatArray,
+        forces: FloatArray,
+        band: FloatArray,
+        diagonal: int,
+        with_tangent: bool,
+    ) -> tuple[float, float]:
+        """Add what the substrate does after largest openings (E, Q); adhesive and dissipated energy."""
+        adhesion, side = self.problem.adhesion, self.adhesive
+        energies: tuple[float, float] = adhesion_kernel(
             self._law.address,
             adhesion.law.parameters,
             self._substrate.address,
@@ -282,7 +315,7 @@ class System:
             adhesion.substrate.constant_curvature,
             adhesion.traction == "projected",
             adhesion.irreversible,
-            self.openings if openings is None else openings,
+            openings,
             adhesion.sliding_length or 0.0,
             self.tangents,
             adhesion.law.equilibrium_gap,
@@ -290,12 +323,6 @@ class System:
             forces,
             band,
             diagonal,
-            matrix is not None,
+            with_tangent,
         )
-        unbalanced = forces
-        if self.load is not None:
-            unbalanced = forces - load * self.load.forces(displacement)
-            if matrix is not None and self.load.load.follows:
-                self.load.add_stiffness(band, diagonal, load)
-        residual = self.constraints.condense(unbalanced)
-        return Equilibrium(stored, adhesive, dissipated, lowest, forces, residual)
+        return energies

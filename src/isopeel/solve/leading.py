@@ -46,15 +46,14 @@ def best_weights(
     recurrence is judged by the mean logarithm of what it would have missed the last states by. The second
     value is whether its measure is the energy.
     """
-    p = parameters[0]
-    n = len(p)
-    weights, trial = np.zeros((2, n)), np.empty((2, n))
+    n, m = samples.shape[0], samples.shape[2]
+    weights, trial, difference = np.zeros((2, n)), np.zeros((2, n)), np.empty(m)
     weights[0, n - 1] = 1.0
     best, best_count, best_kind = np.inf, 1, _BY_PARAMETER
     # the same for all, however few states there are
     tries = max(1, min(TRIES, n - MOST_STATES))
     for kind in (_BY_PARAMETER, _BY_ENERGY, _RECURRENCE):
-        way = p if kind == _BY_PARAMETER else energies
+        way = parameters[0] if kind == _BY_PARAMETER else energies
         period = _period(way, samples) if kind == _RECURRENCE else 0.0
         if kind == _RECURRENCE and period == 0.0:
             break
@@ -63,22 +62,22 @@ def best_weights(
         for count in range(fewest, min(n - 1, most) + 1):
             score = 0.0
             for last in range(n - tries, n):
-                if _lead(way[:last], parameters[:, :last], p[last], count, period, trial[:, :last]) == 0.0:
+                if _lead(way, parameters, last, parameters[0, last], count, period, trial) == 0.0:
                     score = np.inf
                     break
                 # a state that is met to the last digit is met no better than to round-off
-                score += np.log(_missed(samples, trial[:, :last]) + 1e-300) / tries
+                score += np.log(_missed(samples, trial, last, difference) + 1e-300) / tries
             if not score < best:
                 continue
-            ahead = _lead(way[:n], parameters[:, :n], target, count, period, trial[:, :n])
-            if ahead == 0.0 or (kind == _RECURRENCE and _jumps(way, p, ahead / (target - p[n - 1]))):
+            ahead = _lead(way, parameters, n, target, count, period, trial)
+            if ahead == 0.0 or (kind == _RECURRENCE and _jumps(way, parameters, target, ahead)):
                 continue
             best, best_count, best_kind = score, count, kind
             _copy(trial, weights)
     # where all states that there were met the last one best, one more may do better
     if best_count == n - 1 < MOST_STATES and best_kind != _RECURRENCE:
-        way = p if best_kind == _BY_PARAMETER else energies
-        if _lead(way[:n], parameters[:, :n], target, n, 0.0, trial[:, :n]) != 0.0:
+        way = parameters[0] if best_kind == _BY_PARAMETER else energies
+        if _lead(way, parameters, n, target, n, 0.0, trial) != 0.0:
             _copy(trial, weights)
     return weights, best_kind != _BY_PARAMETER
 
@@ -92,85 +91,95 @@ def _copy(values: FloatArray, to: FloatArray) -> None:
 
 
 @_compiled
-def _missed(samples: FloatArray, weights: FloatArray) -> float:
-    """Square of what the weights (2, k) of the first k states miss the next one by."""
-    k = weights.shape[1]
-    difference = samples[k, 0].copy()
+def _missed(samples: FloatArray, weights: FloatArray, n: int, difference: FloatArray) -> float:
+    """Square of what the weights of the first n states miss the next one by, which is left in (m,)."""
+    for j in range(len(difference)):
+        difference[j] = samples[n, 0, j]
     for kind in range(2):
-        for i in range(k):
+        for i in range(n):
             if weights[kind, i] != 0.0:
                 for j in range(len(difference)):
                     difference[j] -= weights[kind, i] * samples[i, kind, j]
     total = 0.0
-    for x in difference:
-        total += x * x
+    for j in range(len(difference)):
+        total += difference[j] ** 2
     return total
 
 
 @_compiled
-def _jumps(way: FloatArray, parameters: FloatArray, rate: float) -> bool:
-    """Whether the way grows by far more per parameter than it lately did."""
+def _jumps(way: FloatArray, parameters: FloatArray, target: float, ahead: float) -> bool:
+    """Whether the way grows by far more per parameter to the target than it lately did."""
     n = len(way)
     least = np.inf
     for k in range(max(1, n - TRIES), n):
-        least = min(least, abs((way[k] - way[k - 1]) / (parameters[k] - parameters[k - 1])))
-    return not abs(rate) < _JUMP * least
+        least = min(least, abs((way[k] - way[k - 1]) / (parameters[0, k] - parameters[0, k - 1])))
+    return not abs(ahead / (target - parameters[0, n - 1])) < _JUMP * least
 
 
 @_compiled
 def _lead(
-    way: FloatArray, parameters: FloatArray, target: float, count: int, period: float, weights: FloatArray
+    way: FloatArray,
+    parameters: FloatArray,
+    n: int,
+    target: float,
+    count: int,
+    period: float,
+    weights: FloatArray,
 ) -> float:
-    """Set the weights (2, n) that lead through the last `count` states to where the parameter is the target.
+    """Set the weights that lead through the last `count` of n states to where the parameter is the target.
 
     Those of Lagrange's polynomials of the way; with a period, of the polynomial d(s), and C y(s - P). Returns
     what the way grows by to there, the first such place; 0 where there is none, not far ahead.
     """
-    n = len(way)
-    p = parameters[0]
-    weights.fill(0.0)
-    steady = _steady(way)
+    for kind in range(2):
+        for k in range(n):
+            weights[kind, k] = 0.0
     if n == 1 or (count == 1 and period == 0.0):
         weights[0, n - 1] = 1.0
         return 1.0
-    if n - steady < max(count, 2):
+    first = _steady(way, n)
+    if n - first < max(count, 2):
         return 0.0
-    unit = way[n - 1] - way[n - 2]
-    s = (way[steady:] - way[n - 1]) / unit
+    # the way and the parameters, from the last state on
+    unit, here = way[n - 1] - way[n - 2], parameters[0, n - 1]
+    s, carried = np.empty(n), np.empty(n)
+    for k in range(first, n):
+        s[k] = (way[k] - way[n - 1]) / unit
+        carried[k] = parameters[1, k] - here
     ago = period / abs(unit)
-    carried = parameters[1, steady:] - p[n - 1]
-    nodes = s[len(s) - count :]
-    rest = p[n - count :] - p[n - 1]
-    if period > 0.0:
-        for k in range(count):
-            place = _around(s, nodes[k] - ago)
+    basis = np.empty((2, MOST_STATES))
+    start = n - count
+    rest = np.empty(count)
+    for k in range(count):
+        rest[k] = parameters[0, start + k] - here
+        if period > 0.0:
+            place = _around(s, first, n, s[start + k] - ago)
             if place < 0:
                 return 0.0
-            rest[k] -= _polynomial(s, carried, place, nodes[k] - ago)[0]
+            rest[k] -= _before(s, carried, place, s[start + k] - ago, basis)[0]
     # Newton's form of the polynomial, by divided differences
     for order in range(1, count):
         for i in range(count - 1, order - 1, -1):
-            rest[i] = (rest[i] - rest[i - 1]) / (nodes[i] - nodes[i - order])
-    step = target - p[n - 1]
-    at = step / (p[n - 1] - p[n - 2])
+            rest[i] = (rest[i] - rest[i - 1]) / (s[start + i] - s[start + i - order])
+    step = target - here
+    at = step / (here - parameters[0, n - 2])
     low, high = 0.0, _FARTHEST
     if period > 0.0:
         # between which states, carried on, does the path meet the target?
         high = 0.0
-        for j in range(len(s)):
+        for j in range(first, n):
             if s[j] + ago > 0.0:
                 at = s[j] + ago
-                if (carried[j] + _horner(rest, nodes, at)[0] - step) * step >= 0.0:
+                if (carried[j] + _horner(rest, s, start, at)[0] - step) * step >= 0.0:
                     high = at
                     break
                 low = at
         if high == 0.0:
             return 0.0
     for _ in range(_ITERATIONS):
-        value, slope = _horner(rest, nodes, at)
+        value, slope = _horner(rest, s, start, at)
         if period > 0.0:
-            place = _around(s, at - ago)
-            before, rise = _polynomial(s, carried, place, at - ago)
+            before, rise = _before(s, carried, _around(s, first, n, at - ago), at - ago, basis)
             value, slope = value + before, slope + rise
             if (value - step) * step > 0.0:
                 high = at
@@ -185,21 +194,25 @@ def _lead(
             return 0.0
     else:
         return 0.0
-    _add_lagrange(nodes, at, 1.0, weights[0, n - count :])
+    _lagrange(s, start, count, at, basis)
+    for k in range(count):
+        weights[0, start + k] = basis[0, k]
     if period > 0.0:
-        for k in range(count + 1):
+        for k in range(start, n + 1):
             # C y(s - P) at the place, less its share in each of the rests
-            before = (nodes[k] if k < count else at) - ago
-            share = -weights[0, n - count + k] if k < count else 1.0
-            place = _around(s, before)
-            _add_lagrange(s[place : place + _AROUND], before, share, weights[1, steady + place :])
+            share = -weights[0, k] if k < n else 1.0
+            before = (s[k] if k < n else at) - ago
+            place = _around(s, first, n, before)
+            _lagrange(s, place, _AROUND, before, basis)
+            for i in range(_AROUND):
+                weights[1, place + i] += share * basis[0, i]
     return float(at * unit)
 
 
 @_compiled
-def _steady(way: FloatArray) -> int:
-    """The first state from which on the way grows, or falls, steadily to the last one."""
-    first = len(way) - 1
+def _steady(way: FloatArray, n: int) -> int:
+    """The first of n states from which on the way grows, or falls, steadily to the last one."""
+    first = n - 1
     if first > 0:
         last = way[first] - way[first - 1]
         while first > 0 and (way[first] - way[first - 1]) * last > 0.0:
@@ -208,50 +221,50 @@ def _steady(way: FloatArray) -> int:
 
 
 @_compiled
-def _around(nodes: FloatArray, at: float) -> int:
-    """The first of the _AROUND rising nodes (n,) nearest to a place; -1 where it is not among them."""
-    n = len(nodes)
-    if n < _AROUND or not nodes[0] <= at <= nodes[n - 1]:
+def _around(nodes: FloatArray, first: int, n: int, at: float) -> int:
+    """The first of the _AROUND rising nodes, from the first up to n, nearest to a place; -1 beyond all."""
+    if n - first < _AROUND or not nodes[first] <= at <= nodes[n - 1]:
         return -1
-    first = 0
     while first < n - _AROUND and nodes[first + _AROUND] - at < at - nodes[first]:
         first += 1
     return first
 
 
 @_compiled
-def _horner(form: FloatArray, nodes: FloatArray, at: float) -> tuple[float, float]:
-    """Value and slope of Newton's form (n,) of a polynomial."""
+def _horner(form: FloatArray, nodes: FloatArray, start: int, at: float) -> tuple[float, float]:
+    """Value and slope of Newton's form (n,) of a polynomial, whose nodes begin at a start."""
     last = len(form) - 1
     value, slope = form[last], 0.0
     for i in range(last - 1, -1, -1):
-        slope = slope * (at - nodes[i]) + value
-        value = value * (at - nodes[i]) + form[i]
+        slope = slope * (at - nodes[start + i]) + value
+        value = value * (at - nodes[start + i]) + form[i]
     return value, slope
 
 
 @_compiled
-def _polynomial(nodes: FloatArray, values: FloatArray, first: int, at: float) -> tuple[float, float]:
-    """Value and slope of the polynomial through _AROUND values from the first on, by Neville's scheme."""
-    value, slope = values[first : first + _AROUND].copy(), np.zeros(_AROUND)
-    for order in range(1, _AROUND):
-        for i in range(_AROUND - order):
-            to_one, to_other = at - nodes[first + i], at - nodes[first + i + order]
-            size = to_one - to_other
-            slope[i] = (value[i + 1] - value[i] + to_one * slope[i + 1] - to_other * slope[i]) / size
-            value[i] = (to_one * value[i + 1] - to_other * value[i]) / size
-    return value[0], slope[0]
+def _before(
+    nodes: FloatArray, values: FloatArray, start: int, at: float, basis: FloatArray
+) -> tuple[float, float]:
+    """Value and slope of the polynomial through _AROUND values from a start on."""
+    _lagrange(nodes, start, _AROUND, at, basis)
+    value, slope = 0.0, 0.0
+    for i in range(_AROUND):
+        value += basis[0, i] * values[start + i]
+        slope += basis[1, i] * values[start + i]
+    return value, slope
 
 
 @_compiled
-def _add_lagrange(nodes: FloatArray, at: float, size: float, weights: FloatArray) -> None:
-    """Add the values at a place of Lagrange's polynomials of nodes (n,), times a size, to weights."""
-    for i in range(len(nodes)):
-        weight = size
-        for k in range(len(nodes)):
+def _lagrange(nodes: FloatArray, start: int, count: int, at: float, basis: FloatArray) -> None:
+    """Set (2, count) to values and slopes at a place of Lagrange's polynomials of nodes from a start on."""
+    for i in range(count):
+        value, slope = 1.0, 0.0
+        for k in range(count):
             if k != i:
-                weight *= (at - nodes[k]) / (nodes[i] - nodes[k])
-        weights[i] += weight
+                scale = 1.0 / (nodes[start + i] - nodes[start + k])
+                slope = (slope * (at - nodes[start + k]) + value) * scale
+                value *= (at - nodes[start + k]) * scale
+        basis[0, i], basis[1, i] = value, slope
 
 
 @_compiled
@@ -261,15 +274,14 @@ def _period(way: FloatArray, samples: FloatArray) -> float:
     The nearest state must meet it better than the last one but one, as it is; Gauss and Newton's method finds
     the place between the states.
     """
-    n = len(way)
-    steady = _steady(way)
-    if n - steady < _AROUND:
+    n, m = samples.shape[0], samples.shape[2]
+    first = _steady(way, n)
+    if n - first < _AROUND:
         return 0.0
-    goal = samples[n - 1, 0]
-    least, nearest = _square(goal, samples[n - 2, 0]), -1
+    least, nearest = _square(samples, n - 2, 0), -1
     # the last such time, not one some periods before
-    for k in range(n - 2 - steady, -1, -1):
-        missed = _square(goal, samples[steady + k, 1])
+    for k in range(n - 2, first - 1, -1):
+        missed = _square(samples, k, 1)
         if missed < least:
             least, nearest = missed, k
         elif nearest >= 0:
@@ -277,31 +289,32 @@ def _period(way: FloatArray, samples: FloatArray) -> float:
     if nearest < 0:
         return 0.0
     unit = way[n - 1] - way[n - 2]
-    s = (way[steady:] - way[n - 1]) / unit
+    s = np.empty(n)
+    for k in range(first, n):
+        s[k] = (way[k] - way[n - 1]) / unit
+    # the place is next to the nearest state
+    reach = max(s[min(nearest + 1, n - 1)] - s[max(nearest - 1, first)], 1.0)
     at = s[nearest]
-    unity = np.eye(_AROUND)
+    basis = np.empty((2, _AROUND))
     last_product = 0.0
     for _ in range(_ITERATIONS):
-        first = _around(s, at)
-        if first < 0:
+        place = _around(s, first, n, at)
+        if place < 0:
             return 0.0
-        left, rise = goal.copy(), np.zeros(len(goal))
-        for i in range(_AROUND):
-            value, slope = _polynomial(s[first : first + _AROUND], unity[i], 0, at)
-            for j in range(len(goal)):
-                sample = samples[steady + first + i, 1, j]
-                left[j] -= value * sample
-                rise[j] += slope * sample
+        _lagrange(s, place, _AROUND, at, basis)
         product, square = 0.0, 0.0
-        for j in range(len(goal)):
-            product += left[j] * rise[j]
-            square += rise[j] * rise[j]
+        for j in range(m):
+            left, rise = samples[n - 1, 0, j], 0.0
+            for i in range(_AROUND):
+                left -= basis[0, i] * samples[place + i, 1, j]
+                rise += basis[1, i] * samples[place + i, 1, j]
+            product += left * rise
+            square += rise * rise
         # where the rest is not small the method may go to and fro
         change = product / square / (2.0 if product * last_product < 0.0 else 1.0)
         last_product = product
         at += change
-        # the place is next to the nearest state
-        if not abs(at - s[nearest]) < max(s[min(nearest + 1, len(s) - 1)] - s[max(nearest - 1, 0)], 1.0):
+        if not abs(at - s[nearest]) < reach:
             return 0.0
         if abs(change) < _PLACED:
             return float(-at * abs(unit))
@@ -309,9 +322,10 @@ def _period(way: FloatArray, samples: FloatArray) -> float:
 
 
 @_compiled
-def _square(x: FloatArray, y: FloatArray) -> float:
-    """Square of the distance of two vectors (m,)."""
+def _square(samples: FloatArray, k: int, kind: int) -> float:
+    """Square of the distance of the last state from another, as it is or carried on."""
+    last = samples.shape[0] - 1
     total = 0.0
-    for j in range(len(x)):
-        total += (x[j] - y[j]) ** 2
+    for j in range(samples.shape[2]):
+        total += (samples[last, 0, j] - samples[k, kind, j]) ** 2
     return total

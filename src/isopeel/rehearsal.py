@@ -1,0 +1,69 @@
+"""A path with springs in place of the body: to compile all kernels but that of the body.
+
+That one takes as long to compile as all others. So where they are not cached yet, as in the first run after
+an installation, a second process compiles the others meanwhile.
+"""
+
+import subprocess
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from math import radians
+
+import numpy as np
+
+from isopeel.arrays import FloatArray
+from isopeel.assembly.system import System
+from isopeel.physics.batch import compiled_here
+from isopeel.problem import strip
+from isopeel.processes import cores
+from isopeel.solve.newton import NewtonSettings
+from isopeel.solve.path import Path
+from isopeel.splines.rows import row_space
+
+
+@contextmanager
+def rehearsed_beside() -> Iterator[None]:
+    """Compile in a second process meanwhile, if this one had to compile what it needed so far."""
+    if not compiled_here() or cores() == 1:
+        yield
+        return
+    nowhere = subprocess.DEVNULL
+    process = subprocess.Popen(
+        [sys.executable, "-m", __name__], stdin=nowhere, stdout=nowhere, stderr=nowhere
+    )
+    try:
+        yield
+    finally:
+        process.terminate()
+        process.wait()
+
+
+def rehearse() -> None:
+    """Take a few steps, on a mesh on which a front could be carried on from element to element."""
+    path = Path(_OnSprings(strip(), row_space("L1", (40, 1))), NewtonSettings(), ())
+    for degrees in (0.0, 0.1, 0.2):
+        path.step(path.equilibrium(radians(degrees)), 0.0)
+
+
+class _OnSprings(System):
+    """A system whose coefficients are held by springs, far stiffer than the adhesion."""
+
+    def _add_body(
+        self,
+        displacement: FloatArray,
+        forces: FloatArray,
+        band: FloatArray,
+        diagonal: int,
+        with_tangent: bool,
+    ) -> tuple[float, float]:
+        stiffness = 10 * self.energy_scale
+        forces += stiffness * displacement
+        if with_tangent:
+            unknowns = self.constraints.unknowns
+            band[:-1, diagonal] += stiffness * np.bincount(unknowns[unknowns >= 0])
+        return stiffness / 2 * float(np.sum(displacement**2)), 1.0
+
+
+if __name__ == "__main__":
+    rehearse()

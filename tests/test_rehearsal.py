@@ -1,0 +1,63 @@
+"""A second process compiles what the first one needs besides the body's kernel."""
+
+import subprocess
+import sys
+
+import pytest
+
+from isopeel import rehearsal
+from isopeel.rehearsal import rehearsed_beside
+
+#: Prints the compiled functions that a path asks for in other types than a rehearsal, one in a line.
+NOT_REHEARSED = """
+import sys
+import numpy as np
+from numba.core.dispatcher import Dispatcher
+import isopeel
+from isopeel.rehearsal import rehearse
+
+def signatures():
+    return {
+        (value.py_func.__module__, value.py_func.__name__): set(value.signatures)
+        for name, module in list(sys.modules.items()) if name.startswith("isopeel.")
+        for value in vars(module).values() if isinstance(value, Dispatcher)
+    }
+
+rehearse()
+before = signatures()
+angles = np.radians(np.arange(0, 3, 0.1))
+for step in isopeel.trace(isopeel.strip(), isopeel.row_space("N2.1", (40, 2)), angles):
+    pass
+for key, found in signatures().items():
+    if found - before.get(key, set()):
+        print(*key)
+"""
+
+
+def test_a_path_needs_nothing_but_the_bodys_kernel_afterwards() -> None:
+    found = subprocess.run(
+        [sys.executable, "-c", NOT_REHEARSED], check=True, capture_output=True, text=True
+    ).stdout.splitlines()
+    kernel = "isopeel.assembly.body_kernel"
+    assert f"{kernel} body" in found
+    assert [line for line in found if not line.startswith(kernel)] == []
+
+
+@pytest.mark.parametrize(("cold", "cores", "processes"), [(True, 2, 1), (True, 1, 0), (False, 2, 0)])
+def test_a_second_process_is_there_where_it_helps_and_while_it_does(
+    monkeypatch: pytest.MonkeyPatch, cold: bool, cores: int, processes: int
+) -> None:
+    started: list[subprocess.Popen[bytes]] = []
+
+    class Noted(subprocess.Popen[bytes]):
+        def __init__(self, *arguments: object, **options: object) -> None:
+            super().__init__(*arguments, **options)  # type: ignore[call-overload]
+            started.append(self)
+
+    monkeypatch.setattr(rehearsal, "compiled_here", lambda: cold)
+    monkeypatch.setattr(rehearsal, "cores", lambda: cores)
+    monkeypatch.setattr(subprocess, "Popen", Noted)
+    with rehearsed_beside():
+        assert len(started) == processes
+        assert all(process.poll() is None for process in started)
+    assert all(process.returncode is not None for process in started)
