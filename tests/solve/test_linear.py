@@ -2,11 +2,10 @@
 
 import numpy as np
 import pytest
-from scipy.linalg.lapack import dpbtrs
 
 from isopeel.assembly.system import BandMatrix, System
 from isopeel.problem import strip
-from isopeel.solve.blocks import BlockedFactor
+from isopeel.solve.blocks import BlockedFactor, NotPositiveDefiniteError, energy
 from isopeel.solve.linear import BandCholesky, approximate
 from isopeel.splines.rows import row_space
 
@@ -28,7 +27,7 @@ def test_single_precision_solves_a_tangent_to_its_digits(name: str, mesh: tuple[
     right_side = np.random.default_rng(0).standard_normal((system.count,))
     matrix = system.linearize(u)[1]
     single = approximate(BandMatrix(matrix.workspace.copy(), matrix.half_bandwidth, "symmetric"))
-    assert single.panels.dtype == np.float32
+    assert single.values.dtype == np.float32
     found, exact = single.solve(right_side), BandCholesky.of(matrix).solve(right_side)
     # condition number about 1e5, times a round-off of 6e-8
     np.testing.assert_allclose(found, exact, rtol=0, atol=1e-2 * np.abs(exact).max())
@@ -43,7 +42,7 @@ def test_what_single_precision_cannot_tell_apart_is_kept_in_double(differences: 
     """Its soft motions have a billionth of the stiffness of others."""
     matrix = chain(300, differences, columns)
     factor = approximate(matrix)
-    assert factor.panels.dtype == np.float64
+    assert factor.values.dtype == np.float64
     x = np.random.default_rng(1).standard_normal((300,))
     D = np.diff(np.eye(300), differences, axis=0)
     solution = factor.solve(D.T @ (D @ x) + 1e-9 * x)
@@ -55,16 +54,29 @@ def test_what_single_precision_cannot_tell_apart_is_kept_in_double(differences: 
 @pytest.mark.parametrize("half_bandwidth", [0, 1, 7, 8, 20])
 def test_blocks_solve_what_lapack_solves(n: int, half_bandwidth: int) -> None:
     random = np.random.default_rng(n + half_bandwidth)
-    lower = random.standard_normal((half_bandwidth + 1, n)) / (half_bandwidth + 1)
-    lower[0] = 1 + np.abs(lower[0])
+    columns = random.standard_normal((n, half_bandwidth + 1)) / (half_bandwidth + 1)
+    columns[:, 0] = 3 + np.abs(columns[:, 0])
     for k in range(half_bandwidth + 1):
-        lower[k, max(0, n - k) :] = 0.0
-    right_side = random.standard_normal(n)
-    exact, info = dpbtrs(lower, right_side, lower=1)
-    assert info == 0
+        columns[max(0, n - k) :, k] = 0.0
+    x = random.standard_normal(n)
+    dense = np.diag(columns[:, 0])
+    for k in range(1, min(half_bandwidth + 1, n)):
+        dense += np.diag(columns[: n - k, k], k) + np.diag(columns[: n - k, k], -k)
+    exact = np.linalg.solve(dense, x)
     # the condition number is of order 10: all but two digits of either precision
     largest = np.abs(exact).max()
-    double = BlockedFactor.of(np.asfortranarray(lower), np.float64).solve(right_side)
+    double = BlockedFactor.of(columns, np.float64).solve(x)
     np.testing.assert_allclose(double, exact, rtol=0, atol=1e-13 * largest)
-    single = BlockedFactor.of(np.asfortranarray(lower), np.float32).solve(right_side)
+    single = BlockedFactor.of(columns, np.float32).solve(x)
     np.testing.assert_allclose(single, exact, rtol=0, atol=1e-5 * largest)
+    assert energy(columns, x) == pytest.approx(x @ dense @ x, rel=1e-12)
+
+
+@pytest.mark.parametrize("number", [1, 8, 9, 20])
+@pytest.mark.parametrize("pivot", [0.0, -1.0, np.nan])
+def test_blocks_name_the_pivot_that_is_not_positive(number: int, pivot: float) -> None:
+    columns = np.zeros((20, 4))
+    columns[:, 0] = 1.0
+    columns[number - 1, 0] = pivot
+    with pytest.raises(NotPositiveDefiniteError, match=f"pivot {number} "):
+        BlockedFactor.of(columns, np.float32)

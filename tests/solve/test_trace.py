@@ -16,7 +16,8 @@ from isopeel import (
 from isopeel.assembly.system import System
 from isopeel.post.closed_form import beam_peeling
 from isopeel.problem import Traction
-from isopeel.solve.linear import BandCholesky, BandLU, NotPositiveDefiniteError, factorize
+from isopeel.solve.blocks import NotPositiveDefiniteError
+from isopeel.solve.linear import BandCholesky, BandLU, factorize
 from isopeel.solve.newton import newton
 from isopeel.solve.predictor import extrapolate
 from isopeel.solve.step import State

@@ -1,18 +1,19 @@
-"""Solutions with the Cholesky factor of a band, by blocks of columns.
+"""The Cholesky factor of a band by blocks of columns, and solutions with it.
 
 LAPACK's pbtrs takes one column after another, each of which must wait for the last. Here the inverses of the
 diagonal blocks are made once, and what a block takes off the rows below is one product of a matrix and a
-vector, which runs in vector registers: a factor that is kept is used hundreds of times.
+vector, which runs in vector registers: a factor that is kept is used hundreds of times. It is made by such
+products too: on bands of some ten to a hundred columns, LAPACK's pbtrf takes about twice as long.
 """
 
 from dataclasses import dataclass
-from typing import Any, TypeAlias
+from typing import Any, Self, TypeAlias
 
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from isopeel.arrays import FloatArray
+from isopeel.arrays import FloatArray, IntArray
 
 # reordered sums let loops run in vector registers
 _compiled = njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "nsz"})
@@ -24,70 +25,196 @@ Floats: TypeAlias = NDArray[np.floating[Any]]
 _COLUMNS = 8
 
 
+class NotPositiveDefiniteError(ArithmeticError):
+    """Cholesky met a pivot that is not positive."""
+
+
 @dataclass(frozen=True, eq=False)
 class BlockedFactor:
     """L of A = L L^T, a band matrix of n rows: its diagonal blocks' inverses, and what lies below them.
 
-    In single precision solutions take half of the memory, and so about half of the time.
+    In single precision solutions take half of the memory, and so about half of the time. Inside of elements
+    that are joined without slopes, columns reach no further than the element: what is beyond is left out.
     """
 
-    panels: Floats  # (blocks, 8, rows below)
-    inverses: Floats  # (blocks, 8, 8), column by column
+    #: Of one block after another: the inverse (8, 8), column by column, and the columns (8, rows below).
+    values: Floats
+    starts: IntArray  # (blocks + 1,) where those of a block begin; the rows below are a multiple of 8
     count: int
 
     @classmethod
-    def of(cls, lower: FloatArray, precision: type[np.floating[Any]]) -> "BlockedFactor":
-        """Take L (half-bandwidth + 1, n), stored as by LAPACK's pbtrf, lower, and keep it in a precision."""
-        width, n = lower.shape
-        blocks = -(-n // _COLUMNS)
-        # whole vector registers
-        below = -(-(width - 1) // _COLUMNS) * _COLUMNS
-        panels = np.empty((blocks, _COLUMNS, below), precision)
-        inverses = np.zeros((blocks, _COLUMNS, _COLUMNS), precision)
-        _take(lower.T, panels, inverses)
-        return cls(panels, inverses, n)
+    def of(cls, columns: FloatArray, precision: type[np.floating[Any]]) -> Self:
+        """Factorize A, of whose lower half there are the columns (n, half-bandwidth + 1).
+
+        Cholesky's method is in double precision, the factor is kept in another.
+        Raises NotPositiveDefiniteError.
+        """
+        n = len(columns)
+        reach = np.empty(-(-n // _COLUMNS), np.int64)
+        _find_reach(columns, reach)
+        starts = np.append(0, np.cumsum(_COLUMNS * (_COLUMNS + reach)))
+        values = np.empty(starts[-1], precision)
+        pivot = _factorize(columns, reach, values, starts)
+        if pivot > 0:
+            raise NotPositiveDefiniteError(f"pivot {pivot} is not positive")
+        return cls(values, starts, n)
 
     def solve(self, right_side: FloatArray) -> FloatArray:
         """Solve A x = right side (n,)."""
-        blocks, _, below = self.panels.shape
-        x = np.empty(blocks * _COLUMNS + below, self.panels.dtype)
         solution = np.empty(self.count)
-        _solve(self.panels, self.inverses, right_side, x, solution)
+        _solve(self.values, self.starts, right_side, solution)
         return solution
 
 
 @_compiled
-def _take(columns: FloatArray, panels: Floats, inverses: Floats) -> None:
-    """Fill panels and inverses from the columns (n, width) of L."""
+def _find_reach(columns: FloatArray, reach: IntArray) -> None:
+    """Rows of L below each block that are not zero, in multiples of 8, of the columns (n, width) of A."""
     n, width = columns.shape
-    blocks, _, below = panels.shape
-    for block in range(blocks):
-        start = block * _COLUMNS
-        for c in range(_COLUMNS):
-            column = start + c
-            panel = panels[block, c]
-            inverse = inverses[block, c]
-            panel.fill(0.0)
-            if column >= n:
-                # beyond the matrix, the identity
-                inverse[c] = 1.0
-                continue
-            offset = _COLUMNS - c
-            for i in range(min(below, width - offset, n - column - offset)):
-                panel[i] = columns[column, offset + i]
-            inverse[c] = 1.0 / columns[column, 0]
-            for row in range(c + 1, min(_COLUMNS, n - start)):
-                total = 0.0
-                for k in range(max(c, row - width + 1), row):
-                    total += columns[start + k, row - k] * inverse[k]
-                inverse[row] = -total / columns[start + row, 0]
+    last = 0
+    for block in range(len(reach)):
+        beyond = (block + 1) * _COLUMNS
+        # what a column takes off the next ones reaches as far as it does
+        for j in range(beyond - _COLUMNS, min(beyond, n)):
+            size = min(width, n - j)
+            while j + size - 1 > last and columns[j, size - 1] == 0.0:
+                size -= 1
+            last = max(last, j + size - 1)
+        reach[block] = -(-max(last + 1 - beyond, 0) // _COLUMNS) * _COLUMNS
 
 
 @_compiled
-def _solve(panels: Floats, inverses: Floats, right_side: FloatArray, x: Floats, solution: FloatArray) -> None:
-    """Solve L L^T solution = right side; x has room for all blocks and the rows below the last one."""
-    blocks, _, below = panels.shape
-    n = len(right_side)
+def _factorize(columns: FloatArray, reach: IntArray, values: Floats, starts: IntArray) -> int:
+    """Set the values of L, of the columns (n, width) of A; the first pivot that is not positive, or 0.
+
+    A window on A moves down the band: the blocks that the next one takes something off.
+    """
+    blocks, below = len(reach), reach.max()
+    beyond = below // _COLUMNS
+    # column by column: rows from the first of the block on
+    window = np.empty((beyond + 1, _COLUMNS, _COLUMNS + below))
+    inverse = np.zeros((_COLUMNS, _COLUMNS))
+    L = np.empty((_COLUMNS, below))
+    entered = 0
+    for block in range(blocks):
+        while entered < min(block + beyond + 1, blocks):
+            _enter(columns, entered, window[entered % (beyond + 1)])
+            entered += 1
+        A = window[block % (beyond + 1)]
+        pivot = _invert(A, inverse)
+        if pivot > 0:
+            return block * _COLUMNS + pivot
+        rows, start = reach[block], starts[block]
+        A0, A1, A2, A3, A4, A5, A6, A7 = A[0], A[1], A[2], A[3], A[4], A[5], A[6], A[7]
+        for c in range(_COLUMNS):
+            x0, x1, x2, x3 = inverse[0, c], inverse[1, c], inverse[2, c], inverse[3, c]
+            x4, x5, x6, x7 = inverse[4, c], inverse[5, c], inverse[6, c], inverse[7, c]
+            row = L[c]
+            for i in range(rows):
+                k = _COLUMNS + i
+                row[i] = (
+                    A0[k] * x0
+                    + A1[k] * x1
+                    + A2[k] * x2
+                    + A3[k] * x3
+                    + A4[k] * x4
+                    + A5[k] * x5
+                    + A6[k] * x6
+                    + A7[k] * x7
+                )
+            for i in range(_COLUMNS):
+                values[start + c * _COLUMNS + i] = inverse[c, i]
+            kept = values[start + _COLUMNS * _COLUMNS + c * rows :]
+            for i in range(rows):
+                kept[i] = row[i]
+        for ahead in range(min(rows // _COLUMNS, blocks - 1 - block)):
+            target = window[(block + 1 + ahead) % (beyond + 1)]
+            part = L[:, ahead * _COLUMNS : rows]
+            L0, L1, L2, L3, L4, L5, L6, L7 = (
+                part[0],
+                part[1],
+                part[2],
+                part[3],
+                part[4],
+                part[5],
+                part[6],
+                part[7],
+            )
+            for c in range(_COLUMNS):
+                row = target[c]
+                y0, y1, y2, y3, y4, y5, y6, y7 = L0[c], L1[c], L2[c], L3[c], L4[c], L5[c], L6[c], L7[c]
+                for i in range(part.shape[1]):
+                    row[i] -= (
+                        L0[i] * y0
+                        + L1[i] * y1
+                        + L2[i] * y2
+                        + L3[i] * y3
+                        + L4[i] * y4
+                        + L5[i] * y5
+                        + L6[i] * y6
+                        + L7[i] * y7
+                    )
+    return 0
+
+
+@_compiled
+def _enter(columns: FloatArray, block: int, A: FloatArray) -> None:
+    """Set A (8, rows), by columns, to a block of the columns (n, width); beyond all, to the identity."""
+    n, width = columns.shape
+    A.fill(0.0)
+    for c in range(_COLUMNS):
+        first = block * _COLUMNS + c
+        if first < n:
+            row, column = A[c], columns[first]
+            for i in range(min(width, n - first, len(row) - c)):
+                row[c + i] = column[i]
+        else:
+            A[c, c] = 1.0
+
+
+@_compiled
+def _invert(A: FloatArray, inverse: FloatArray) -> int:
+    """Set the inverse of the Cholesky factor of the first rows of A; the first pivot that fails, or 0."""
+    for c in range(_COLUMNS):
+        if not A[c, c] > 0.0:
+            return c + 1
+        scale = 1.0 / np.sqrt(A[c, c])
+        for row in range(c, _COLUMNS):
+            A[c, row] *= scale
+        for k in range(c + 1, _COLUMNS):
+            for row in range(k, _COLUMNS):
+                A[k, row] -= A[c, k] * A[c, row]
+    for c in range(_COLUMNS):
+        inverse[c, c] = 1.0 / A[c, c]
+        for row in range(c + 1, _COLUMNS):
+            total = 0.0
+            for k in range(c, row):
+                total += A[k, row] * inverse[c, k]
+            inverse[c, row] = -total / A[row, row]
+    return 0
+
+
+@_compiled
+def energy(columns: FloatArray, x: FloatArray) -> float:
+    """x . A x for x (n,) of a symmetric matrix, of whose lower half there are the columns (n, width)."""
+    n, width = columns.shape
+    total = 0.0
+    for j in range(n):
+        column, ahead = columns[j], x[j:]
+        product = 0.5 * column[0] * x[j]
+        for i in range(1, min(width, n - j)):
+            product += column[i] * ahead[i]
+        total += 2.0 * product * x[j]
+    return total
+
+
+@_compiled
+def _solve(values: Floats, starts: IntArray, right_side: FloatArray, solution: FloatArray) -> None:
+    """Solve L L^T solution = right side."""
+    blocks, n = len(starts) - 1, len(right_side)
+    # room for all blocks, and for the rows below the last one
+    x = np.zeros(
+        (blocks + (starts[1:] - starts[:-1]).max() // (_COLUMNS * _COLUMNS)) * _COLUMNS, values.dtype
+    )
     # single precision ends at 1e38, which units of a problem could pass
     largest = 0.0
     for i in range(n):
@@ -95,18 +222,30 @@ def _solve(panels: Floats, inverses: Floats, right_side: FloatArray, x: Floats, 
     largest = largest if largest > 0.0 else 1.0
     for i in range(n):
         x[i] = right_side[i] / largest
-    x[n:].fill(0.0)
-    part = np.empty(_COLUMNS, x.dtype)
-    zero = 0 * x[0]
+    part = np.empty(_COLUMNS, values.dtype)
+    # sums are of the precision of what they add up: a Python zero would make them double
+    zero = values.dtype.type(0)
     for block in range(blocks):
         start = block * _COLUMNS
-        part.fill(zero)
-        for c in range(_COLUMNS):
-            for row in range(_COLUMNS):
-                part[row] += inverses[block, c, row] * x[start + c]
+        inverse = values[starts[block] :]
+        L = values[starts[block] + _COLUMNS * _COLUMNS : starts[block + 1]]
+        rows = len(L) // _COLUMNS
+        x0, x1, x2, x3 = x[start], x[start + 1], x[start + 2], x[start + 3]
+        x4, x5, x6, x7 = x[start + 4], x[start + 5], x[start + 6], x[start + 7]
+        for i in range(_COLUMNS):
+            part[i] = (
+                inverse[i] * x0
+                + inverse[8 + i] * x1
+                + inverse[16 + i] * x2
+                + inverse[24 + i] * x3
+                + inverse[32 + i] * x4
+                + inverse[40 + i] * x5
+                + inverse[48 + i] * x6
+                + inverse[56 + i] * x7
+            )
         for row in range(_COLUMNS):
             x[start + row] = part[row]
-        rest = x[start + _COLUMNS : start + _COLUMNS + below]
+        rest = x[start + _COLUMNS : start + _COLUMNS + rows]
         y0, y1, y2, y3, y4, y5, y6, y7 = (
             part[0],
             part[1],
@@ -117,9 +256,9 @@ def _solve(panels: Floats, inverses: Floats, right_side: FloatArray, x: Floats, 
             part[6],
             part[7],
         )
-        L = panels[block]
-        L0, L1, L2, L3, L4, L5, L6, L7 = L[0], L[1], L[2], L[3], L[4], L[5], L[6], L[7]
-        for i in range(below):
+        L0, L1, L2, L3 = L, L[rows:], L[2 * rows :], L[3 * rows :]
+        L4, L5, L6, L7 = L[4 * rows :], L[5 * rows :], L[6 * rows :], L[7 * rows :]
+        for i in range(rows):
             rest[i] -= (
                 L0[i] * y0
                 + L1[i] * y1
@@ -132,11 +271,14 @@ def _solve(panels: Floats, inverses: Floats, right_side: FloatArray, x: Floats, 
             )
     for block in range(blocks - 1, -1, -1):
         start = block * _COLUMNS
-        rest = x[start + _COLUMNS : start + _COLUMNS + below]
-        L = panels[block]
-        L0, L1, L2, L3, L4, L5, L6, L7 = L[0], L[1], L[2], L[3], L[4], L[5], L[6], L[7]
+        inverse = values[starts[block] :]
+        L = values[starts[block] + _COLUMNS * _COLUMNS : starts[block + 1]]
+        rows = len(L) // _COLUMNS
+        rest = x[start + _COLUMNS : start + _COLUMNS + rows]
+        L0, L1, L2, L3 = L, L[rows:], L[2 * rows :], L[3 * rows :]
+        L4, L5, L6, L7 = L[4 * rows :], L[5 * rows :], L[6 * rows :], L[7 * rows :]
         s0, s1, s2, s3, s4, s5, s6, s7 = zero, zero, zero, zero, zero, zero, zero, zero
-        for i in range(below):
+        for i in range(rows):
             value = rest[i]
             s0 += L0[i] * value
             s1 += L1[i] * value
@@ -151,7 +293,7 @@ def _solve(panels: Floats, inverses: Floats, right_side: FloatArray, x: Floats, 
         for c in range(_COLUMNS):
             total = zero
             for row in range(_COLUMNS):
-                total += inverses[block, c, row] * part[row]
+                total += inverse[c * _COLUMNS + row] * part[row]
             x[start + c] = total
     for i in range(n):
         solution[i] = largest * x[i]

@@ -9,16 +9,9 @@ from scipy.interpolate import CubicHermiteSpline, krogh_interpolate
 
 from isopeel.arrays import FloatArray
 from isopeel.assembly.system import BandMatrix, Equilibrium, System
+from isopeel.solve.blocks import NotPositiveDefiniteError
 from isopeel.solve.inertia import BandLDL
-from isopeel.solve.linear import (
-    BandCholesky,
-    BandLU,
-    Border,
-    Bordered,
-    Factor,
-    NotPositiveDefiniteError,
-    SingularError,
-)
+from isopeel.solve.linear import BandCholesky, BandLU, Border, Bordered, Factor, SingularError
 from isopeel.solve.newton import ConvergenceError, NewtonResult, NewtonSettings
 
 #: Of the parameter's step: over which its derivative is taken. The error is of the square, and of round-off.

@@ -6,14 +6,8 @@ import numpy as np
 
 from isopeel.arrays import FloatArray
 from isopeel.assembly.system import BandMatrix, Equilibrium, System
-from isopeel.solve.linear import (
-    BandCholesky,
-    Border,
-    Bordered,
-    Factor,
-    NotPositiveDefiniteError,
-    SingularError,
-)
+from isopeel.solve.blocks import NotPositiveDefiniteError
+from isopeel.solve.linear import BandCholesky, Border, Bordered, Factor, SingularError
 
 _MOST_ITERATIONS = 500
 _SMALLEST_SHIFT = 1e-8  # of the mean entry on the diagonal

@@ -4,15 +4,15 @@ from dataclasses import dataclass
 from typing import NamedTuple, Protocol
 
 import numpy as np
-from scipy.linalg.blas import dtbmv
 from scipy.linalg.lapack import dgbtrf, dgbtrs, dpbtrf, dpbtrs
 
 from isopeel.arrays import FloatArray, IntArray
 from isopeel.assembly.system import BandMatrix
-from isopeel.solve.blocks import BlockedFactor
+from isopeel.solve.blocks import BlockedFactor, NotPositiveDefiniteError, energy
 
 #: Of the energy of a solution: an iteration corrects what is left, and learns what it is.
 _ENOUGH = 0.01
+_GOLDEN_RATIO = (1 + 5**0.5) / 2
 
 
 class Factor(Protocol):
@@ -21,10 +21,6 @@ class Factor(Protocol):
     def solve(self, right_side: FloatArray) -> FloatArray:
         """Solve for a right side (n,)."""
         ...
-
-
-class NotPositiveDefiniteError(ArithmeticError):
-    """Cholesky met a pivot that is not positive."""
 
 
 class SingularError(ArithmeticError):
@@ -55,16 +51,16 @@ def approximate(matrix: BandMatrix) -> BlockedFactor:
     """A factor of a symmetric matrix whose solutions are right to about a hundredth in energy.
 
     It is kept in single precision where that suffices for the softest motions, which suffer most: inverse
-    iterations lead to them. The entries are overwritten. Raises NotPositiveDefiniteError.
+    iterations lead to them. Raises NotPositiveDefiniteError.
     """
-    # rounded when it is made: sums in single precision would often not suffice
-    exact = BandCholesky.of(matrix).entries
-    factor = BlockedFactor.of(exact, np.float32)
-    start = factor.solve(np.random.default_rng(0).standard_normal((factor.count,)))
+    factor = BlockedFactor.of(matrix.entries, np.float32)
+    # multiples of the golden ratio, less what is whole of them: it has a share of all motions
+    anything = np.mod(np.arange(factor.count) * _GOLDEN_RATIO, 1.0) - 0.5
+    start = factor.solve(anything)
     soft = factor.solve(start)
-    energy = float(np.sum(dtbmv(matrix.half_bandwidth, exact, soft, lower=1, trans=1) ** 2))  # soft . A soft
-    suffices = abs(energy - float(soft @ start)) < _ENOUGH * energy
-    return factor if suffices else BlockedFactor.of(exact, np.float64)
+    needed = energy(matrix.entries, soft)
+    suffices = abs(needed - float(soft @ start)) < _ENOUGH * needed
+    return factor if suffices else BlockedFactor.of(matrix.entries, np.float64)
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,11 +8,11 @@ import numpy as np
 from isopeel.arrays import FloatArray
 from isopeel.assembly.system import BandMatrix, Equilibrium, System
 from isopeel.controls import Control
+from isopeel.solve.blocks import NotPositiveDefiniteError
 from isopeel.solve.linear import (
     Border,
     Bordered,
     Factor,
-    NotPositiveDefiniteError,
     SingularError,
     factorize,
 )

@@ -7,7 +7,8 @@ from scipy.linalg.blas import idamax
 
 from isopeel.arrays import FloatArray
 from isopeel.assembly.system import Equilibrium, System
-from isopeel.solve.linear import Factor, NotPositiveDefiniteError, approximate
+from isopeel.solve.blocks import NotPositiveDefiniteError
+from isopeel.solve.linear import Factor, approximate
 from isopeel.solve.newton import NewtonResult, NewtonSettings
 from isopeel.solve.pairs import Pairs
 
