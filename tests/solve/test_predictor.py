@@ -5,18 +5,18 @@ import pytest
 
 from isopeel.assembly.system import System
 from isopeel.problem import strip
+from isopeel.solve import predictor
 from isopeel.solve.advance import Advance
 from isopeel.solve.leading import best_weights
 from isopeel.solve.newton import NewtonSettings
-from isopeel.solve.predictor import slope
 from isopeel.solve.trace import trace
 from isopeel.splines.rows import row_space
 
 
 def _led(parameters: np.ndarray, energies: np.ndarray, values: np.ndarray, target: float) -> float:
     nothing = np.full(len(values), np.nan)  # is carried on
-    both, samples = np.stack([parameters, nothing]), np.stack([values, nothing], axis=1)[..., None]
-    weights, _ = best_weights(both, energies, samples, target)
+    samples = np.stack([values, nothing], axis=1)[..., None]
+    weights, _ = best_weights(parameters, nothing, energies, samples, target)
     assert not weights[1].any()
     return float(weights[0] @ values)
 
@@ -44,6 +44,10 @@ def test_the_energy_leads_where_the_parameter_hesitates() -> None:
     assert abs(blind - exact**3) > 0.01 * (way[-1] ** 3 - way[-2] ** 3)
     # beyond the limit point there is nothing to lead to; some state comes back all the same
     assert np.isfinite(_led(parameters, 5 * way - 3, way**3, 0.52))
+
+
+def slope(way: np.ndarray, parameters: np.ndarray, values: np.ndarray) -> float:
+    return predictor.slope(way.tolist(), parameters.tolist(), values.tolist())
 
 
 def test_slope_is_that_of_the_polynomial() -> None:
@@ -81,14 +85,13 @@ def test_a_recurrence_leads_on_where_polynomials_cannot() -> None:
         way -= (_recurrent(way)[0] - parameters) / rate
     values = _recurrent(way)[1]
     past = slice(0, -1)
-    both = np.stack([parameters, parameters])[:, past]
-    samples = np.stack([values, values], axis=1)[past]
-    weights, by_energy = best_weights(both, 3 * way[past] - 1, samples, parameters[-1])
+    known, samples = parameters[past], np.stack([values, values], axis=1)[past]
+    weights, by_energy = best_weights(known, known, 3 * way[past] - 1, samples, parameters[-1])
     assert by_energy
     assert weights[1].any()
     missed = np.abs(weights[0] @ values[past] + weights[1] @ values[past] - values[-1]).max()
     samples[:, 1] = np.nan
-    alone, _ = best_weights(both, 3 * way[past] - 1, samples, parameters[-1])
+    alone, _ = best_weights(known, known, 3 * way[past] - 1, samples, parameters[-1])
     assert not alone[1].any()
     # states around a place, of eleven in a period, against those before it
     assert missed < 0.3 * np.abs(alone[0] @ values[past] - values[-1]).max()

@@ -32,18 +32,26 @@ class Constraints:
     drive: Drive
     driven: IntArray  # functions on the driven side
     driven_points: FloatArray  # their control points in the base state
-    # what the drive prescribes at the last parameter: a step asks for it several times
+    # what the drive prescribes at the last parameter, and its rate: a step asks for them several times
     _moved: dict[float, FloatArray] = field(default_factory=dict, init=False, repr=False)
+    _rate: dict[float, FloatArray] = field(default_factory=dict, init=False, repr=False)
 
     def displacement(self, unknown_values: FloatArray, parameter: float) -> FloatArray:
         """Coefficients u (size, 2) of unknowns z (count,) at a value of the drive's parameter."""
-        u = self.offset.copy()
-        _add_unknowns(self.unknowns, unknown_values, u)
         if parameter not in self._moved:
             self._moved.clear()
-            self._moved[parameter] = self.drive.prescribed(self.driven_points, parameter)
-        u[self.driven] += self._moved[parameter]
+            moved = self.drive.prescribed(self.driven_points, parameter)
+            self._moved[parameter] = np.ascontiguousarray(moved)
+        u = np.empty(self.offset.shape)
+        _displace(self.unknowns, unknown_values, self.offset, self.driven, self._moved[parameter], u)
         return u
+
+    def rate(self, parameter: float) -> FloatArray:
+        """What the driven coefficients (n, 2) change by the parameter."""
+        if parameter not in self._rate:
+            self._rate.clear()
+            self._rate[parameter] = np.ascontiguousarray(self.drive.rate(self.driven_points, parameter))
+        return self._rate[parameter]
 
     def unknown_values(self, displacement: FloatArray, parameter: float) -> FloatArray:
         """The unknowns z (count,) of coefficients u (size, 2) that satisfy the constraints."""
@@ -61,15 +69,25 @@ class Constraints:
 
     def reaction(self, forces: FloatArray, parameter: float) -> float:
         """Generalised force that works on the parameter of a drive that moves its side."""
-        return float(np.sum(forces[self.driven] * self.drive.rate(self.driven_points, parameter)))
+        return float(np.vdot(forces[self.driven], self.rate(parameter)))
 
 
 @_compiled
-def _add_unknowns(unknowns: IntArray, values: FloatArray, u: FloatArray) -> None:
+def _displace(
+    unknowns: IntArray,
+    values: FloatArray,
+    offset: FloatArray,
+    driven: IntArray,
+    moved: FloatArray,
+    u: FloatArray,
+) -> None:
+    """Set u = T z + u0 + g (size, 2), of the values z (count,) and what the driven functions are moved by."""
     for f in range(len(unknowns)):
         for i in range(2):
-            if unknowns[f, i] >= 0:
-                u[f, i] += values[unknowns[f, i]]
+            u[f, i] = offset[f, i] + (values[unknowns[f, i]] if unknowns[f, i] >= 0 else 0.0)
+    for k in range(len(driven)):
+        for i in range(2):
+            u[driven[k], i] += moved[k, i]
 
 
 @_compiled

@@ -75,17 +75,13 @@ class Advance:
     def parameter(self, parameter: float, displacement: FloatArray) -> float:
         """What the parameter of a drive that moves its side becomes, of coefficients u (size, 2)."""
         constraints = self.system.constraints
-        rate = constraints.drive.rate(constraints.driven_points, parameter)
-        size = float(np.sum(rate**2))
+        rate = constraints.rate(parameter)
+        size = float(np.vdot(rate, rate))
         if size == 0.0:
             # a load stays as it is
             return parameter
-        here, _, beyond = self.hinge
-        at_hinge, driven = (self.points[k] + displacement[k] for k in (self.hinge, constraints.driven))
-        cosine, sine = _turn(at_hinge)
-        turned = (driven - at_hinge[0]) @ np.array([[cosine, sine], [-sine, cosine]])
-        moved = self.points[here] + displacement[beyond] + turned - driven
-        return parameter + float(np.sum(moved * rate)) / size
+        work = _rise(self.points, displacement, self.hinge, constraints.driven, rate)
+        return parameter + work / size
 
 
 def _stride(row: SplineSpace, side: Side) -> int:
@@ -109,6 +105,24 @@ def _turn(at_hinge: FloatArray) -> tuple[float, float]:
     cosine, sine = x0 * x1 + y0 * y1, x0 * y1 - y0 * x1
     size = np.sqrt(cosine**2 + sine**2)
     return cosine / size, sine / size
+
+
+@_compiled
+def _rise(
+    points: FloatArray, displacement: FloatArray, hinge: IntArray, driven: IntArray, rate: FloatArray
+) -> float:
+    """What the driven functions move by when they are carried on with the hinge, times a rate (n, 2)."""
+    here, beyond = hinge[0], hinge[2]
+    cosine, sine = _turn(points[hinge] + displacement[hinge])
+    x0, y0 = points[here, 0] + displacement[here, 0], points[here, 1] + displacement[here, 1]
+    total = 0.0
+    for k in range(len(driven)):
+        f = driven[k]
+        x, y = points[f, 0] + displacement[f, 0], points[f, 1] + displacement[f, 1]
+        moved_x = points[here, 0] + displacement[beyond, 0] + cosine * (x - x0) - sine * (y - y0) - x
+        moved_y = points[here, 1] + displacement[beyond, 1] + sine * (x - x0) + cosine * (y - y0) - y
+        total += moved_x * rate[k, 0] + moved_y * rate[k, 1]
+    return total
 
 
 @_compiled

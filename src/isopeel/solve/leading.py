@@ -36,15 +36,15 @@ _compiled = njit(cache=True, error_model="numpy")
 
 @_compiled
 def best_weights(
-    parameters: FloatArray, energies: FloatArray, samples: FloatArray, target: float
+    parameters: FloatArray, ahead: FloatArray, energies: FloatArray, samples: FloatArray, target: float
 ) -> tuple[FloatArray, bool]:
     """Weights (2, n) of past states, as they are and carried on, whose sum leads to the target.
 
-    Past are the parameters (2, n) of states, as they are and carried on, the newest at the end, their
-    adhesive energies (n,), and numbers (n, 2, m) that tell how well a state is met; nan where nothing is
-    carried on. Each polynomial, in either measure of the way and through 1 to MOST_STATES states, and each
-    recurrence is judged by the mean logarithm of what it would have missed the last states by. The second
-    value is whether its measure is the energy.
+    Past are the parameters (n,) of states, the newest at the end, and what these are ahead, when the states
+    are carried on; their adhesive energies (n,); and numbers (n, 2, m) that tell how well a state is met, as
+    it is and carried on: nan where nothing is carried on. Each polynomial, in either measure of the way and
+    through 1 to MOST_STATES states, and each recurrence is judged by the mean logarithm of what it would have
+    missed the last states by. The second value is whether its measure is the energy.
     """
     n, m = samples.shape[0], samples.shape[2]
     weights, trial, difference = np.zeros((2, n)), np.zeros((2, n)), np.empty(m)
@@ -53,7 +53,7 @@ def best_weights(
     # the same for all, however few states there are
     tries = max(1, min(TRIES, n - MOST_STATES))
     for kind in (_BY_PARAMETER, _BY_ENERGY, _RECURRENCE):
-        way = parameters[0] if kind == _BY_PARAMETER else energies
+        way = parameters if kind == _BY_PARAMETER else energies
         period = _period(way, samples) if kind == _RECURRENCE else 0.0
         if kind == _RECURRENCE and period == 0.0:
             break
@@ -62,22 +62,22 @@ def best_weights(
         for count in range(fewest, min(n - 1, most) + 1):
             score = 0.0
             for last in range(n - tries, n):
-                if _lead(way, parameters, last, parameters[0, last], count, period, trial) == 0.0:
+                if _lead(way, parameters, ahead, last, parameters[last], count, period, trial) == 0.0:
                     score = np.inf
                     break
                 # a state that is met to the last digit is met no better than to round-off
                 score += np.log(_missed(samples, trial, last, difference) + 1e-300) / tries
             if not score < best:
                 continue
-            ahead = _lead(way, parameters, n, target, count, period, trial)
-            if ahead == 0.0 or (kind == _RECURRENCE and _jumps(way, parameters, target, ahead)):
+            rise = _lead(way, parameters, ahead, n, target, count, period, trial)
+            if rise == 0.0 or (kind == _RECURRENCE and _jumps(way, parameters, target, rise)):
                 continue
             best, best_count, best_kind = score, count, kind
             _copy(trial, weights)
     # where all states that there were met the last one best, one more may do better
     if best_count == n - 1 < MOST_STATES and best_kind != _RECURRENCE:
-        way = parameters[0] if best_kind == _BY_PARAMETER else energies
-        if _lead(way, parameters, n, target, n, 0.0, trial) != 0.0:
+        way = parameters if best_kind == _BY_PARAMETER else energies
+        if _lead(way, parameters, ahead, n, target, n, 0.0, trial) != 0.0:
             _copy(trial, weights)
     return weights, best_kind != _BY_PARAMETER
 
@@ -107,19 +107,20 @@ def _missed(samples: FloatArray, weights: FloatArray, n: int, difference: FloatA
 
 
 @_compiled
-def _jumps(way: FloatArray, parameters: FloatArray, target: float, ahead: float) -> bool:
+def _jumps(way: FloatArray, parameters: FloatArray, target: float, rise: float) -> bool:
     """Whether the way grows by far more per parameter to the target than it lately did."""
     n = len(way)
     least = np.inf
     for k in range(max(1, n - TRIES), n):
-        least = min(least, abs((way[k] - way[k - 1]) / (parameters[0, k] - parameters[0, k - 1])))
-    return not abs(ahead / (target - parameters[0, n - 1])) < _JUMP * least
+        least = min(least, abs((way[k] - way[k - 1]) / (parameters[k] - parameters[k - 1])))
+    return not abs(rise / (target - parameters[n - 1])) < _JUMP * least
 
 
 @_compiled
 def _lead(
     way: FloatArray,
     parameters: FloatArray,
+    ahead: FloatArray,
     n: int,
     target: float,
     count: int,
@@ -141,17 +142,17 @@ def _lead(
     if n - first < max(count, 2):
         return 0.0
     # the way and the parameters, from the last state on
-    unit, here = way[n - 1] - way[n - 2], parameters[0, n - 1]
+    unit, here = way[n - 1] - way[n - 2], parameters[n - 1]
     s, carried = np.empty(n), np.empty(n)
     for k in range(first, n):
         s[k] = (way[k] - way[n - 1]) / unit
-        carried[k] = parameters[1, k] - here
+        carried[k] = ahead[k] - here
     ago = period / abs(unit)
     basis = np.empty((2, MOST_STATES))
     start = n - count
     rest = np.empty(count)
     for k in range(count):
-        rest[k] = parameters[0, start + k] - here
+        rest[k] = parameters[start + k] - here
         if period > 0.0:
             place = _around(s, first, n, s[start + k] - ago)
             if place < 0:
@@ -162,7 +163,7 @@ def _lead(
         for i in range(count - 1, order - 1, -1):
             rest[i] = (rest[i] - rest[i - 1]) / (s[start + i] - s[start + i - order])
     step = target - here
-    at = step / (here - parameters[0, n - 2])
+    at = step / (here - parameters[n - 2])
     low, high = 0.0, _FARTHEST
     if period > 0.0:
         # between which states, carried on, does the path meet the target?

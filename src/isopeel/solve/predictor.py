@@ -6,13 +6,13 @@ adhesive energy is the better measure of the way: it grows steadily with the fro
 at limit points, and hesitates near them. Best of all is what the front did on the element before.
 """
 
-from collections.abc import Mapping
-from typing import NamedTuple
+from collections.abc import Mapping, Sequence
 
 import numpy as np
-from scipy.linalg.blas import daxpy
+from numba import njit
+from scipy.linalg.blas import daxpy, ddot
 
-from isopeel.arrays import FloatArray
+from isopeel.arrays import FloatArray, IntArray
 from isopeel.assembly.system import System
 from isopeel.solve.advance import Advance
 from isopeel.solve.leading import best_weights
@@ -25,6 +25,10 @@ STATES_TO_GO_ON = 36
 SLOPE_STATES = 5
 #: Places along the adhesive side where states are compared, about.
 _PLACES = 100
+#: Of notes of states: those beyond the remembered ones are room for the next.
+_ROWS = 3 * STATES_TO_GO_ON
+
+_compiled = njit(cache=True)
 
 
 class Predictor:
@@ -35,9 +39,16 @@ class Predictor:
         self._advance = Advance.of(system)
         side = np.unique(system.adhesive.functions)
         self._functions = np.stack([side, side if self._advance is None else self._advance.ahead[side]])
+        # a turn of the body as a whole, which dwarfs all else, leaves second differences as they are
+        self._order = min(2, len(side) - 1)
+        self._every = 1 + len(side) // _PLACES
         #: The newest at the end.
         self.states: list[Past] = []
-        self._notes: list[_Note] = []
+        # notes of the states are the last of `end` rows: parameters, as they are and carried on, and adhesive
+        # energies; bends, as they are and carried on
+        self._end = 0
+        self._numbers = np.empty((3, _ROWS))
+        self._bends = np.empty((_ROWS, 2, 2 * -(-(len(side) - self._order) // self._every)))
         self._displacement = np.empty((0, 2))  # of the last state
         # whether the adhesive energy was the better measure of the way at the last guess
         self._by_energy = False
@@ -45,32 +56,34 @@ class Predictor:
     def remember(self, state: Past, displacement: FloatArray) -> None:
         """Take a state, of coefficients u (size, 2)."""
         parameter, advance = state.parameter, self._advance
-        ahead = np.nan if advance is None else advance.parameter(parameter, displacement)
-        # a turn of the body as a whole, which dwarfs all else, leaves second differences as they are
-        order = min(2, self._functions.shape[1] - 1)
-        every = 1 + self._functions.shape[1] // _PLACES
-        bends = np.diff(displacement[self._functions], order, axis=1)[:, ::every]
         # a drive that turns back meets a parameter again: its last state counts
         known = [k for k, other in enumerate(self.states) if other.parameter != parameter]
+        if self._end == _ROWS or len(known) < len(self.states):
+            rows = self._end - len(self.states) + np.array(known, np.int64)
+            self._end = len(known)
+            self._numbers[:, : self._end] = self._numbers[:, rows]
+            self._bends[: self._end] = self._bends[rows]
         known = known[1 - STATES_TO_GO_ON :]
         self.states = [*(self.states[k] for k in known), state]
-        self._notes = [*(self._notes[k] for k in known), _Note(ahead, bends.reshape(1, 2, -1))]
+        ahead = np.nan if advance is None else advance.parameter(parameter, displacement)
+        self._numbers[:, self._end] = parameter, ahead, state.adhesive_energy
+        _bend(displacement, self._functions, self._order, self._every, self._bends[self._end])
+        self._end += 1
         self._displacement = displacement
 
     def forget(self) -> None:
         """Leave all states."""
-        self.states, self._notes = [], []
+        self.states, self._end = [], 0
 
     def guess(self, parameter: float) -> FloatArray:
         """Unknowns (count,) that the path leads to; zeros without a state."""
         guess = np.zeros(self._system.count)
         if not self.states:
             return guess
+        rows = slice(self._end - len(self.states), self._end)
+        parameters, ahead, energies = self._numbers
         weights, self._by_energy = best_weights(
-            np.array([[past.parameter for past in self.states], [note.ahead for note in self._notes]]),
-            np.array([past.adhesive_energy for past in self.states]),
-            np.concatenate([note.bends for note in self._notes]),
-            parameter,
+            parameters[rows], ahead[rows], energies[rows], self._bends[rows], parameter
         )
         if self._advance is not None and weights[1].any():
             self._add(weights[1], guess)
@@ -86,16 +99,9 @@ class Predictor:
     def slope(self, covector: FloatArray) -> float:
         """Derivative of covector (count,) . unknowns by the parameter, at the last state."""
         last = self.states[-SLOPE_STATES:]
-        parameters = np.array([past.parameter for past in last])
-        way = np.array([past.adhesive_energy for past in last]) if self._by_energy else parameters
-        return slope(way, parameters, np.array([covector @ past.unknown_values for past in last]))
-
-
-class _Note(NamedTuple):
-    """Of a state: its parameter when it is carried on, and its bends (1, 2, m), as it is and carried on."""
-
-    ahead: float
-    bends: FloatArray
+        parameters = [past.parameter for past in last]
+        way = [past.adhesive_energy for past in last] if self._by_energy else parameters
+        return slope(way, parameters, [ddot(covector, past.unknown_values) for past in last])
 
 
 def extrapolate(history: Mapping[float, FloatArray], parameter: float, count: int) -> FloatArray:
@@ -110,26 +116,28 @@ def extrapolate(history: Mapping[float, FloatArray], parameter: float, count: in
     return start
 
 
-def slope(way: FloatArray, parameters: FloatArray, values: FloatArray) -> float:
-    """Derivative by the parameter of what has these values (n,) at the states of a path, at the last of them.
+def slope(way: Sequence[float], parameters: Sequence[float], values: Sequence[float]) -> float:
+    """Derivative by the parameter of what has these values at the states of a path, at the last of them.
 
     That of the polynomial in the way through the last states, up to SLOPE_STATES, along which it has grown or
     fallen steadily. Zero where there is no state before the last, and at a limit point of the parameter,
     where there is no such derivative.
     """
-    way = way[-SLOPE_STATES:]
-    steps = np.diff(way)
-    (turns,) = np.nonzero(steps * steps[-1:] <= 0)
-    count = len(way) - (turns[-1] + 1 if len(turns) else 0)
-    if count < 2:
-        return 0.0
-    *past, last = way[-count:]
-    nodes = np.array(past)
+    last = len(way) - 1
+    first = last
+    while first > max(0, last - SLOPE_STATES + 1) and (way[first] - way[first - 1]) * (way[-1] - way[-2]) > 0:
+        first -= 1
     # of the polynomial (s - last) q(s) + f(last), with q through the difference quotients
-    weights = _lagrange(nodes, last) / (nodes - last)
-    along, parameter = (float(weights @ (f[-count:-1] - f[-1])) for f in (values, parameters))
+    along = parameter = 0.0
+    for k in range(first, last):
+        weight = 1 / (way[k] - way[last])
+        for j in range(first, last):
+            if j != k:
+                weight *= (way[last] - way[j]) / (way[k] - way[j])
+        along += weight * (values[k] - values[last])
+        parameter += weight * (parameters[k] - parameters[last])
     # of which the last step tells the sign
-    onwards = parameter * steps[-1] * (parameters[-1] - parameters[-2]) > 0
+    onwards = last > 0 and parameter * (way[-1] - way[-2]) * (parameters[-1] - parameters[-2]) > 0
     return along / parameter if onwards else 0.0
 
 
@@ -141,3 +149,19 @@ def _lagrange(nodes: FloatArray, at: float) -> FloatArray:
     np.fill_diagonal(factors, 1.0)
     weights: FloatArray = factors.prod(axis=1)
     return weights
+
+
+@_compiled
+def _bend(displacement: FloatArray, functions: IntArray, order: int, every: int, bends: FloatArray) -> None:
+    """Set bends (2, m) to differences of displacements along functions (2, n), at every so many of them."""
+    places = bends.shape[1] // 2
+    for kind in range(2):
+        for place in range(places):
+            f = functions[kind, place * every :]
+            for i in range(2):
+                bend = displacement[f[0], i]
+                if order > 0:
+                    bend = displacement[f[1], i] - bend
+                if order > 1:
+                    bend = displacement[f[2], i] - displacement[f[1], i] - bend
+                bends[kind, 2 * place + i] = bend
