@@ -245,7 +245,7 @@ class System:
     ) -> Equilibrium:
         band = np.empty((0, 0)) if matrix is None else matrix.workspace
         diagonal = 0 if matrix is None or matrix.storage == "symmetric" else 2 * self.half_bandwidth
-        forces = np.zeros_like(displacement)
+        forces = np.zeros(displacement.shape)
         target = forces, band, diagonal, matrix is not None
         stored, lowest = self._add_body(displacement, *target)
         adhesive, dissipated = self._add_adhesion(

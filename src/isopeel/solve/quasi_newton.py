@@ -1,6 +1,7 @@
 """Newton's method with a tangent that is kept from step to step, and learns from the steps it has taken."""
 
 from dataclasses import dataclass, replace
+from math import isfinite
 
 import numpy as np
 from scipy.linalg.blas import idamax
@@ -95,7 +96,7 @@ class QuasiNewton:
                 threshold *= _SHARE
             # a residual that is not finite fails this test too
             poor += bool(measures) and not measure < max(_POOR * measures[-1], threshold)
-            if poor > 1 and memory.steps > 0 and np.isfinite(measure):
+            if poor > 1 and memory.steps > 0 and isfinite(measure):
                 # the tangent is of another step: one of this step may do
                 try:
                     (factor, memory), poor = self._new_tangent(y, parameter), 0
@@ -103,7 +104,7 @@ class QuasiNewton:
                 except NotPositiveDefiniteError:
                     return None
                 correction, measure = _correction(factor, pairs, at)
-            if not np.isfinite(measure) or poor > 1:
+            if not isfinite(measure) or poor > 1:
                 return None
             measures.append(measure)
             y = y + correction
