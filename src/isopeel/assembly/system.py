@@ -6,7 +6,7 @@ from typing import Literal
 import numpy as np
 from psutil import virtual_memory
 
-from isopeel.arrays import FloatArray, IntArray, frozen
+from isopeel.arrays import FloatArray, frozen
 from isopeel.assembly.adhesion_kernel import adhesion as adhesion_kernel
 from isopeel.assembly.body_kernel import body as body_kernel
 from isopeel.assembly.constraints import Constraints, constrain, half_bandwidth
@@ -119,12 +119,44 @@ class System:
         self.tangents: FloatArray = check_start(
             problem, self.space, self.adhesive, self.constraints, self.load, base
         )
-        self._body_unknowns: IntArray = self.body.unknowns(self.constraints)
-        self._adhesive_unknowns: IntArray = self.constraints.unknowns[self.adhesive.functions]
         self._workspaces: dict[Storage, FloatArray] = {}
         # kept alive, as compiled code is told their addresses only
-        self._material = problem.body.material.kernel
-        self._law, self._substrate = adhesion.law.kernel, adhesion.substrate.kernel
+        self._kernels = problem.body.material.kernel, adhesion.law.kernel, adhesion.substrate.kernel
+        material, law, substrate = (kernel.address for kernel in self._kernels)
+        table, side = self.body, self.adhesive
+        # what is the same at each call
+        self._of_body = (
+            material,
+            problem.body.material.parameters,
+            table.kinds,
+            table.sizes,
+            table.along,
+            table.first,
+            table.across,
+            table.first_rows,
+            table.maps,
+            table.weights,
+            table.unknowns(self.constraints),
+        )
+        self._of_adhesion = (
+            law,
+            adhesion.law.parameters,
+            substrate,
+            adhesion.substrate.parameters,
+            side.functions,
+            side.values,
+            side.gradients,
+            side.weights,
+            side.positions,
+            side.normals,
+            self.constraints.unknowns[side.functions],
+            adhesion.substrate.constant_curvature,
+            adhesion.traction == "projected",
+            adhesion.irreversible,
+            adhesion.sliding_length or 0.0,
+            self.tangents,
+            adhesion.law.equilibrium_gap,
+        )
 
     @property
     def load_is_unknown(self) -> bool:
@@ -268,24 +300,8 @@ class System:
         with_tangent: bool,
     ) -> tuple[float, float]:
         """Add what deforms the body; its stored energy, and the least determinant of F."""
-        material, table = self.problem.body.material, self.body
         energies: tuple[float, float] = body_kernel(
-            self._material.address,
-            material.parameters,
-            table.kinds,
-            table.sizes,
-            table.along,
-            table.first,
-            table.across,
-            table.first_rows,
-            table.maps,
-            table.weights,
-            self._body_unknowns,
-            displacement,
-            forces,
-            band,
-            diagonal,
-            with_tangent,
+            *self._of_body, displacement, forces, band, diagonal, with_tangent
         )
         return energies
 
@@ -299,30 +315,7 @@ class System:
         with_tangent: bool,
     ) -> tuple[float, float]:
         """Add what the substrate does after largest openings (E, Q); adhesive and dissipated energy."""
-        adhesion, side = self.problem.adhesion, self.adhesive
         energies: tuple[float, float] = adhesion_kernel(
-            self._law.address,
-            adhesion.law.parameters,
-            self._substrate.address,
-            adhesion.substrate.parameters,
-            side.functions,
-            side.values,
-            side.gradients,
-            side.weights,
-            side.positions,
-            side.normals,
-            self._adhesive_unknowns,
-            adhesion.substrate.constant_curvature,
-            adhesion.traction == "projected",
-            adhesion.irreversible,
-            openings,
-            adhesion.sliding_length or 0.0,
-            self.tangents,
-            adhesion.law.equilibrium_gap,
-            displacement,
-            forces,
-            band,
-            diagonal,
-            with_tangent,
+            *self._of_adhesion, openings, displacement, forces, band, diagonal, with_tangent
         )
         return energies
