@@ -72,6 +72,27 @@ def test_a_folder_of_parts_must_exist(monkeypatch: pytest.MonkeyPatch) -> None:
         discover.__wrapped__("isopeel.physics.adhesion")
 
 
+@pytest.mark.parametrize(
+    ("code", "reason"),
+    [
+        ("x = 1\nclass A(\n", "SyntaxError in line 2: '(' was never closed"),
+        ("x = 1\n\ny = unknown\n", "NameError in line 3: name 'unknown' is not defined"),
+        ("from isopeel import nothing\n", "ImportError in line 1: cannot import name 'nothing'"),
+    ],
+)
+def test_a_part_that_python_cannot_run_is_told_with_its_line(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, code: str, reason: str
+) -> None:
+    package = "isopeel.physics.substrates"
+    monkeypatch.setenv(OWN_PARTS, str(tmp_path))
+    monkeypatch.setattr(import_module(package), "__path__", import_module(package).__path__)
+    file = tmp_path / "substrates" / "broken.py"
+    file.parent.mkdir()
+    file.write_text(code, encoding="utf-8")
+    with pytest.raises(InputError, match=re.escape(f"{OWN_PARTS}: {str(file)!r} cannot be used; {reason}")):
+        discover.__wrapped__(package)
+
+
 def test_the_case_of_the_document_runs(parts: dict[str, Any]) -> None:
     case = Case.parse(CASE)
     (stage,) = case.stages()

@@ -6,14 +6,15 @@ a subfolder that has the name of its package's last part, such as `adhesion` or 
 """
 
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import is_dataclass
 from functools import cache
 from importlib import import_module
 from inspect import getmembers, isclass
 from pathlib import Path
 from pkgutil import iter_modules
-from types import MappingProxyType
+from traceback import extract_tb
+from types import MappingProxyType, ModuleType
 from typing import Any
 
 from isopeel.errors import InputError
@@ -26,14 +27,16 @@ OWN_PARTS = "ISOPEEL_PARTS"
 def discover(package: str) -> Mapping[str, type[Any]]:
     """Return the dataclasses that the modules of a package define with a `name`, sorted by that name.
 
-    Raises InputError where two have the same name, or where a folder of one's own parts does not exist.
+    Raises InputError where two have the same name, where a folder of one's own parts does not exist, or where
+    Python cannot run a file in it.
     """
     home = import_module(package)
+    own = _own_folders(package.rpartition(".")[2])
     # so that what is in these files can be imported, and sent to another process, by its name
-    home.__path__ = [*home.__path__, *_own_folders(package.rpartition(".")[2])]
+    home.__path__ = [*home.__path__, *own]
     found: dict[str, type[Any]] = {}
     for module in iter_modules(home.__path__, f"{package}."):
-        for _, kind in getmembers(import_module(module.name), isclass):
+        for _, kind in getmembers(_imported(module.name, own), isclass):
             name = getattr(kind, "name", None)
             if kind.__module__ != module.name or not is_dataclass(kind) or not isinstance(name, str):
                 continue
@@ -42,6 +45,23 @@ def discover(package: str) -> Mapping[str, type[Any]]:
                 raise InputError("name", name, allowed)
             found[name] = kind
     return MappingProxyType(dict(sorted(found.items())))
+
+
+def _imported(module: str, own: Sequence[str]) -> ModuleType:
+    """Import a module; one of the own folders raises InputError with the line that Python cannot run."""
+    try:
+        return import_module(module)
+    except Exception as error:
+        files = [Path(folder) / f"{module.rpartition('.')[2]}.py" for folder in own]
+        file = next((file for file in files if file.exists()), None)
+        if file is None:
+            raise
+        lines = [frame.lineno for frame in extract_tb(error.__traceback__) if frame.filename == str(file)]
+        reason = str(error)
+        if isinstance(error, SyntaxError):
+            lines, reason = [error.lineno] if error.lineno else [], error.msg
+        place = f" in line {lines[-1]}" if lines else ""
+        raise InputError(OWN_PARTS, str(file), f"{type(error).__name__}{place}: {reason}") from error
 
 
 def _own_folders(kind: str) -> list[str]:
