@@ -18,9 +18,9 @@ from scipy.integrate import trapezoid
 
 import isopeel
 from isopeel.cli import main
-from isopeel.law import LAWS
 from isopeel.processes import cores
 from isopeel.results.run_writer import RunWriter
+from isopeel.showing.law import LAWS
 from isopeel.solve.newton import ConvergenceError
 from isopeel.solve.step import KINDS
 

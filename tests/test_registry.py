@@ -17,11 +17,11 @@ from isopeel.case.kinds import KindSection
 from isopeel.case.sections import MaterialSection
 from isopeel.case.values import key_of
 from isopeel.errors import InputError
-from isopeel.law import LAWS
 from isopeel.physics.batch import evaluate_law, evaluate_material
 from isopeel.post.law import law_character
 from isopeel.quantities import Length
 from isopeel.registry import discover
+from isopeel.showing.law import LAWS
 
 NAMES = {
     "isopeel.physics.adhesion": (

@@ -20,7 +20,7 @@ def chain(n: int, differences: int, columns: int) -> BandMatrix:
     return BandMatrix(band, columns - 1, "symmetric")
 
 
-@pytest.mark.parametrize(("name", "mesh"), [("N4", (40, 8)), ("L1", (20, 2))])
+@pytest.mark.parametrize(("name", "mesh"), [("N4", (40, 8)), ("L1", (20, 2)), ("L4", (20, 3))])
 def test_single_precision_solves_a_tangent_to_its_digits(name: str, mesh: tuple[int, int]) -> None:
     system = System(strip(), row_space(name, mesh))
     u, _ = system.state(np.zeros(system.count), 0.0)
@@ -35,6 +35,19 @@ def test_single_precision_solves_a_tangent_to_its_digits(name: str, mesh: tuple[
     huge = single.solve(1e200 * right_side)
     np.testing.assert_allclose(huge, 1e200 * found, rtol=1e-5, atol=1e-5 * np.abs(huge).max())
     np.testing.assert_array_equal(single.solve(np.zeros(system.count)), 0.0)
+
+
+def test_what_elements_joined_without_slopes_do_not_reach_is_left_out() -> None:
+    system = System(strip(), row_space("L4", (40, 10)))
+    u, _ = system.state(np.zeros(system.count), 0.0)
+    matrix = system.linearize(u)[1]
+    factor = BlockedFactor.of(matrix.entries, np.float64)
+    # the unknowns of an element's first x reach to those of its last, the next three to fewer and fewer
+    whole = system.count * (matrix.half_bandwidth + 1)
+    assert 0.6 * whole < factor.values.size < 0.9 * whole
+    right_side = np.random.default_rng(0).standard_normal((system.count,))
+    found, exact = factor.solve(right_side), BandCholesky.of(matrix).solve(right_side)
+    np.testing.assert_allclose(found, exact, rtol=0, atol=1e-9 * np.abs(exact).max())
 
 
 @pytest.mark.parametrize(("differences", "columns"), [(4, 41), (4, 81)])

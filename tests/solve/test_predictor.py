@@ -68,21 +68,27 @@ def test_slope_follows_the_adhesive_energy_past_a_limit_point() -> None:
     assert slope(3 * s - 1, s - s**2, s**3) == 0.0
 
 
-def _recurrent(way: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _recurrent(way: np.ndarray, hesitation: float = 0.1) -> tuple[np.ndarray, np.ndarray]:
     """Parameter and state of a path that repeats itself after 2.3, but for what changes slowly."""
     phase = 2 * np.pi * way / 2.3
-    parameter = way + 0.1 * np.sin(phase) + 0.01 * way**2
+    parameter = way + hesitation * np.sin(phase) + 0.01 * way**2
     state = np.stack([np.cos(phase) + np.sin(2 * phase), np.sin(phase + 1) + 0.01 * way], axis=1)
     return parameter, state
 
 
-def test_a_recurrence_leads_on_where_polynomials_cannot() -> None:
-    fine = np.linspace(0, 10, 100001)
-    parameters = np.arange(0.5, 8.0, 0.2)
-    way = np.interp(parameters, _recurrent(fine)[0], fine)
+def _way(parameters: np.ndarray, hesitation: float = 0.1) -> np.ndarray:
+    """Where a recurrent path has its parameter at some values."""
+    fine = np.linspace(0, 20, 200001)
+    way: np.ndarray = np.interp(parameters, _recurrent(fine, hesitation)[0], fine)
     for _ in range(3):  # Newton's method for p(way) = parameter
-        rate = (_recurrent(way + 1e-6)[0] - _recurrent(way - 1e-6)[0]) / 2e-6
-        way -= (_recurrent(way)[0] - parameters) / rate
+        rate = (_recurrent(way + 1e-6, hesitation)[0] - _recurrent(way - 1e-6, hesitation)[0]) / 2e-6
+        way -= (_recurrent(way, hesitation)[0] - parameters) / rate
+    return way
+
+
+def test_a_recurrence_leads_on_where_polynomials_cannot() -> None:
+    parameters = np.arange(0.5, 8.0, 0.2)
+    way = _way(parameters)
     values = _recurrent(way)[1]
     past = slice(0, -1)
     known, samples = parameters[past], np.stack([values, values], axis=1)[past]
@@ -95,6 +101,24 @@ def test_a_recurrence_leads_on_where_polynomials_cannot() -> None:
     assert not alone[1].any()
     # states around a place, of eleven in a period, against those before it
     assert missed < 0.3 * np.abs(alone[0] @ values[past] - values[-1]).max()
+
+
+def test_a_recurrence_does_not_lead_through_what_may_have_been_a_jump() -> None:
+    # once a period the parameter nearly halts: there the way grows by four times its usual pace
+    parameters = np.arange(0.5, 12.0, 0.2)
+    way = _way(parameters, 0.28)
+    values = _recurrent(way, 0.28)[1]
+    steep: list[bool] = []
+    calm: list[bool] = []
+    for n in range(36, len(way)):
+        past = slice(n - 36, n)
+        known, samples = parameters[past], np.stack([values, values], axis=1)[past]
+        weights, _ = best_weights(known, known, way[past], samples, parameters[n])
+        steps = np.diff(way[n - 4 : n + 1])
+        (steep if steps[-1] > 2.6 * steps[:-1].min() else calm).append(bool(weights[1].any()))
+    assert len(steep) > 1
+    assert not any(steep)
+    assert any(calm)
 
 
 @pytest.mark.parametrize("name", ["L1", "L2", "N3", "N2.1"])

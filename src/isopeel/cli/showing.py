@@ -30,7 +30,7 @@ def plot(
     ] = None,
 ) -> int:
     """Draw the figures of a stored run: its curve and plateau, deformed shapes, front and tractions."""
-    from isopeel.plot import plot_run
+    from isopeel.showing.plot import plot_run
 
     plot_run(folder, only or [], at or [], suffix, out, console())
     return COMPLETED
@@ -63,7 +63,7 @@ def export(
 ) -> int:
     """Write the fields of a run for ParaView, as Bezier cells that hold curved shapes exactly."""
     try:
-        from isopeel.export import export_run
+        from isopeel.showing.export import export_run
 
         export_run(folder, out, linear, console())
     except KeyboardInterrupt:
@@ -82,7 +82,7 @@ def compare(
     ),
 ) -> int:
     """Lay the curves of stored runs over each other, and tabulate what was read from them."""
-    from isopeel.compare import compare_runs
+    from isopeel.showing.compare import compare_runs
 
     compare_runs(folders, suffix, out, console())
     return COMPLETED
@@ -102,7 +102,7 @@ def animate(
     ] = None,
 ) -> int:
     """Animate a stored run: the deformed body, and beside it the curve with a mark that moves along it."""
-    from isopeel.animate import animate_run
+    from isopeel.showing.animate import animate_run
 
     animate_run(folder, suffix, fps, size, out, console())
     return COMPLETED
@@ -120,7 +120,7 @@ def view(
     ] = None,
 ) -> int:
     """Show the deformed body of a stored run in a window, with a slider (needs isopeel[view])."""
-    from isopeel.view import view_run
+    from isopeel.showing.view import view_run
 
     view_run(folder, at, screenshot, console())
     return COMPLETED
@@ -144,7 +144,7 @@ def spaces(
     ] = None,
 ) -> int:
     """Draw the functions of a spline space, and tell its degrees, continuities, supports and DOFs."""
-    from isopeel.spaces import show_space
+    from isopeel.showing.spaces import show_space
 
     show_space(name, mesh, out, console())
     return COMPLETED
@@ -160,7 +160,7 @@ def law(
     ] = None,
 ) -> int:
     """Draw a law of adhesion, and tell its strength, work of adhesion and stiffness."""
-    from isopeel.law import show_law
+    from isopeel.showing.law import show_law
 
     show_law(name, out, console())
     return COMPLETED

@@ -10,7 +10,6 @@ from rich.box import SIMPLE_HEAD
 from rich.console import Console
 from rich.table import Column, Table
 
-from isopeel.chosen import shown_stage
 from isopeel.errors import InputError
 from isopeel.folder import make_folder
 from isopeel.post.comparison import Compared, comparison, difference
@@ -19,6 +18,7 @@ from isopeel.post.style import check_format
 from isopeel.post.summary import find, short_unit, units_note
 from isopeel.results.curve import Curve
 from isopeel.results.files import replacing
+from isopeel.showing.chosen import shown_stage
 from isopeel.stored import StoredStage
 
 

@@ -7,7 +7,6 @@ from typing import NamedTuple
 from matplotlib.figure import Figure
 from rich.console import Console
 
-from isopeel.chosen import shown_stages, stored_parameters
 from isopeel.errors import InputError
 from isopeel.folder import FIGURES, make_folder
 from isopeel.post.figures import (
@@ -24,6 +23,7 @@ from isopeel.post.reading import unreadable
 from isopeel.post.style import check_format
 from isopeel.post.summary import Findings, find, units_note
 from isopeel.results.files import replacing
+from isopeel.showing.chosen import shown_stages, stored_parameters
 from isopeel.stored import StoredStage
 
 

@@ -11,7 +11,6 @@ import numpy as np
 from rich.console import Console
 
 from isopeel.arrays import FloatArray
-from isopeel.chosen import shown_stage, stored_parameters
 from isopeel.errors import InputError
 from isopeel.folder import make_folder
 from isopeel.physics.batch import evaluate_substrate
@@ -21,6 +20,7 @@ from isopeel.post.style import FIELD_MAP, SHADE, VERMILION
 from isopeel.post.summary import short_unit, units_note
 from isopeel.problem import Problem
 from isopeel.results.files import replacing
+from isopeel.showing.chosen import shown_stage, stored_parameters
 from isopeel.stored import StoredStage
 
 _SIZE = (1280, 720)  # pixels

@@ -11,13 +11,13 @@ import numpy as np
 from PIL import Image
 from rich.console import Console
 
-from isopeel.chosen import shown_stages
 from isopeel.errors import InputError
 from isopeel.folder import FIGURES, make_folder
 from isopeel.post.figures.moving import MovingFigure, Picture
 from isopeel.post.summary import units_note
 from isopeel.progress import counted
 from isopeel.results.files import replacing
+from isopeel.showing.chosen import shown_stages
 from isopeel.stored import StoredStage
 
 #: Pictures per second that are possible: a gif counts in hundredths of a second, and shows no more than 50.
