@@ -14,9 +14,11 @@ import numpy as np
 
 from isopeel.arrays import FloatArray
 from isopeel.assembly.system import System
-from isopeel.physics.batch import compiled_here
+from isopeel.physics.batch import compiled_here, evaluate_substrate
+from isopeel.physics.substrates import Flat
 from isopeel.problem import strip
 from isopeel.processes import cores
+from isopeel.solve.leading import best_weights
 from isopeel.solve.newton import NewtonSettings
 from isopeel.solve.path import Path
 from isopeel.splines.rows import row_space
@@ -24,7 +26,9 @@ from isopeel.splines.rows import row_space
 
 @contextmanager
 def rehearsed_beside() -> Iterator[None]:
-    """Compile in a second process meanwhile, if this one had to compile what it needed so far."""
+    """Compile in a second process meanwhile, if a first small kernel had to be compiled: others have, too."""
+    flat = Flat()
+    evaluate_substrate(flat.kernel, flat.parameters, np.zeros((1, 2)))
     if not compiled_here() or cores() == 1:
         yield
         return
@@ -41,6 +45,9 @@ def rehearsed_beside() -> Iterator[None]:
 
 def rehearse() -> None:
     """Take a few steps, on a mesh on which a front could be carried on from element to element."""
+    # the first process asks for this one last, and could not wait for it
+    one = np.ones(1)
+    best_weights(one, one, one, np.ones((1, 2, 1)), 2.0)
     path = Path(_OnSprings(strip(), row_space("L1", (40, 1))), NewtonSettings(), ())
     for degrees in (0.0, 0.1, 0.2):
         path.step(path.equilibrium(radians(degrees)), 0.0)

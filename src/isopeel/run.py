@@ -22,7 +22,6 @@ from isopeel.post.figures import reaction_figure, save, shapes_figure
 from isopeel.post.summary import find, short_unit, summarize, summary_rows, units_note
 from isopeel.problem import Column
 from isopeel.progress import progress
-from isopeel.rehearsal import rehearsed_beside
 from isopeel.results.curve import Curve
 from isopeel.results.files import replacing
 from isopeel.results.provenance import Provenance
@@ -186,7 +185,7 @@ def _run_stage(
     )
     with Interrupts() as interrupts:
         try:
-            with rehearsed_beside(), writer:
+            with writer:
                 _follow(steps, stage, _met(stage, found), writer, interrupts, console)
         finally:
             # whatever comes in between, the table holds what the file does

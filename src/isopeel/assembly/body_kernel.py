@@ -24,7 +24,8 @@ from isopeel.physics.batch import material_at
 _LANES = 256
 
 # Reordered sums let loops run in vector registers; nan must stay nan, because it is how an inverted
-# element is noticed. Numba takes seconds to compile an assignment to a part of an array, but not its fill.
+# element is noticed. Numba takes seconds to compile an assignment to a part of an array, but not its fill;
+# and half a second for the minimum of one.
 _compiled = njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "nsz"})
 _inlined = njit(inline="always")
 
@@ -77,7 +78,8 @@ def body(
     place = np.empty(block, np.int64)
     flat = band.ravel()
     energy = 0.0
-    least = np.full(block, np.inf)
+    least = np.empty(block)
+    least.fill(np.inf)
     for start in range(0, X, block):
         n = min(block, X - start)
         lanes = slice(start, start + n)
@@ -215,7 +217,10 @@ def body(
                         )
                     for lane in range(n):
                         forces[first[j, start + lane] + a, i] += value[lane]
-    return energy, least.min()
+    lowest = np.inf
+    for lane in range(block):
+        lowest = min(lowest, least[lane])
+    return energy, lowest
 
 
 @_inlined

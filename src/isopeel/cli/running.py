@@ -62,7 +62,6 @@ def run(
     """Run CASE and leave its curve, figures, summary and fields in a folder."""
     try:
         from isopeel.case import load_case
-        from isopeel.run import run_case
 
         chosen = load_case(case).overridden(
             space=space,
@@ -75,7 +74,12 @@ def run(
             fields_every=fields_every,
         )
         folder = out or Path("out") / chosen.name
-        result = run_case(chosen, folder, console())
+        from isopeel.rehearsal import rehearsed_beside
+
+        with rehearsed_beside():
+            from isopeel.run import run_case
+
+            result = run_case(chosen, folder, console())
     except InputError as error:
         # what only the solver can tell of an option
         for option, value in (("mesh", mesh), ("contact_points", contact_points)):
@@ -98,9 +102,12 @@ def resume(
 ) -> int:
     """Go on with a run that was interrupted or killed; its steps are those of an uninterrupted one."""
     try:
-        from isopeel.resume import resume_case
+        from isopeel.rehearsal import rehearsed_beside
 
-        result = resume_case(folder, console(), to, control)
+        with rehearsed_beside():
+            from isopeel.resume import resume_case
+
+            result = resume_case(folder, console(), to, control)
     except KeyboardInterrupt:
         return fail(INTERRUPTED, f"interrupted; {goes_on(folder)}")
     except OSError as error:

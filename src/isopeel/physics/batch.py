@@ -103,7 +103,7 @@ def evaluate_substrate(
 
 
 def compiled_here() -> bool:
-    """Whether this process had to compile what evaluates substrates, which a system does when it is made."""
+    """Whether this process had to compile what evaluates substrates."""
     return bool(_call_substrate.stats.cache_misses)
 
 

@@ -112,9 +112,13 @@ def _rise(
     points: FloatArray, displacement: FloatArray, hinge: IntArray, driven: IntArray, rate: FloatArray
 ) -> float:
     """What the driven functions move by when they are carried on with the hinge, times a rate (n, 2)."""
+    at_hinge = np.empty((3, 2))
+    for k in range(3):
+        for i in range(2):
+            at_hinge[k, i] = points[hinge[k], i] + displacement[hinge[k], i]
+    cosine, sine = _turn(at_hinge)
     here, beyond = hinge[0], hinge[2]
-    cosine, sine = _turn(points[hinge] + displacement[hinge])
-    x0, y0 = points[here, 0] + displacement[here, 0], points[here, 1] + displacement[here, 1]
+    x0, y0 = at_hinge[0, 0], at_hinge[0, 1]
     total = 0.0
     for k in range(len(driven)):
         f = driven[k]

@@ -88,70 +88,70 @@ def _factorize(columns: FloatArray, reach: IntArray, values: Floats, starts: Int
 
     A window on A moves down the band: the blocks that the next one takes something off.
     """
-    blocks, below = len(reach), reach.max()
+    blocks, below = len(reach), 0
+    for block in range(blocks):
+        below = max(below, reach[block])
     beyond = below // _COLUMNS
     # column by column: rows from the first of the block on
     window = np.empty((beyond + 1, _COLUMNS, _COLUMNS + below))
     inverse = np.zeros((_COLUMNS, _COLUMNS))
     L = np.empty((_COLUMNS, below))
-    entered = 0
+    for block in range(min(beyond, blocks)):
+        _enter(columns, block, window[block])
     for block in range(blocks):
-        while entered < min(block + beyond + 1, blocks):
-            _enter(columns, entered, window[entered % (beyond + 1)])
-            entered += 1
+        if block + beyond < blocks:
+            _enter(columns, block + beyond, window[(block + beyond) % (beyond + 1)])
         A = window[block % (beyond + 1)]
         pivot = _invert(A, inverse)
         if pivot > 0:
             return block * _COLUMNS + pivot
         rows, start = reach[block], starts[block]
-        A0, A1, A2, A3, A4, A5, A6, A7 = A[0], A[1], A[2], A[3], A[4], A[5], A[6], A[7]
         for c in range(_COLUMNS):
             x0, x1, x2, x3 = inverse[0, c], inverse[1, c], inverse[2, c], inverse[3, c]
             x4, x5, x6, x7 = inverse[4, c], inverse[5, c], inverse[6, c], inverse[7, c]
-            row = L[c]
             for i in range(rows):
                 k = _COLUMNS + i
-                row[i] = (
-                    A0[k] * x0
-                    + A1[k] * x1
-                    + A2[k] * x2
-                    + A3[k] * x3
-                    + A4[k] * x4
-                    + A5[k] * x5
-                    + A6[k] * x6
-                    + A7[k] * x7
+                L[c, i] = (
+                    A[0, k] * x0
+                    + A[1, k] * x1
+                    + A[2, k] * x2
+                    + A[3, k] * x3
+                    + A[4, k] * x4
+                    + A[5, k] * x5
+                    + A[6, k] * x6
+                    + A[7, k] * x7
                 )
             for i in range(_COLUMNS):
                 values[start + c * _COLUMNS + i] = inverse[c, i]
-            kept = values[start + _COLUMNS * _COLUMNS + c * rows :]
+            kept = start + _COLUMNS * _COLUMNS + c * rows
             for i in range(rows):
-                kept[i] = row[i]
+                values[kept + i] = L[c, i]
         for ahead in range(min(rows // _COLUMNS, blocks - 1 - block)):
-            target = window[(block + 1 + ahead) % (beyond + 1)]
-            part = L[:, ahead * _COLUMNS : rows]
-            L0, L1, L2, L3, L4, L5, L6, L7 = (
-                part[0],
-                part[1],
-                part[2],
-                part[3],
-                part[4],
-                part[5],
-                part[6],
-                part[7],
-            )
+            target = (block + 1 + ahead) % (beyond + 1)
+            offset = ahead * _COLUMNS
             for c in range(_COLUMNS):
-                row = target[c]
-                y0, y1, y2, y3, y4, y5, y6, y7 = L0[c], L1[c], L2[c], L3[c], L4[c], L5[c], L6[c], L7[c]
-                for i in range(part.shape[1]):
-                    row[i] -= (
-                        L0[i] * y0
-                        + L1[i] * y1
-                        + L2[i] * y2
-                        + L3[i] * y3
-                        + L4[i] * y4
-                        + L5[i] * y5
-                        + L6[i] * y6
-                        + L7[i] * y7
+                j = offset + c
+                y0, y1, y2, y3, y4, y5, y6, y7 = (
+                    L[0, j],
+                    L[1, j],
+                    L[2, j],
+                    L[3, j],
+                    L[4, j],
+                    L[5, j],
+                    L[6, j],
+                    L[7, j],
+                )
+                for i in range(rows - offset):
+                    k = offset + i
+                    window[target, c, i] -= (
+                        L[0, k] * y0
+                        + L[1, k] * y1
+                        + L[2, k] * y2
+                        + L[3, k] * y3
+                        + L[4, k] * y4
+                        + L[5, k] * y5
+                        + L[6, k] * y6
+                        + L[7, k] * y7
                     )
     return 0
 
@@ -212,9 +212,10 @@ def _solve(values: Floats, starts: IntArray, right_side: FloatArray, solution: F
     """Solve L L^T solution = right side."""
     blocks, n = len(starts) - 1, len(right_side)
     # room for all blocks, and for the rows below the last one
-    x = np.zeros(
-        (blocks + (starts[1:] - starts[:-1]).max() // (_COLUMNS * _COLUMNS)) * _COLUMNS, values.dtype
-    )
+    below = 0
+    for block in range(blocks):
+        below = max(below, (starts[block + 1] - starts[block]) // _COLUMNS)
+    x = np.zeros(blocks * _COLUMNS + below, values.dtype)
     # single precision ends at 1e38, which units of a problem could pass
     largest = 0.0
     for i in range(n):
