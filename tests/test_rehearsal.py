@@ -1,7 +1,9 @@
 """A second process compiles what the first one needs besides the body's kernel."""
 
+import os
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
@@ -43,6 +45,22 @@ def test_a_path_needs_nothing_but_the_bodys_kernel_afterwards() -> None:
     assert [line for line in found if not line.startswith(kernel)] == []
 
 
+def test_a_kernel_is_cached_once_it_was_compiled(tmp_path: Path) -> None:
+    code = (
+        "from isopeel.physics.batch import _call_law as kernel; from isopeel import VanDerWaals\n"
+        "import numpy as np; from isopeel.physics.batch import evaluate_law\n"
+        "from isopeel.rehearsal import _is_cached\n"
+        "law = VanDerWaals(1.0, 0.4)\n"
+        "print(_is_cached(kernel)); evaluate_law(law.kernel, law.parameters, np.ones(1), np.ones(1))\n"
+        "print(_is_cached(kernel))"
+    )
+    environment = os.environ | {"NUMBA_CACHE_DIR": str(tmp_path)}
+    found = subprocess.run(
+        [sys.executable, "-c", code], check=True, capture_output=True, text=True, env=environment
+    )
+    assert found.stdout.split() == ["False", "True"]
+
+
 @pytest.mark.parametrize(("cold", "cores", "processes"), [(True, 2, 1), (True, 1, 0), (False, 2, 0)])
 def test_a_second_process_is_there_where_it_helps_and_while_it_does(
     monkeypatch: pytest.MonkeyPatch, cold: bool, cores: int, processes: int
@@ -54,7 +72,7 @@ def test_a_second_process_is_there_where_it_helps_and_while_it_does(
             super().__init__(*arguments, **options)  # type: ignore[call-overload]
             started.append(self)
 
-    monkeypatch.setattr(rehearsal, "compiled_here", lambda: cold)
+    monkeypatch.setattr(rehearsal, "_is_cached", lambda _: not cold)
     monkeypatch.setattr(rehearsal, "cores", lambda: cores)
     monkeypatch.setattr(subprocess, "Popen", Noted)
     with rehearsed_beside():

@@ -9,27 +9,26 @@ import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from math import radians
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from isopeel.arrays import FloatArray
+from isopeel.assembly.body_kernel import body
 from isopeel.assembly.system import System
-from isopeel.physics.batch import compiled_here, evaluate_substrate
-from isopeel.physics.substrates import Flat
 from isopeel.problem import strip
 from isopeel.processes import cores
 from isopeel.solve.leading import best_weights
 from isopeel.solve.newton import NewtonSettings
-from isopeel.solve.path import Path
+from isopeel.solve.path import Path as SolverPath
 from isopeel.splines.rows import row_space
 
 
 @contextmanager
 def rehearsed_beside() -> Iterator[None]:
-    """Compile in a second process meanwhile, if a first small kernel had to be compiled: others have, too."""
-    flat = Flat()
-    evaluate_substrate(flat.kernel, flat.parameters, np.zeros((1, 2)))
-    if not compiled_here() or cores() == 1:
+    """Compile in a second process meanwhile, as long as the body's kernel is not cached."""
+    if _is_cached(body) or cores() == 1:
         yield
         return
     nowhere = subprocess.DEVNULL
@@ -43,12 +42,18 @@ def rehearsed_beside() -> Iterator[None]:
         process.wait()
 
 
+def _is_cached(kernel: Any) -> bool:
+    """Whether Numba has a file of a compiled function, be it of an older source."""
+    module = kernel.py_func.__module__.rpartition(".")[2]
+    return any(Path(kernel.stats.cache_path).glob(f"{module}.{kernel.py_func.__name__}-*.nbi"))
+
+
 def rehearse() -> None:
     """Take a few steps, on a mesh on which a front could be carried on from element to element."""
     # the first process asks for this one last, and could not wait for it
     one = np.ones(1)
     best_weights(one, one, one, np.ones((1, 2, 1)), 2.0)
-    path = Path(_OnSprings(strip(), row_space("L1", (40, 1))), NewtonSettings(), ())
+    path = SolverPath(_OnSprings(strip(), row_space("L1", (40, 1))), NewtonSettings(), ())
     for degrees in (0.0, 0.1, 0.2):
         path.step(path.equilibrium(radians(degrees)), 0.0)
 

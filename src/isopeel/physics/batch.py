@@ -102,11 +102,6 @@ def evaluate_substrate(
     return gap.reshape(shape), _points_first(normal, shape), curvature.reshape(shape)
 
 
-def compiled_here() -> bool:
-    """Whether this process had to compile what evaluates substrates."""
-    return bool(_call_substrate.stats.cache_misses)
-
-
 @njit(cache=True)
 def _call_material(
     kernel: BatchFunction,
