@@ -61,19 +61,14 @@ def _add_scaled(factor: float, x: FloatArray, y: FloatArray, rounds: int) -> Non
 
 def least_seconds(
     call: Callable[[], object],
-    before: Callable[[], object] = lambda: None,
     *,
     budget: float = 0.3,
     fewest: int = 3,
 ) -> float:
-    """Least time of a call, repeated for `budget` seconds: what disturbs a call only ever adds to it.
-
-    What it needs is made ready `before` each, untimed.
-    """
+    """Least time of a call, repeated for `budget` seconds: what disturbs a call only ever adds to it."""
     times: list[float] = []
     end = perf_counter() + budget
     while len(times) < fewest or perf_counter() < end:
-        before()
         began = perf_counter()
         call()
         times.append(perf_counter() - began)

@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from statistics import mean
 from typing import Annotated
 
-import numpy as np
 import typer
 from rich.table import Table
 from threadpoolctl import threadpool_limits
@@ -77,12 +76,13 @@ def profile(strip: Strip, reach: float, coarse: float, steps: int) -> Profile:
     u, load = system.state(timed[-1].unknown_values, timed[-1].parameter)
     residual = system.equilibrium(u, load).residual
     n, b = system.constraints.count, system.half_bandwidth
+    below = work.below(system.linearize(u, load=load)[1].entries)
     alone = parts_alone(system, u, load, residual, pairs)
     needed = {
         "forces": work.forces(system),
         "tangent": work.tangent(system),
-        "factor": work.factorization(n, b),
-        "solve": work.solution(n, b),
+        "factor": work.factorization(below),
+        "solve": work.solution(below),
         "update": work.update(n, len(pairs.corrections)),
     }
     return Profile(strip, n, b, alone, needed, clock, timed)
@@ -92,17 +92,12 @@ def parts_alone(
     system: System, u: FloatArray, load: float, residual: FloatArray, pairs: Pairs
 ) -> dict[str, float]:
     """Least seconds of each part, of coefficients u (size, 2) and a residual (count,)."""
-    _, matrix = system.linearize(u, load=load)
-    tangent = matrix.entries.copy()
+    matrix = system.linearize(u, load=load)[1]
     alone = {
         "forces": machine.least_seconds(lambda: system.equilibrium(u, load)),
         "tangent": machine.least_seconds(lambda: system.linearize(u, load=load)),
-        # the factor takes the place of the tangent
-        "factor": machine.least_seconds(
-            lambda: approximate(matrix), lambda: np.copyto(matrix.entries, tangent)
-        ),
+        "factor": machine.least_seconds(lambda: approximate(matrix)),
     }
-    np.copyto(matrix.entries, tangent)
     factor = approximate(matrix)
     alone["solve"] = machine.least_seconds(lambda: factor.solve(residual))
     alone["update"] = machine.least_seconds(lambda: pairs.correction(factor, residual)) - alone["solve"]

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from isopeel.arrays import IntArray
+from isopeel.arrays import FloatArray, IntArray
 from isopeel.assembly.system import System
 from isopeel.assembly.tables import BodyTable, SideTable
 
@@ -45,18 +45,29 @@ def tangent(system: System) -> Work:
     return forces(system) + more
 
 
-def factorization(n: int, b: int) -> Work:
-    """Of a band of n rows: column j is divided by its root, and m (m + 1)/2 products are subtracted.
+def below(columns: FloatArray) -> IntArray:
+    """Entries of the factor below the diagonal, by column, of the lower half (n, b + 1) of a band.
 
-    It is read in double precision and kept in single.
+    A column reaches as far as those before it, which take off it what they reach.
     """
-    m = _below(n, b)
-    return Work(float(((m + 1) ** 2).sum()), (8 + 4) * n * (b + 1))
+    n, width = columns.shape
+    places = np.where(columns != 0, np.arange(width), 0).max(axis=1)
+    reach: IntArray = np.maximum.accumulate(np.arange(n) + places) - np.arange(n)
+    return reach
 
 
-def solution(n: int, b: int) -> Work:
-    """Of a band of n rows, with its factor, in single precision, read forwards and backwards."""
-    return Work(float((4 * _below(n, b) + 2).sum()), 2 * 4 * n * (b + 1))
+def factorization(below: IntArray) -> Work:
+    """Of a band: column j is divided by its root, and m (m + 1)/2 products are subtracted.
+
+    It is read in double precision and kept in single, as far as its columns reach.
+    """
+    entries = float((below + 1).sum())
+    return Work(float(((below + 1) ** 2).sum()), (8 + 4) * entries)
+
+
+def solution(below: IntArray) -> Work:
+    """Of a band with its factor, in single precision, read forwards and backwards."""
+    return Work(float((4 * below + 2).sum()), 2 * 4 * float((below + 1).sum()))
 
 
 def update(n: int, pairs: int) -> Work:
@@ -127,8 +138,3 @@ def _tables(system: System) -> int:
     of_body = (body.along, body.first, body.across, body.maps, body.weights)
     of_side = (side.functions, side.values, side.weights, side.positions)
     return sum(array.nbytes for array in (*of_body, *of_side))
-
-
-def _below(n: int, b: int) -> IntArray:
-    """Entries below the diagonal, by column."""
-    return np.minimum(b, n - 1 - np.arange(n))

@@ -31,29 +31,35 @@ def printed(benchmark: str, *options: str) -> list[list[str]]:
     return [line.split() for line in result.stdout.splitlines()]
 
 
-def test_operations_of_a_factorization_are_those_of_cholesky_s_method() -> None:
-    from work import factorization, solution
+@pytest.mark.parametrize("joined", [1, 3])
+def test_operations_of_a_factorization_are_those_of_cholesky_s_method(joined: int) -> None:
+    from work import below, factorization, solution
 
-    n, b = 9, 3
+    n, b = 10, 3
+    # elements of b + 1 unknowns each, of which one or three meet the next one
     A = np.diag(np.full(n, 10.0))
-    for k in range(1, b + 1):
-        A += np.diag(np.ones(n - k), k) + np.diag(np.ones(n - k), -k)
-    L, flops = np.tril(A), 0
+    for start in range(0, n - b, b + 1 - joined):
+        A[start : start + b + 1, start : start + b + 1] += np.ones((b + 1, b + 1))
+    columns = np.array([[A[j + k, j] if j + k < n else 0.0 for k in range(b + 1)] for j in range(n)])
+    L, flops, entries = np.tril(A), 0, 0
     for j in range(n):
         L[j, j] **= 0.5
         flops += 1
-        below = range(j + 1, min(j + b + 1, n))
-        for i in below:
+        (rows,) = np.nonzero(L[:, j])
+        rows = rows[rows > j]
+        entries += len(rows)
+        for i in rows:
             L[i, j] /= L[j, j]
             flops += 1
-        for i in below:
-            for k in range(j + 1, i + 1):
+        for i in rows:
+            for k in rows[rows <= i]:
                 L[i, k] -= L[i, j] * L[k, j]
                 flops += 2
     np.testing.assert_allclose(L, np.linalg.cholesky(A), rtol=0, atol=1e-14)  # a few roundings of 3
-    assert factorization(n, b).flops == flops
-    # there and back, in each row a division, and two operations for each of 8 + 7 + 6 entries beside
-    assert solution(n, b).flops == 2 * (9 + 2 * 21)
+    assert entries < b * n if joined == 1 else entries == b * n - 6
+    assert factorization(below(columns)).flops == flops
+    # there and back, in each row a division, and two operations for each entry beside
+    assert solution(below(columns)).flops == 2 * (n + 2 * entries)
 
 
 def test_operations_of_one_element_by_hand() -> None:
