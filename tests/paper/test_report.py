@@ -137,7 +137,9 @@ def compare(runs: list[Run], stored: Results, folder: Path) -> None:
         known = stored.figures(run)
         assert (again is None) == (known is None)
         if again is not None and known is not None:
-            assert again == pytest.approx(known, rel=1e-5)  # of moments to 1e-8 or so
+            # thousandths, and thousandths per degree over a tenth of it: moments differ by some 1e-9, and by
+            # 5e-8 where those of N4 fall most steeply
+            assert again == pytest.approx(known, rel=1e-4, abs=1e-5)
 
 
 def test_cheap_runs_give_the_stored_numbers(stored: Results, tmp_path: Path) -> None:
