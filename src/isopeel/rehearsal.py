@@ -16,7 +16,7 @@ import numpy as np
 
 from isopeel.arrays import FloatArray
 from isopeel.assembly.body_kernel import body
-from isopeel.assembly.system import System
+from isopeel.assembly.system import Sums, System
 from isopeel.problem import strip
 from isopeel.processes import cores
 from isopeel.solve.leading import best_weights
@@ -31,6 +31,7 @@ def rehearsed_beside() -> Iterator[None]:
     if _is_cached(body) or cores() == 1:
         yield
         return
+    # not one of a pool, which would run the script again that has called this
     nowhere = subprocess.DEVNULL
     process = subprocess.Popen(
         [sys.executable, "-m", __name__], stdin=nowhere, stdout=nowhere, stderr=nowhere
@@ -61,19 +62,12 @@ def rehearse() -> None:
 class _OnSprings(System):
     """A system whose coefficients are held by springs, far stiffer than the adhesion."""
 
-    def _add_body(
-        self,
-        displacement: FloatArray,
-        forces: FloatArray,
-        band: FloatArray,
-        diagonal: int,
-        with_tangent: bool,
-    ) -> tuple[float, float]:
+    def _add_body(self, displacement: FloatArray, sums: Sums) -> tuple[float, float]:
         stiffness = 10 * self.energy_scale
-        forces += stiffness * displacement
-        if with_tangent:
+        sums.forces[:] += stiffness * displacement
+        if sums.with_tangent:
             unknowns = self.constraints.unknowns
-            band[:-1, diagonal] += stiffness * np.bincount(unknowns[unknowns >= 0])
+            sums.band[:-1, sums.diagonal] += stiffness * np.bincount(unknowns[unknowns >= 0])
         return stiffness / 2 * float(np.sum(displacement**2)), 1.0
 
 

@@ -24,8 +24,7 @@ from isopeel.physics.batch import material_at
 _LANES = 256
 
 # Reordered sums let loops run in vector registers; nan must stay nan, because it is how an inverted
-# element is noticed. Numba takes seconds to compile an assignment to a part of an array, but not its fill;
-# and half a second for the minimum of one.
+# element is noticed. Numba takes seconds to compile an assignment to a part of an array, but not its fill.
 _compiled = njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "nsz"})
 _inlined = njit(inline="always")
 

@@ -40,6 +40,7 @@ class Constraints:
         """Coefficients u (size, 2) of unknowns z (count,) at a value of the drive's parameter."""
         if parameter not in self._moved:
             self._moved.clear()
+            # loops are compiled for contiguous arrays alone
             moved = self.drive.prescribed(self.driven_points, parameter)
             self._moved[parameter] = np.ascontiguousarray(moved)
         u = np.empty(self.offset.shape)

@@ -1,7 +1,7 @@
 """The assembled system: a problem on a spline space, as the solver sees it."""
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
 from psutil import virtual_memory
@@ -61,6 +61,15 @@ class BandMatrix:
         i, j = row[lower], column[lower]
         self.entries[j, i - j] += size * vector[i] * vector[j]
         return True
+
+
+class Sums(NamedTuple):
+    """What the compiled loops add to."""
+
+    forces: FloatArray  # (size, 2)
+    band: FloatArray  # workspace of a tangent
+    diagonal: int  # where a row of it has its diagonal
+    with_tangent: bool  # whether to add to it
 
 
 def bytes_needed(space: RowSpace) -> int:
@@ -278,10 +287,10 @@ class System:
         band = np.empty((0, 0)) if matrix is None else matrix.workspace
         diagonal = 0 if matrix is None or matrix.storage == "symmetric" else 2 * self.half_bandwidth
         forces = np.zeros(displacement.shape)
-        target = forces, band, diagonal, matrix is not None
-        stored, lowest = self._add_body(displacement, *target)
+        sums = Sums(forces, band, diagonal, matrix is not None)
+        stored, lowest = self._add_body(displacement, sums)
         adhesive, dissipated = self._add_adhesion(
-            displacement, self.openings if openings is None else openings, *target
+            displacement, self.openings if openings is None else openings, sums
         )
         unbalanced = forces
         if self.load is not None:
@@ -291,31 +300,14 @@ class System:
         residual = self.constraints.condense(unbalanced)
         return Equilibrium(stored, adhesive, dissipated, lowest, forces, residual)
 
-    def _add_body(
-        self,
-        displacement: FloatArray,
-        forces: FloatArray,
-        band: FloatArray,
-        diagonal: int,
-        with_tangent: bool,
-    ) -> tuple[float, float]:
+    def _add_body(self, displacement: FloatArray, sums: Sums) -> tuple[float, float]:
         """Add what deforms the body; its stored energy, and the least determinant of F."""
-        energies: tuple[float, float] = body_kernel(
-            *self._of_body, displacement, forces, band, diagonal, with_tangent
-        )
+        energies: tuple[float, float] = body_kernel(*self._of_body, displacement, *sums)
         return energies
 
     def _add_adhesion(
-        self,
-        displacement: FloatArray,
-        openings: FloatArray,
-        forces: FloatArray,
-        band: FloatArray,
-        diagonal: int,
-        with_tangent: bool,
+        self, displacement: FloatArray, openings: FloatArray, sums: Sums
     ) -> tuple[float, float]:
         """Add what the substrate does after largest openings (E, Q); adhesive and dissipated energy."""
-        energies: tuple[float, float] = adhesion_kernel(
-            *self._of_adhesion, openings, displacement, forces, band, diagonal, with_tangent
-        )
+        energies: tuple[float, float] = adhesion_kernel(*self._of_adhesion, openings, displacement, *sums)
         return energies

@@ -74,6 +74,7 @@ def run(
             fields_every=fields_every,
         )
         folder = out or Path("out") / chosen.name
+        # takes a while to import: what is wrong with the case was told before
         from isopeel.rehearsal import rehearsed_beside
 
         with rehearsed_beside():

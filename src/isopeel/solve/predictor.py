@@ -7,6 +7,7 @@ at limit points, and hesitates near them. Best of all is what the front did on t
 """
 
 from collections.abc import Mapping, Sequence
+from math import prod
 
 import numpy as np
 from numba import njit
@@ -110,7 +111,7 @@ def extrapolate(history: Mapping[float, FloatArray], parameter: float, count: in
     Lagrange's formula; zeros where there is no past state.
     """
     start = np.zeros(count)
-    weights = _lagrange(np.array(list(history)), parameter)
+    weights = _lagrange(list(history), parameter)
     for weight, values in zip(weights, history.values(), strict=True):
         start += weight * values
     return start
@@ -129,11 +130,8 @@ def slope(way: Sequence[float], parameters: Sequence[float], values: Sequence[fl
         first -= 1
     # of the polynomial (s - last) q(s) + f(last), with q through the difference quotients
     along = parameter = 0.0
-    for k in range(first, last):
-        weight = 1 / (way[k] - way[last])
-        for j in range(first, last):
-            if j != k:
-                weight *= (way[last] - way[j]) / (way[k] - way[j])
+    for k, value in enumerate(_lagrange(way[first:last], way[last]), start=first):
+        weight = value / (way[k] - way[last])
         along += weight * (values[k] - values[last])
         parameter += weight * (parameters[k] - parameters[last])
     # of which the last step tells the sign
@@ -141,14 +139,9 @@ def slope(way: Sequence[float], parameters: Sequence[float], values: Sequence[fl
     return along / parameter if onwards else 0.0
 
 
-def _lagrange(nodes: FloatArray, at: float) -> FloatArray:
-    """Values at a point of Lagrange's polynomials of nodes (n,)."""
-    differences = nodes[:, None] - nodes
-    np.fill_diagonal(differences, 1.0)
-    factors = (at - nodes) / differences
-    np.fill_diagonal(factors, 1.0)
-    weights: FloatArray = factors.prod(axis=1)
-    return weights
+def _lagrange(nodes: Sequence[float], at: float) -> list[float]:
+    """Values at a point of Lagrange's polynomials of a few distinct nodes."""
+    return [prod((at - other) / (node - other) for other in nodes if other != node) for node in nodes]
 
 
 @_compiled
