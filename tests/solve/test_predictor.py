@@ -5,9 +5,8 @@ import pytest
 
 from isopeel.assembly.system import System
 from isopeel.problem import strip
-from isopeel.solve import predictor
 from isopeel.solve.advance import Advance
-from isopeel.solve.leading import best_weights
+from isopeel.solve.leading import best_weights, slope
 from isopeel.solve.newton import NewtonSettings
 from isopeel.solve.trace import trace
 from isopeel.splines.rows import row_space
@@ -44,10 +43,6 @@ def test_the_energy_leads_where_the_parameter_hesitates() -> None:
     assert abs(blind - exact**3) > 0.01 * (way[-1] ** 3 - way[-2] ** 3)
     # beyond the limit point there is nothing to lead to; some state comes back all the same
     assert np.isfinite(_led(parameters, 5 * way - 3, way**3, 0.52))
-
-
-def slope(way: np.ndarray, parameters: np.ndarray, values: np.ndarray) -> float:
-    return predictor.slope(way.tolist(), parameters.tolist(), values.tolist())
 
 
 def test_slope_is_that_of_the_polynomial() -> None:

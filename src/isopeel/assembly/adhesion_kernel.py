@@ -3,23 +3,42 @@
 Index names: a, b functions of an element; i, k components; J, L reference directions; q quadrature points.
 """
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
-from numba import njit
+from numba import boolean, float64, int64, njit
 
 from isopeel.arrays import FloatArray, IntArray
+from isopeel.assembly.loops import OPTIONS, PAIR, read_only
 from isopeel.physics.adhesion.irreversible import with_history
 from isopeel.physics.adhesion.sliding import with_slip
-from isopeel.physics.batch import law_at, substrate_at
-
-# Reordered sums let loops run in vector registers; nan must stay nan, because it is how an inverted
-# element is noticed.
-_compiled = njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "nsz"})
+from isopeel.physics.batch import law_at, of_address, substrate_at
 
 
-@_compiled
-def adhesion(
+class AdhesionArguments(NamedTuple):
+    """The loops over a side, by the address of their compiled code, and what they are told at each call."""
+
+    loops: int
+    law: int  # address
+    law_parameters: FloatArray
+    substrate: int  # address
+    substrate_parameters: FloatArray
+    functions: IntArray  # this and the following as in `SideTable`
+    values: FloatArray
+    gradients: FloatArray
+    weights: FloatArray
+    positions: FloatArray
+    normals: FloatArray
+    unknowns: IntArray  # (E, m, 2)
+    factors: bool
+    projected: bool
+    irreversible: bool
+    sliding_length: float
+    tangents: FloatArray  # (E, Q, 2)
+    equilibrium_gap: float
+
+
+def add_adhesion(
     law_address: int,
     law_parameters: FloatArray,
     substrate_address: int,
@@ -166,7 +185,38 @@ def adhesion(
     return energy, dissipated
 
 
-@_compiled
+#: Of `add_adhesion`.
+SIDE_SIGNATURE = PAIR(
+    int64,
+    float64[::1],
+    int64,
+    float64[::1],
+    read_only(int64, 2),
+    read_only(float64, 3),
+    read_only(float64, 4),
+    read_only(float64, 2),
+    read_only(float64, 3),
+    read_only(float64, 3),
+    read_only(int64, 3),
+    boolean,
+    boolean,
+    boolean,
+    float64,
+    read_only(float64, 3),
+    float64,
+    read_only(float64, 2),
+    read_only(float64, 2),
+    float64[:, ::1],
+    float64[:, ::1],
+    int64,
+    boolean,
+)
+
+#: Those loops, of their address, within compiled code.
+adhesion_at = of_address(SIDE_SIGNATURE)
+
+
+@njit(**OPTIONS)
 def _inverse_deformation(u: Any, functions: Any, gradients: Any, F: Any, H: Any) -> None:
     """Deformation gradient F at one point, and H = F^-1."""
     for i in range(2):

@@ -11,26 +11,42 @@ functions along xi; c the rows of an element; i, k components; J, L reference di
 along xi, r across.
 """
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
-from numba import njit
+from numba import boolean, float64, int64, njit
 
 from isopeel.arrays import FloatArray, IntArray
-from isopeel.physics.batch import material_at
+from isopeel.assembly.loops import OPTIONS, PAIR, read_only
+from isopeel.physics.batch import material_at, of_address
 
 #: Elements that are treated together, at most: enough that the test for overlapping arrays, made before each
 #: innermost loop, costs little, and few enough that what is kept of them fits the processor's cache.
 _LANES = 256
 
-# Reordered sums let loops run in vector registers; nan must stay nan, because it is how an inverted
-# element is noticed. Numba takes seconds to compile an assignment to a part of an array, but not its fill.
-_compiled = njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "nsz"})
+# Numba takes seconds to compile an assignment to a part of an array, but not its fill.
+_compiled = njit(**OPTIONS)
 _inlined = njit(inline="always")
 
 
-@_compiled
-def body(
+class BodyArguments(NamedTuple):
+    """The loops over a body, by the address of their compiled code, and what they are told at each call."""
+
+    loops: int
+    material: int  # address
+    parameters: FloatArray
+    kinds: IntArray  # this and the following as in `BodyTable`
+    sizes: IntArray
+    along: FloatArray
+    first: IntArray
+    across: FloatArray
+    first_rows: IntArray
+    maps: FloatArray
+    weights: FloatArray
+    unknowns: IntArray  # (rows, 2, largest size, X)
+
+
+def add_body(
     material_address: int,
     parameters: FloatArray,
     kinds: IntArray,
@@ -220,6 +236,30 @@ def body(
     for lane in range(block):
         lowest = min(lowest, least[lane])
     return energy, lowest
+
+
+#: Of `add_body`.
+BODY_SIGNATURE = PAIR(
+    int64,
+    float64[::1],
+    read_only(int64, 1),
+    read_only(int64, 1),
+    read_only(float64, 5),
+    read_only(int64, 2),
+    read_only(float64, 4),
+    read_only(int64, 1),
+    read_only(float64, 6),
+    read_only(float64, 4),
+    read_only(int64, 4),
+    read_only(float64, 2),
+    float64[:, ::1],
+    float64[:, ::1],
+    int64,
+    boolean,
+)
+
+#: Those loops, of their address, within compiled code.
+body_at = of_address(BODY_SIGNATURE)
 
 
 @_inlined

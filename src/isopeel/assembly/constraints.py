@@ -38,14 +38,18 @@ class Constraints:
 
     def displacement(self, unknown_values: FloatArray, parameter: float) -> FloatArray:
         """Coefficients u (size, 2) of unknowns z (count,) at a value of the drive's parameter."""
+        u = np.empty(self.offset.shape)
+        displace(self.unknowns, unknown_values, self.offset, self.driven, self.moved(parameter), u)
+        return u
+
+    def moved(self, parameter: float) -> FloatArray:
+        """What the driven coefficients (n, 2) are moved by at a value of the drive's parameter."""
         if parameter not in self._moved:
             self._moved.clear()
             # loops are compiled for contiguous arrays alone
             moved = self.drive.prescribed(self.driven_points, parameter)
             self._moved[parameter] = np.ascontiguousarray(moved)
-        u = np.empty(self.offset.shape)
-        _displace(self.unknowns, unknown_values, self.offset, self.driven, self._moved[parameter], u)
-        return u
+        return self._moved[parameter]
 
     def rate(self, parameter: float) -> FloatArray:
         """What the driven coefficients (n, 2) change by the parameter."""
@@ -57,7 +61,7 @@ class Constraints:
     def unknown_values(self, displacement: FloatArray, parameter: float) -> FloatArray:
         """The unknowns z (count,) of coefficients u (size, 2) that satisfy the constraints."""
         free = displacement - self.offset
-        free[self.driven] -= self.drive.prescribed(self.driven_points, parameter)
+        free[self.driven] -= self.moved(parameter)
         z = np.empty(self.count + 1)
         z[self.unknowns] = free
         return z[:-1]
@@ -65,16 +69,16 @@ class Constraints:
     def condense(self, forces: FloatArray) -> FloatArray:
         """T^T f (count,) of forces f (size, 2) that work on the coefficients."""
         totals = np.zeros(self.count)
-        _add_forces(self.unknowns, forces, totals)
+        condense(self.unknowns, forces, totals)
         return totals
 
     def reaction(self, forces: FloatArray, parameter: float) -> float:
         """Generalised force that works on the parameter of a drive that moves its side."""
-        return float(np.vdot(forces[self.driven], self.rate(parameter)))
+        return _work(forces, self.driven, self.rate(parameter))
 
 
 @_compiled
-def _displace(
+def displace(
     unknowns: IntArray,
     values: FloatArray,
     offset: FloatArray,
@@ -92,11 +96,22 @@ def _displace(
 
 
 @_compiled
-def _add_forces(unknowns: IntArray, forces: FloatArray, totals: FloatArray) -> None:
+def condense(unknowns: IntArray, forces: FloatArray, totals: FloatArray) -> None:
+    """Add T^T f of forces (size, 2) to totals (count,)."""
     for f in range(len(unknowns)):
         for i in range(2):
             if unknowns[f, i] >= 0:
                 totals[unknowns[f, i]] += forces[f, i]
+
+
+@_compiled
+def _work(forces: FloatArray, driven: IntArray, rate: FloatArray) -> float:
+    """Of forces (size, 2) that move the driven functions at a rate (n, 2)."""
+    total = 0.0
+    for k in range(len(driven)):
+        for i in range(2):
+            total += forces[driven[k], i] * rate[k, i]
+    return total
 
 
 def constrain(

@@ -1,16 +1,18 @@
 """The assembled system: a problem on a spline space, as the solver sees it."""
 
 from dataclasses import dataclass
-from typing import Literal, NamedTuple
+from typing import ClassVar, Literal
 
 import numpy as np
 from psutil import virtual_memory
 
 from isopeel.arrays import FloatArray, frozen
-from isopeel.assembly.adhesion_kernel import adhesion as adhesion_kernel
-from isopeel.assembly.body_kernel import body as body_kernel
+from isopeel.assembly.adhesion_kernel import SIDE_SIGNATURE, AdhesionArguments, add_adhesion
+from isopeel.assembly.body_kernel import BODY_SIGNATURE, BodyArguments, add_body
 from isopeel.assembly.constraints import Constraints, constrain, half_bandwidth
+from isopeel.assembly.equations import Energies, Equations, Sums, add_forces
 from isopeel.assembly.loads import AssembledLoad
+from isopeel.assembly.loops import Loops, compile_loops
 from isopeel.assembly.start import check_start
 from isopeel.assembly.tables import BodyTable, SideTable, body_table, side_table
 from isopeel.errors import InputError
@@ -63,15 +65,6 @@ class BandMatrix:
         return True
 
 
-class Sums(NamedTuple):
-    """What the compiled loops add to."""
-
-    forces: FloatArray  # (size, 2)
-    band: FloatArray  # workspace of a tangent
-    diagonal: int  # where a row of it has its diagonal
-    with_tangent: bool  # whether to add to it
-
-
 def bytes_needed(space: RowSpace) -> int:
     """Estimate of a system's memory from above: its tables, and its tangent stored for a pivoted LU."""
     along, across, rows = space.degree + 1, space.across.degree + 1, len(space.rows)
@@ -93,6 +86,9 @@ class System:
 
     Tangents share one array per storage: each call of `linearize` overwrites the last one's.
     """
+
+    #: What the forces of the body are made by.
+    body_loops: ClassVar[Loops] = staticmethod(add_body)
 
     def __init__(
         self,
@@ -128,13 +124,15 @@ class System:
         self.tangents: FloatArray = check_start(
             problem, self.space, self.adhesive, self.constraints, self.load, base
         )
+        #: Young's modulus times the area of the body: what energies are measured against.
+        self.energy_scale: float = problem.body.material.youngs_modulus * float(self.body.weights.sum())
         self._workspaces: dict[Storage, FloatArray] = {}
         # kept alive, as compiled code is told their addresses only
         self._kernels = problem.body.material.kernel, adhesion.law.kernel, adhesion.substrate.kernel
         material, law, substrate = (kernel.address for kernel in self._kernels)
         table, side = self.body, self.adhesive
-        # what is the same at each call
-        self._of_body = (
+        of_body = BodyArguments(
+            compile_loops(BODY_SIGNATURE, self.body_loops).address,
             material,
             problem.body.material.parameters,
             table.kinds,
@@ -147,7 +145,8 @@ class System:
             table.weights,
             table.unknowns(self.constraints),
         )
-        self._of_adhesion = (
+        of_side = AdhesionArguments(
+            compile_loops(SIDE_SIGNATURE, add_adhesion).address,
             law,
             adhesion.law.parameters,
             substrate,
@@ -166,6 +165,9 @@ class System:
             self.tangents,
             adhesion.law.equilibrium_gap,
         )
+        self._no_forces = np.zeros(self.constraints.count)
+        held = self.constraints
+        self.equations = Equations(of_body, of_side, held.unknowns, held.offset, held.driven)
 
     @property
     def load_is_unknown(self) -> bool:
@@ -183,6 +185,12 @@ class System:
         if self.load is None:
             return u, 0.0
         return u, float(unknown_values[-1]) if self.load_is_unknown else parameter
+
+    def external(self, load: float) -> FloatArray:
+        """Forces (count,) of a dead load of a size on the unknowns of the displacement."""
+        if self.load is None:
+            return self._no_forces
+        return load * self.constraints.condense(self.load.pattern)
 
     def unknown_values(self, displacement: FloatArray, parameter: float) -> FloatArray:
         """Unknowns y (count,) of coefficients u (size, 2); the size of an unknown load is left at zero."""
@@ -220,11 +228,6 @@ class System:
         """Symmetric where all forces have a potential."""
         turning = self.load is not None and self.load.load.follows
         return "general" if turning or self.problem.adhesion.traction == "projected" else "symmetric"
-
-    @property
-    def energy_scale(self) -> float:
-        """Young's modulus times the area of the body: what energies are measured against."""
-        return self.problem.body.material.youngs_modulus * float(self.body.weights.sum())
 
     def inverted_point(self, displacement: FloatArray) -> tuple[FloatArray, float] | None:
         """Reference position (2,) and determinant of F at the most inverted quadrature point, if any is."""
@@ -288,26 +291,12 @@ class System:
         diagonal = 0 if matrix is None or matrix.storage == "symmetric" else 2 * self.half_bandwidth
         forces = np.zeros(displacement.shape)
         sums = Sums(forces, band, diagonal, matrix is not None)
-        stored, lowest = self._add_body(displacement, sums)
-        adhesive, dissipated = self._add_adhesion(
-            displacement, self.openings if openings is None else openings, sums
-        )
+        noted = self.openings if openings is None else openings
+        energies: Energies = add_forces(self.equations, noted, displacement, sums)
         unbalanced = forces
         if self.load is not None:
             unbalanced = forces - load * self.load.forces(displacement)
             if matrix is not None and self.load.load.follows:
                 self.load.add_stiffness(band, diagonal, load)
         residual = self.constraints.condense(unbalanced)
-        return Equilibrium(stored, adhesive, dissipated, lowest, forces, residual)
-
-    def _add_body(self, displacement: FloatArray, sums: Sums) -> tuple[float, float]:
-        """Add what deforms the body; its stored energy, and the least determinant of F."""
-        energies: tuple[float, float] = body_kernel(*self._of_body, displacement, *sums)
-        return energies
-
-    def _add_adhesion(
-        self, displacement: FloatArray, openings: FloatArray, sums: Sums
-    ) -> tuple[float, float]:
-        """Add what the substrate does after largest openings (E, Q); adhesive and dissipated energy."""
-        energies: tuple[float, float] = adhesion_kernel(*self._of_adhesion, openings, displacement, *sums)
-        return energies
+        return Equilibrium(*energies, forces, residual)

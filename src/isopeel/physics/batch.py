@@ -40,8 +40,8 @@ def compile_batch(signature: Any, function: Callable[..., None], cache: bool = T
     return cfunc(signature, cache=cache, error_model="numpy")(function)
 
 
-def _of_address(signature: Any) -> Any:
-    """What makes a batch function of its address, within compiled code.
+def of_address(signature: Any) -> Any:
+    """What makes a function of this signature of its address, within compiled code.
 
     Numba would take the function itself as well, but looks up its type and its address at each call, which
     takes as long as a few hundred points of a law.
@@ -62,9 +62,9 @@ def _of_address(signature: Any) -> Any:
     return taken
 
 
-material_at = _of_address(MATERIAL_SIGNATURE)
-law_at = _of_address(ADHESION_SIGNATURE)
-substrate_at = _of_address(SUBSTRATE_SIGNATURE)
+material_at = of_address(MATERIAL_SIGNATURE)
+law_at = of_address(ADHESION_SIGNATURE)
+substrate_at = of_address(SUBSTRATE_SIGNATURE)
 
 
 def evaluate_material(

@@ -21,7 +21,7 @@ _compiled = njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc
 #: In single or in double precision.
 Floats: TypeAlias = NDArray[np.floating[Any]]
 
-#: Columns of a block; the loops below are written out for as many.
+#: Columns of a block: loops over them are written out by the compiler.
 _COLUMNS = 8
 
 
@@ -62,7 +62,7 @@ class BlockedFactor:
     def solve(self, right_side: FloatArray) -> FloatArray:
         """Solve A x = right side (n,)."""
         solution = np.empty(self.count)
-        _solve(self.values, self.starts, right_side, solution)
+        solve(self.values, self.starts, right_side, solution)
         return solution
 
 
@@ -96,6 +96,7 @@ def _factorize(columns: FloatArray, reach: IntArray, values: Floats, starts: Int
     window = np.empty((beyond + 1, _COLUMNS, _COLUMNS + below))
     inverse = np.zeros((_COLUMNS, _COLUMNS))
     L = np.empty((_COLUMNS, below))
+    part = np.empty(_COLUMNS)
     for block in range(min(beyond, blocks)):
         _enter(columns, block, window[block])
     for block in range(blocks):
@@ -107,20 +108,13 @@ def _factorize(columns: FloatArray, reach: IntArray, values: Floats, starts: Int
             return block * _COLUMNS + pivot
         rows, start = reach[block], starts[block]
         for c in range(_COLUMNS):
-            x0, x1, x2, x3 = inverse[0, c], inverse[1, c], inverse[2, c], inverse[3, c]
-            x4, x5, x6, x7 = inverse[4, c], inverse[5, c], inverse[6, c], inverse[7, c]
+            for k in range(_COLUMNS):
+                part[k] = inverse[k, c]
             for i in range(rows):
-                k = _COLUMNS + i
-                L[c, i] = (
-                    A[0, k] * x0
-                    + A[1, k] * x1
-                    + A[2, k] * x2
-                    + A[3, k] * x3
-                    + A[4, k] * x4
-                    + A[5, k] * x5
-                    + A[6, k] * x6
-                    + A[7, k] * x7
-                )
+                total = 0.0
+                for k in range(_COLUMNS):
+                    total += A[k, _COLUMNS + i] * part[k]
+                L[c, i] = total
             for i in range(_COLUMNS):
                 values[start + c * _COLUMNS + i] = inverse[c, i]
             kept = start + _COLUMNS * _COLUMNS + c * rows
@@ -130,29 +124,13 @@ def _factorize(columns: FloatArray, reach: IntArray, values: Floats, starts: Int
             target = (block + 1 + ahead) % (beyond + 1)
             offset = ahead * _COLUMNS
             for c in range(_COLUMNS):
-                j = offset + c
-                y0, y1, y2, y3, y4, y5, y6, y7 = (
-                    L[0, j],
-                    L[1, j],
-                    L[2, j],
-                    L[3, j],
-                    L[4, j],
-                    L[5, j],
-                    L[6, j],
-                    L[7, j],
-                )
+                for k in range(_COLUMNS):
+                    part[k] = L[k, offset + c]
                 for i in range(rows - offset):
-                    k = offset + i
-                    window[target, c, i] -= (
-                        L[0, k] * y0
-                        + L[1, k] * y1
-                        + L[2, k] * y2
-                        + L[3, k] * y3
-                        + L[4, k] * y4
-                        + L[5, k] * y5
-                        + L[6, k] * y6
-                        + L[7, k] * y7
-                    )
+                    total = 0.0
+                    for k in range(_COLUMNS):
+                        total += L[k, offset + i] * part[k]
+                    window[target, c, i] -= total
     return 0
 
 
@@ -208,7 +186,7 @@ def energy(columns: FloatArray, x: FloatArray) -> float:
 
 
 @_compiled
-def _solve(values: Floats, starts: IntArray, right_side: FloatArray, solution: FloatArray) -> None:
+def solve(values: Floats, starts: IntArray, right_side: FloatArray, solution: FloatArray) -> None:
     """Solve L L^T solution = right side."""
     blocks, n = len(starts) - 1, len(right_side)
     # room for all blocks, and for the rows below the last one
@@ -230,66 +208,31 @@ def _solve(values: Floats, starts: IntArray, right_side: FloatArray, solution: F
         start = block * _COLUMNS
         inverse = values[starts[block] :]
         L = values[starts[block] + _COLUMNS * _COLUMNS : starts[block + 1]]
-        rows = len(L) // _COLUMNS
-        x0, x1, x2, x3 = x[start], x[start + 1], x[start + 2], x[start + 3]
-        x4, x5, x6, x7 = x[start + 4], x[start + 5], x[start + 6], x[start + 7]
+        rows = np.uint64(len(L) // _COLUMNS)  # no places that count from the end are looked for
+        here = x[start : start + _COLUMNS]
         for i in range(_COLUMNS):
-            part[i] = (
-                inverse[i] * x0
-                + inverse[8 + i] * x1
-                + inverse[16 + i] * x2
-                + inverse[24 + i] * x3
-                + inverse[32 + i] * x4
-                + inverse[40 + i] * x5
-                + inverse[48 + i] * x6
-                + inverse[56 + i] * x7
-            )
-        for row in range(_COLUMNS):
-            x[start + row] = part[row]
-        rest = x[start + _COLUMNS : start + _COLUMNS + rows]
-        y0, y1, y2, y3, y4, y5, y6, y7 = (
-            part[0],
-            part[1],
-            part[2],
-            part[3],
-            part[4],
-            part[5],
-            part[6],
-            part[7],
-        )
-        L0, L1, L2, L3 = L, L[rows:], L[2 * rows :], L[3 * rows :]
-        L4, L5, L6, L7 = L[4 * rows :], L[5 * rows :], L[6 * rows :], L[7 * rows :]
+            total = zero
+            for c in range(_COLUMNS):
+                total += inverse[c * _COLUMNS + i] * here[c]
+            part[i] = total
+        for i in range(_COLUMNS):
+            here[i] = part[i]
+        rest = x[start + _COLUMNS :]
         for i in range(rows):
-            rest[i] -= (
-                L0[i] * y0
-                + L1[i] * y1
-                + L2[i] * y2
-                + L3[i] * y3
-                + L4[i] * y4
-                + L5[i] * y5
-                + L6[i] * y6
-                + L7[i] * y7
-            )
+            total = zero
+            for c in range(_COLUMNS):
+                total += L[np.uint64(c) * rows + i] * part[c]
+            rest[i] -= total
     for block in range(blocks - 1, -1, -1):
         start = block * _COLUMNS
         inverse = values[starts[block] :]
         L = values[starts[block] + _COLUMNS * _COLUMNS : starts[block + 1]]
-        rows = len(L) // _COLUMNS
-        rest = x[start + _COLUMNS : start + _COLUMNS + rows]
-        L0, L1, L2, L3 = L, L[rows:], L[2 * rows :], L[3 * rows :]
-        L4, L5, L6, L7 = L[4 * rows :], L[5 * rows :], L[6 * rows :], L[7 * rows :]
-        s0, s1, s2, s3, s4, s5, s6, s7 = zero, zero, zero, zero, zero, zero, zero, zero
-        for i in range(rows):
-            value = rest[i]
-            s0 += L0[i] * value
-            s1 += L1[i] * value
-            s2 += L2[i] * value
-            s3 += L3[i] * value
-            s4 += L4[i] * value
-            s5 += L5[i] * value
-            s6 += L6[i] * value
-            s7 += L7[i] * value
-        for c, total in enumerate((s0, s1, s2, s3, s4, s5, s6, s7)):
+        rows = np.uint64(len(L) // _COLUMNS)
+        rest = x[start + _COLUMNS :]
+        for c in range(_COLUMNS):
+            total = zero
+            for i in range(rows):
+                total += L[np.uint64(c) * rows + i] * rest[i]
             part[c] = x[start + c] - total
         for c in range(_COLUMNS):
             total = zero

@@ -11,7 +11,7 @@ from isopeel.arrays import FloatArray
 from isopeel.assembly.system import BandMatrix, Equilibrium, System
 from isopeel.solve.blocks import NotPositiveDefiniteError
 from isopeel.solve.inertia import BandLDL
-from isopeel.solve.linear import BandCholesky, BandLU, Border, Bordered, Factor, SingularError
+from isopeel.solve.linear import Border, Bordered, Factor, SingularError, factorize
 from isopeel.solve.newton import ConvergenceError, NewtonResult, NewtonSettings
 
 #: Of the parameter's step: over which its derivative is taken. The error is of the square, and of round-off.
@@ -310,12 +310,8 @@ class Curve:
 
 
 def _factorized(matrix: BandMatrix) -> tuple[Factor, int | None]:
-    if matrix.storage == "general":
-        return BandLU.of(matrix), None
-    entries = matrix.entries.copy()
     try:
-        return BandCholesky.of(matrix), 0
+        return factorize(matrix), 0 if matrix.storage == "symmetric" else None
     except NotPositiveDefiniteError:
-        matrix.entries[:] = entries
-    factor = BandLDL.of(matrix)
-    return factor, factor.negative
+        factor = BandLDL.of(matrix)
+        return factor, factor.negative

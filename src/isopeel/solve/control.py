@@ -55,7 +55,7 @@ def controlled(path: Path, parameters: Iterable[float], passed: Sequence[float])
             one = next(found, None)
             if one is None:
                 return
-            step = path.step(one, perf_counter() - began)
+            step = path.step(one, began)
         yield step
 
 

@@ -7,7 +7,7 @@ import numpy as np
 from isopeel.arrays import FloatArray
 from isopeel.assembly.system import BandMatrix, Equilibrium, System
 from isopeel.solve.blocks import NotPositiveDefiniteError
-from isopeel.solve.linear import BandCholesky, Border, Bordered, Factor, SingularError
+from isopeel.solve.linear import Border, Bordered, Factor, SingularError, factorize
 
 _MOST_ITERATIONS = 500
 _SMALLEST_SHIFT = 1e-8  # of the mean entry on the diagonal
@@ -77,13 +77,12 @@ def potential_energy(system: System, y: FloatArray, parameter: float) -> float:
 
 def _positive_definite(matrix: BandMatrix, shift: float) -> tuple[Factor, float]:
     """Factorize the matrix with the least shift, from a first guess on, that makes it positive definite."""
-    entries = matrix.entries.copy()
-    mean = float(np.abs(entries[:, 0]).mean())
+    diagonal = matrix.entries[:, 0].copy()
+    mean = float(np.abs(diagonal).mean())
     while True:
-        matrix.entries[:] = entries
-        matrix.entries[:, 0] += shift * mean
+        matrix.entries[:, 0] = diagonal + shift * mean
         try:
-            return BandCholesky.of(matrix), shift
+            return factorize(matrix), shift
         except NotPositiveDefiniteError:
             shift = max(4 * shift, _SMALLEST_SHIFT)
             if shift > _LARGEST_SHIFT:

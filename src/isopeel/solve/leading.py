@@ -195,7 +195,7 @@ def _lead(
             return 0.0
     else:
         return 0.0
-    _lagrange(s, start, count, at, basis)
+    lagrange(s, start, count, at, basis)
     for k in range(count):
         weights[0, start + k] = basis[0, k]
     if period > 0.0:
@@ -204,7 +204,7 @@ def _lead(
             share = -weights[0, k] if k < n else 1.0
             before = (s[k] if k < n else at) - ago
             place = _around(s, first, n, before)
-            _lagrange(s, place, _AROUND, before, basis)
+            lagrange(s, place, _AROUND, before, basis)
             for i in range(_AROUND):
                 weights[1, place + i] += share * basis[0, i]
     return float(at * unit)
@@ -247,7 +247,7 @@ def _before(
     nodes: FloatArray, values: FloatArray, start: int, at: float, basis: FloatArray
 ) -> tuple[float, float]:
     """Value and slope of the polynomial through _AROUND values from a start on."""
-    _lagrange(nodes, start, _AROUND, at, basis)
+    lagrange(nodes, start, _AROUND, at, basis)
     value, slope = 0.0, 0.0
     for i in range(_AROUND):
         value += basis[0, i] * values[start + i]
@@ -256,7 +256,30 @@ def _before(
 
 
 @_compiled
-def _lagrange(nodes: FloatArray, start: int, count: int, at: float, basis: FloatArray) -> None:
+def slope(way: FloatArray, parameters: FloatArray, values: FloatArray) -> float:
+    """Derivative by the parameter of what has some values (n,) at the states of a path, at the last one.
+
+    That of the polynomial in the way through the last states along which it has grown or fallen steadily.
+    Zero where there is no state before the last, and at a limit point of the parameter, where there is no
+    such derivative.
+    """
+    last = len(way) - 1
+    first = _steady(way, last + 1)
+    basis = np.empty((2, len(way)))
+    lagrange(way, first, last - first, way[last], basis)
+    # of the polynomial (s - last) q(s) + f(last), with q through the difference quotients
+    along, parameter = 0.0, 0.0
+    for k in range(first, last):
+        weight = basis[0, k - first] / (way[k] - way[last])
+        along += weight * (values[k] - values[last])
+        parameter += weight * (parameters[k] - parameters[last])
+    # of which the last step tells the sign
+    onwards = parameter * (way[last] - way[last - 1]) * (parameters[last] - parameters[last - 1])
+    return along / parameter if last > 0 and onwards > 0.0 else 0.0
+
+
+@_compiled
+def lagrange(nodes: FloatArray, start: int, count: int, at: float, basis: FloatArray) -> None:
     """Set (2, count) to values and slopes at a place of Lagrange's polynomials of nodes from a start on."""
     for i in range(count):
         value, slope = 1.0, 0.0
@@ -302,7 +325,7 @@ def _period(way: FloatArray, samples: FloatArray) -> float:
         place = _around(s, first, n, at)
         if place < 0:
             return 0.0
-        _lagrange(s, place, _AROUND, at, basis)
+        lagrange(s, place, _AROUND, at, basis)
         product, square = 0.0, 0.0
         for j in range(m):
             left, rise = samples[n - 1, 0, j], 0.0

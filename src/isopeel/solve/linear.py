@@ -4,11 +4,11 @@ from dataclasses import dataclass
 from typing import NamedTuple, Protocol
 
 import numpy as np
-from scipy.linalg.lapack import dgbtrf, dgbtrs, dpbtrf, dpbtrs
+from scipy.linalg.lapack import dgbtrf, dgbtrs
 
 from isopeel.arrays import FloatArray, IntArray
 from isopeel.assembly.system import BandMatrix
-from isopeel.solve.blocks import BlockedFactor, NotPositiveDefiniteError, energy
+from isopeel.solve.blocks import BlockedFactor, energy
 
 #: Of the energy of a solution: an iteration corrects what is left, and learns what it is.
 _ENOUGH = 0.01
@@ -25,26 +25,6 @@ class Factor(Protocol):
 
 class SingularError(ArithmeticError):
     """LU met a pivot that is zero."""
-
-
-@dataclass(frozen=True, eq=False)
-class BandCholesky:
-    """A = L L^T of a symmetric matrix, by LAPACK pbtrf. It overwrites the matrix's entries."""
-
-    entries: FloatArray
-
-    @classmethod
-    def of(cls, matrix: BandMatrix) -> "BandCholesky":
-        """Factorize; raises NotPositiveDefiniteError."""
-        entries, info = dpbtrf(matrix.entries.T, lower=1, overwrite_ab=1)
-        if info != 0:
-            raise NotPositiveDefiniteError(f"pivot {info} is not positive")
-        return cls(entries)
-
-    def solve(self, right_side: FloatArray) -> FloatArray:
-        """Solve for a right side (n,)."""
-        solution: FloatArray = dpbtrs(self.entries, right_side, lower=1)[0]
-        return solution
 
 
 def approximate(matrix: BandMatrix) -> BlockedFactor:
@@ -119,5 +99,10 @@ class Bordered:
 
 
 def factorize(matrix: BandMatrix) -> Factor:
-    """Cholesky in symmetric storage, LU in general storage; the entries are overwritten."""
-    return BandCholesky.of(matrix) if matrix.storage == "symmetric" else BandLU.of(matrix)
+    """Cholesky in symmetric storage; LU in general storage, which overwrites the entries.
+
+    Raises NotPositiveDefiniteError, SingularError.
+    """
+    if matrix.storage == "symmetric":
+        return BlockedFactor.of(matrix.entries, np.float64)
+    return BandLU.of(matrix)

@@ -7,8 +7,8 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from isopeel.arrays import FloatArray
-from isopeel.solve.linear import Factor
+from isopeel.arrays import FloatArray, IntArray
+from isopeel.solve.blocks import BlockedFactor, Floats, solve
 
 #: In single precision: what is learned is no more exact, and half of the memory is read in half of the time.
 Singles: TypeAlias = NDArray[np.float32]
@@ -62,31 +62,63 @@ class Pairs:
         """The same, whatever others are followed by."""
         return self.of(self.corrections, self.changes)
 
+    def with_room(self, count: int) -> Self:
+        """The same, in other arrays where these have no room for so many more; at most two thirds of all."""
+        if self.end + count <= len(self.products):
+            return self
+        kept, end = slice(self.first, self.end), self.end - self.first
+        rows, products = np.empty_like(self.rows), np.empty_like(self.products)
+        rows[:, :end], products[:end] = self.rows[:, kept], self.products[kept]
+        return type(self)(rows, products, 0, end)
+
     def followed_by(self, correction: FloatArray, change: FloatArray) -> Self:
         """These and a new pair, if its product is positive; the oldest beyond MOST_PAIRS are left out."""
-        rows, products, first, end = self.rows, self.products, self.first, self.end
-        first = max(first, end - MOST_PAIRS + 1)
-        if end == len(products):
-            rows, products, kept = np.empty_like(rows), np.empty_like(products), slice(first, end)
-            first, end = 0, end - first
-            rows[:, :end], products[:end] = self.rows[:, kept], self.products[kept]
-        products[end] = _keep(correction, change, rows[0, end], rows[1, end])
-        if not products[end] > 0:
-            return self
-        return type(self)(rows, products, first, end + 1)
+        pairs = self.with_room(1)
+        first, end = follow(pairs.rows, pairs.products, pairs.first, pairs.end, correction, change)
+        return self if end == pairs.end else type(self)(pairs.rows, pairs.products, first, end)
 
-    def correction(self, factor: Factor, residual: FloatArray) -> FloatArray:
-        """-H r with the inverse H of a kept tangent, updated by the pairs: the two-loop recursion.
+    def correction(self, factor: BlockedFactor, residual: FloatArray) -> FloatArray:
+        """-H r with the inverse H of a kept tangent, updated by the pairs: see `correct`."""
+        found = np.empty(len(residual))
+        correct(factor.values, factor.starts, self.rows, self.products, self.first, self.end, residual, found)
+        return found
 
-        Nocedal and Wright, Numerical Optimization, Algorithm 7.4; the kept tangent is the initial matrix.
-        """
-        rest = -residual
-        shares = np.empty(self.end - self.first)
-        kept = slice(self.first, self.end)
-        _take_off(self.corrections, self.changes, self.products[kept], rest, shares)
-        product = factor.solve(rest)
-        _put_back(self.corrections, self.changes, self.products[kept], product, shares)
-        return product
+
+@_compiled
+def correct(
+    values: Floats,
+    starts: IntArray,
+    rows: Singles,
+    products: FloatArray,
+    first: int,
+    end: int,
+    residual: FloatArray,
+    correction: FloatArray,
+) -> None:
+    """Set -H r (n,) with the inverse H of a kept tangent, updated by the pairs: the two-loop recursion.
+
+    Nocedal and Wright, Numerical Optimization, Algorithm 7.4; the kept tangent, of which there are the values
+    and starts of the factor, is the initial matrix.
+    """
+    rest = np.empty(len(residual))
+    for i in range(len(rest)):
+        rest[i] = -residual[i]
+    shares = np.empty(end - first)
+    kept = slice(first, end)
+    _take_off(rows[0, kept], rows[1, kept], products[kept], rest, shares)
+    solve(values, starts, rest, correction)
+    _put_back(rows[0, kept], rows[1, kept], products[kept], correction, shares)
+
+
+@_compiled
+def follow(
+    rows: Singles, products: FloatArray, first: int, end: int, correction: FloatArray, change: FloatArray
+) -> tuple[int, int]:
+    """Add a pair in the row `end`, if its product is positive; return the first and the end of those kept."""
+    products[end] = _keep(correction, change, rows[0, end], rows[1, end])
+    if not products[end] > 0.0:
+        return first, end
+    return max(first, end - MOST_PAIRS + 1), end + 1
 
 
 @_compiled

@@ -1,6 +1,7 @@
 """A path on its way: what the solver knows of it, and the equilibrium at one value of the parameter."""
 
 from collections.abc import Sequence
+from time import perf_counter
 from typing import NamedTuple
 from weakref import ref
 
@@ -70,8 +71,8 @@ class Path:
         """Whether all forces have a potential."""
         return self.system.storage == "symmetric"
 
-    def step(self, found: Found, seconds: float) -> Step:
-        """Take a note of an equilibrium that was found, and make a step of it."""
+    def step(self, found: Found, began: float) -> Step:
+        """Take a note of an equilibrium that was found, and make a step of it, on the way since a time."""
         system, result, parameter = self.system, found.result, found.parameter
         at, u, y = result.equilibrium, result.displacement, result.unknown_values
         released = 0.0
@@ -103,7 +104,7 @@ class Path:
             adhesive_energy=at.adhesive_energy,
             dissipated_energy=at.dissipated_energy,
             iterations=result.iterations,
-            seconds=seconds,
+            seconds=perf_counter() - began,
             openings=system.openings,
             unknown_values=y,
             released_energy=released,

@@ -6,8 +6,7 @@ adhesive energy is the better measure of the way: it grows steadily with the fro
 at limit points, and hesitates near them. Best of all is what the front did on the element before.
 """
 
-from collections.abc import Mapping, Sequence
-from math import prod
+from collections.abc import Mapping
 
 import numpy as np
 from numba import njit
@@ -16,7 +15,7 @@ from scipy.linalg.blas import daxpy, ddot
 from isopeel.arrays import FloatArray, IntArray
 from isopeel.assembly.system import System
 from isopeel.solve.advance import Advance
-from isopeel.solve.leading import best_weights
+from isopeel.solve.leading import best_weights, lagrange, slope
 from isopeel.solve.step import Past
 
 #: States that are remembered: those of two elements and some more, of which a front of the published study
@@ -54,20 +53,26 @@ class Predictor:
         # whether the adhesive energy was the better measure of the way at the last guess
         self._by_energy = False
 
+    @property
+    def _rows(self) -> slice:
+        """Of the notes."""
+        return slice(self._end - len(self.states), self._end)
+
     def remember(self, state: Past, displacement: FloatArray) -> None:
         """Take a state, of coefficients u (size, 2)."""
         parameter, advance = state.parameter, self._advance
         # a drive that turns back meets a parameter again: its last state counts
-        known = [k for k, other in enumerate(self.states) if other.parameter != parameter]
+        (known,) = np.nonzero(self._numbers[0, self._rows] != parameter)
         if self._end == _ROWS or len(known) < len(self.states):
-            rows = self._end - len(self.states) + np.array(known, np.int64)
+            self.states = [self.states[k] for k in known]
+            rows = self._rows.start + known
             self._end = len(known)
             self._numbers[:, : self._end] = self._numbers[:, rows]
             self._bends[: self._end] = self._bends[rows]
-        known = known[1 - STATES_TO_GO_ON :]
-        self.states = [*(self.states[k] for k in known), state]
+        self.states = [*self.states[1 - STATES_TO_GO_ON :], state]
         ahead = np.nan if advance is None else advance.parameter(parameter, displacement)
-        self._numbers[:, self._end] = parameter, ahead, state.adhesive_energy
+        for row, number in enumerate((parameter, ahead, state.adhesive_energy)):
+            self._numbers[row, self._end] = number
         _bend(displacement, self._functions, self._order, self._every, self._bends[self._end])
         self._end += 1
         self._displacement = displacement
@@ -81,7 +86,7 @@ class Predictor:
         guess = np.zeros(self._system.count)
         if not self.states:
             return guess
-        rows = slice(self._end - len(self.states), self._end)
+        rows = self._rows
         parameters, ahead, energies = self._numbers
         weights, self._by_energy = best_weights(
             parameters[rows], ahead[rows], energies[rows], self._bends[rows], parameter
@@ -100,9 +105,9 @@ class Predictor:
     def slope(self, covector: FloatArray) -> float:
         """Derivative of covector (count,) . unknowns by the parameter, at the last state."""
         last = self.states[-SLOPE_STATES:]
-        parameters = [past.parameter for past in last]
-        way = [past.adhesive_energy for past in last] if self._by_energy else parameters
-        return slope(way, parameters, [ddot(covector, past.unknown_values) for past in last])
+        parameters, _, energies = self._numbers[:, self._end - len(last) : self._end]
+        values = np.array([ddot(covector, past.unknown_values) for past in last])
+        return float(slope(energies if self._by_energy else parameters, parameters, values))
 
 
 def extrapolate(history: Mapping[float, FloatArray], parameter: float, count: int) -> FloatArray:
@@ -111,37 +116,11 @@ def extrapolate(history: Mapping[float, FloatArray], parameter: float, count: in
     Lagrange's formula; zeros where there is no past state.
     """
     start = np.zeros(count)
-    weights = _lagrange(list(history), parameter)
-    for weight, values in zip(weights, history.values(), strict=True):
+    nodes, basis = np.array(list(history), np.float64), np.empty((2, len(history)))
+    lagrange(nodes, 0, len(nodes), parameter, basis)
+    for weight, values in zip(basis[0].tolist(), history.values(), strict=True):
         start += weight * values
     return start
-
-
-def slope(way: Sequence[float], parameters: Sequence[float], values: Sequence[float]) -> float:
-    """Derivative by the parameter of what has these values at the states of a path, at the last of them.
-
-    That of the polynomial in the way through the last states, up to SLOPE_STATES, along which it has grown or
-    fallen steadily. Zero where there is no state before the last, and at a limit point of the parameter,
-    where there is no such derivative.
-    """
-    last = len(way) - 1
-    first = last
-    while first > max(0, last - SLOPE_STATES + 1) and (way[first] - way[first - 1]) * (way[-1] - way[-2]) > 0:
-        first -= 1
-    # of the polynomial (s - last) q(s) + f(last), with q through the difference quotients
-    along = parameter = 0.0
-    for k, value in enumerate(_lagrange(way[first:last], way[last]), start=first):
-        weight = value / (way[k] - way[last])
-        along += weight * (values[k] - values[last])
-        parameter += weight * (parameters[k] - parameters[last])
-    # of which the last step tells the sign
-    onwards = last > 0 and parameter * (way[-1] - way[-2]) * (parameters[-1] - parameters[-2]) > 0
-    return along / parameter if onwards else 0.0
-
-
-def _lagrange(nodes: Sequence[float], at: float) -> list[float]:
-    """Values at a point of Lagrange's polynomials of a few distinct nodes."""
-    return [prod((at - other) / (node - other) for other in nodes if other != node) for node in nodes]
 
 
 @_compiled

@@ -1,17 +1,17 @@
 """Newton's method with a tangent that is kept from step to step, and learns from the steps it has taken."""
 
 from dataclasses import dataclass, replace
-from math import isfinite
 
 import numpy as np
-from scipy.linalg.blas import idamax
+from numba import njit
 
-from isopeel.arrays import FloatArray
+from isopeel.arrays import FloatArray, IntArray
+from isopeel.assembly.equations import Energies, Equations, Iterate, evaluate
 from isopeel.assembly.system import Equilibrium, System
-from isopeel.solve.blocks import NotPositiveDefiniteError
-from isopeel.solve.linear import Factor, approximate
+from isopeel.solve.blocks import BlockedFactor, Floats, NotPositiveDefiniteError
+from isopeel.solve.linear import approximate
 from isopeel.solve.newton import NewtonResult, NewtonSettings
-from isopeel.solve.pairs import Pairs
+from isopeel.solve.pairs import Pairs, Singles, correct, follow
 
 #: Steps that one tangent serves.
 _MOST_STEPS = 40
@@ -24,8 +24,14 @@ _MOST_CORRECTIONS = 12
 #: its moment by 1.4e-8 in one run of several; at this those of L1, L2 and L4 are met to 4e-9.
 _SHARE = 1e-2
 _FORESEEN = 3e-4
-#: An energy residual that falls by less is a poor correction; the second one of a step ends it.
+#: An energy residual that falls by less is a poor correction; the second one of a tangent ends it.
 _POOR = 0.5
+
+# what corrections have led to
+_CONVERGED, _POORLY, _NOWHERE = range(3)
+
+# nan must stay nan, because it is how an inverted element is noticed
+_compiled = njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "nsz"})
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,6 +47,10 @@ class Memory:
     pairs: Pairs
     steps: int = 0
     slow: bool = False  # the last step
+
+    def followed_by(self, pairs: Pairs, *, slow: bool) -> "Memory":
+        """After one more step."""
+        return Memory(self.unknown_values, self.parameter, self.openings, pairs, self.steps + 1, slow)
 
 
 class QuasiNewton:
@@ -59,7 +69,7 @@ class QuasiNewton:
     def __init__(self, system: System, settings: NewtonSettings, memory: Memory | None = None) -> None:
         self._system = system
         self._settings = settings
-        self._factor: Factor | None = None
+        self._factor: BlockedFactor | None = None
         #: What goes on from here needs to do so bit for bit.
         self.memory: Memory | None = None if memory is None else replace(memory, pairs=memory.pairs.copy())
 
@@ -86,45 +96,48 @@ class QuasiNewton:
             factor, memory = self._kept_tangent(guess, parameter)
         except NotPositiveDefiniteError:
             return None
-        y, pairs = guess, memory.pairs
-        u, load, at = self._at(y, parameter)
-        threshold = self._settings.tolerance * self._system.energy_scale
-        measures: list[float] = []
-        poor = 0
-        for _ in range(_MOST_CORRECTIONS):
-            correction, measure = _correction(factor, pairs, at)
-            if not measures and not _foreseen(guess, correction, last):
-                threshold *= _SHARE
-            # a residual that is not finite fails this test too
-            poor += bool(measures) and not measure < max(_POOR * measures[-1], threshold)
-            if poor > 1 and memory.steps > 0 and isfinite(measure):
+        system, count = self._system, len(guess)
+        load = 0.0 if system.load is None else parameter
+        moved, external = system.constraints.moved(parameter), system.external(load)
+        u, forces = np.empty((2, *system.constraints.unknowns.shape))
+        at = Iterate(guess.copy(), u, forces, np.empty(count))
+        measures = np.empty(_MOST_CORRECTIONS)
+        made, threshold = 0, self._settings.tolerance * system.energy_scale
+        while True:
+            pairs = memory.pairs.with_room(_MOST_CORRECTIONS)
+            outcome, made, first, end, threshold, energies = _corrected(
+                system.equations,
+                system.openings,
+                moved,
+                external,
+                factor.values,
+                factor.starts,
+                pairs.rows,
+                pairs.products,
+                pairs.first,
+                pairs.end,
+                at,
+                guess if last is None else last,
+                measures,
+                made,
+                threshold,
+            )
+            if outcome == _POORLY and memory.steps > 0:
                 # the tangent is of another step: one of this step may do
                 try:
-                    (factor, memory), poor = self._new_tangent(y, parameter), 0
-                    pairs = memory.pairs
+                    factor, memory = self._new_tangent(at.unknown_values.copy(), parameter)
                 except NotPositiveDefiniteError:
                     return None
-                correction, measure = _correction(factor, pairs, at)
-            if not isfinite(measure) or poor > 1:
+            elif outcome == _CONVERGED and energies[3] > 0:
+                pairs = Pairs(pairs.rows, pairs.products, first, end)
+                self.memory = memory.followed_by(pairs, slow=made > _SLOW)
+                equilibrium = Equilibrium(*energies, at.forces, at.residual)
+                iterations = tuple(measures[:made].tolist())
+                return NewtonResult(at.unknown_values, u, load, equilibrium, iterations, exact=False)
+            else:
                 return None
-            measures.append(measure)
-            y = y + correction
-            before = at
-            u, load, at = self._at(y, parameter)
-            pairs = pairs.followed_by(correction, at.residual - before.residual)
-            if measure <= threshold:
-                if not (np.isfinite(at.residual).all() and at.lowest_determinant > 0):
-                    return None
-                slow = len(measures) > _SLOW
-                self.memory = replace(memory, pairs=pairs, steps=memory.steps + 1, slow=slow)
-                return NewtonResult(y, u, load, at, tuple(measures), exact=False)
-        return None
 
-    def _at(self, y: FloatArray, parameter: float) -> tuple[FloatArray, float, Equilibrium]:
-        u, load = self._system.state(y, parameter)
-        return u, load, self._system.equilibrium(u, load)
-
-    def _kept_tangent(self, guess: FloatArray, parameter: float) -> tuple[Factor, Memory]:
+    def _kept_tangent(self, guess: FloatArray, parameter: float) -> tuple[BlockedFactor, Memory]:
         """The factor of the tangent that is kept, or of a new one at a guess where that has served enough."""
         memory = self.memory
         if memory is None or memory.slow or memory.steps >= _MOST_STEPS:
@@ -133,25 +146,88 @@ class QuasiNewton:
             self._factor = self._made(memory)
         return self._factor, memory
 
-    def _new_tangent(self, y: FloatArray, parameter: float) -> tuple[Factor, Memory]:
+    def _new_tangent(self, y: FloatArray, parameter: float) -> tuple[BlockedFactor, Memory]:
         memory = Memory(y, parameter, self._system.openings, Pairs.none(len(y)))
         self._factor = self._made(memory)
         return self._factor, memory
 
-    def _made(self, memory: Memory) -> Factor:
+    def _made(self, memory: Memory) -> BlockedFactor:
         u, load = self._system.state(memory.unknown_values, memory.parameter)
         return approximate(self._system.linearize(u, "symmetric", load, memory.openings)[1])
 
 
-def _foreseen(guess: FloatArray, correction: FloatArray, last: FloatArray | None) -> bool:
+@_compiled
+def _corrected(
+    equations: Equations,
+    openings: FloatArray,
+    moved: FloatArray,
+    external: FloatArray,
+    values: Floats,
+    starts: IntArray,
+    rows: Singles,
+    products: FloatArray,
+    first: int,
+    end: int,
+    at: Iterate,
+    last: FloatArray,
+    measures: FloatArray,
+    made: int,
+    threshold: float,
+) -> tuple[int, int, int, int, float, Energies]:
+    """Correct unknowns until they are converged, or a second correction is poor, or all have been made.
+
+    Told are what the equations ask for at the parameter (see `evaluate`), the factor, the pairs, the unknowns
+    of the last step, and what was `made` of the corrections with another tangent before: their energy
+    residuals are the first of `measures`. Returns what has become of it, the number of corrections, first and
+    end of the pairs, the threshold, which the first correction may tighten, and the energies.
+    """
+    y, residual = at.unknown_values, at.residual
+    count = len(y)
+    correction, change = np.empty(count), np.empty(count)
+    energies = (0.0, 0.0, 0.0, 0.0)
+    if made == 0:
+        energies = evaluate(equations, openings, moved, external, at)
+    poor, before = 0, made
+    while made < len(measures):
+        correct(values, starts, rows, products, first, end, residual, correction)
+        measure = abs(_product(residual, correction)) / count
+        if made == 0 and not _foreseen(y, correction, last):
+            threshold *= _SHARE
+        if not np.isfinite(measure):
+            break
+        if made > before and not measure < max(_POOR * measures[made - 1], threshold):
+            poor += 1
+            if poor > 1:
+                return _POORLY, made, first, end, threshold, energies
+        measures[made] = measure
+        made += 1
+        for i in range(count):
+            y[i] += correction[i]
+            change[i] = -residual[i]
+        energies = evaluate(equations, openings, moved, external, at)
+        finite = True
+        for i in range(count):
+            change[i] += residual[i]
+            finite &= np.isfinite(residual[i])
+        first, end = follow(rows, products, first, end, correction, change)
+        if measure <= threshold:
+            return (_CONVERGED if finite else _NOWHERE), made, first, end, threshold, energies
+    return _NOWHERE, made, first, end, threshold, energies
+
+
+@_compiled
+def _product(one: FloatArray, other: FloatArray) -> float:
+    total = 0.0
+    for i in range(len(one)):
+        total += one[i] * other[i]
+    return total
+
+
+@_compiled
+def _foreseen(guess: FloatArray, correction: FloatArray, last: FloatArray) -> bool:
     """Whether the first correction of a guess (count,) is little of the way from the last state."""
-    if last is None:
-        return False
-    way = guess - last
-    return bool(abs(correction[idamax(correction)]) < _FORESEEN * abs(way[idamax(way)]))
-
-
-def _correction(factor: Factor, pairs: Pairs, at: Equilibrium) -> tuple[FloatArray, float]:
-    """The correction of a state, and its energy residual per unknown."""
-    correction = pairs.correction(factor, at.residual)
-    return correction, abs(float(at.residual @ correction)) / len(correction)
+    largest, way = 0.0, 0.0
+    for i in range(len(guess)):
+        largest = max(largest, abs(correction[i]))
+        way = max(way, abs(guess[i] - last[i]))
+    return largest < _FORESEEN * way

@@ -1,6 +1,7 @@
 """A side that is turned by a pure moment."""
 
 from dataclasses import dataclass
+from math import cos, sin
 from typing import ClassVar
 
 import numpy as np
@@ -54,18 +55,16 @@ class RotatedSide:
     def prescribed(self, points: FloatArray, parameter: float) -> FloatArray:
         """(Q(angle) - 1)(x - centre)."""
         # 1 - cos by the half angle, which keeps its digits at small angles
-        sine, versine = np.sin(parameter), 2 * np.sin(parameter / 2) ** 2
-        turned: FloatArray = self._arms(points) @ np.array([[-versine, -sine], [sine, -versine]]).T
-        return turned
+        return _turned(points, complex(-2 * sin(parameter / 2) ** 2, sin(parameter)))
 
     def rate(self, points: FloatArray, parameter: float) -> FloatArray:
         """dQ/dangle (x - centre)."""
-        sine, cosine = np.sin(parameter), np.cos(parameter)
-        turning: FloatArray = self._arms(points) @ np.array([[-sine, -cosine], [cosine, -sine]]).T
-        return turning
+        return _turned(points, complex(-sin(parameter), cos(parameter)))
 
-    @staticmethod
-    def _arms(points: FloatArray) -> FloatArray:
-        # any point of the line would do: another one differs by a translation, which is free
-        arms: FloatArray = points - points.sum(axis=0) / len(points)
-        return arms
+
+def _turned(points: FloatArray, factor: complex) -> FloatArray:
+    """Points (n, 2) of a line, from its centre on, as complex numbers x + i y times a factor."""
+    line = np.ascontiguousarray(points).view(np.complex128)
+    # any point of the line would do: another one differs by a translation, which is free
+    turned: FloatArray = (factor * (line - (line[0] + line[-1]) / 2)).view(np.float64)
+    return turned
