@@ -6,19 +6,17 @@ an installation, a second process compiles the others meanwhile.
 
 import subprocess
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from math import radians
-from pathlib import Path
 from time import perf_counter
-from typing import Any
 
 import numpy as np
-from numba import njit
 
 from isopeel.arrays import FloatArray, IntArray
 from isopeel.assembly.body_kernel import add_body
 from isopeel.assembly.system import System
+from isopeel.compilation import is_kept
 from isopeel.problem import strip
 from isopeel.processes import cores
 from isopeel.solve.leading import best_weights
@@ -33,7 +31,7 @@ _STIFFNESS = 10.0
 @contextmanager
 def rehearsed_beside() -> Iterator[None]:
     """Compile in a second process meanwhile, as long as the body's kernel is not cached."""
-    if _is_cached(add_body) or cores() == 1:
+    if is_kept(add_body) or cores() == 1:
         yield
         return
     # not one of a pool, which would run the script again that has called this
@@ -46,13 +44,6 @@ def rehearsed_beside() -> Iterator[None]:
     finally:
         process.terminate()
         process.wait()
-
-
-def _is_cached(function: Callable[..., Any]) -> bool:
-    """Whether Numba has a file of a function in compiled form, be it of an older source."""
-    folder = Path(str(njit(cache=True)(function).stats.cache_path))
-    module = function.__module__.rpartition(".")[2]
-    return any(folder.glob(f"{module}.{function.__name__}-*.nbi"))
 
 
 def rehearse() -> None:

@@ -6,10 +6,11 @@ Index names: a, b functions of an element; i, k components; J, L reference direc
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import boolean, float64, int64, njit
+from numba import boolean, float64, int64
 
 from isopeel.arrays import FloatArray, IntArray
-from isopeel.assembly.loops import OPTIONS, PAIR, read_only
+from isopeel.assembly.loops import PAIR, read_only
+from isopeel.compilation import compiled_reordered
 from isopeel.physics.adhesion.irreversible import with_history
 from isopeel.physics.adhesion.sliding import with_slip
 from isopeel.physics.batch import law_at, of_address, substrate_at
@@ -216,7 +217,7 @@ SIDE_SIGNATURE = PAIR(
 adhesion_at = of_address(SIDE_SIGNATURE)
 
 
-@njit(**OPTIONS)
+@compiled_reordered
 def _inverse_deformation(u: Any, functions: Any, gradients: Any, F: Any, H: Any) -> None:
     """Deformation gradient F at one point, and H = F^-1."""
     for i in range(2):

@@ -17,7 +17,8 @@ import numpy as np
 from numba import boolean, float64, int64, njit
 
 from isopeel.arrays import FloatArray, IntArray
-from isopeel.assembly.loops import OPTIONS, PAIR, read_only
+from isopeel.assembly.loops import PAIR, read_only
+from isopeel.compilation import compiled_reordered
 from isopeel.physics.batch import material_at, of_address
 
 #: Elements that are treated together, at most: enough that the test for overlapping arrays, made before each
@@ -25,7 +26,6 @@ from isopeel.physics.batch import material_at, of_address
 _LANES = 256
 
 # Numba takes seconds to compile an assignment to a part of an array, but not its fill.
-_compiled = njit(**OPTIONS)
 _inlined = njit(inline="always")
 
 
@@ -321,7 +321,7 @@ def _add_scaled(total: Any, factor: float, x: Any, n: int) -> None:
         total[lane] += factor * x[lane]
 
 
-@_compiled
+@compiled_reordered
 def _pull_back(A: Any, maps: Any, weights: Any, start: int, n: int, half: Any, moduli: Any) -> None:
     """Moduli between channels: w sum_JL maps_hJ A_iJkL maps_gL at [2 h + i, 2 g + k], where that is >= 0."""
     P, channels = maps.shape[0], maps.shape[1]
@@ -356,7 +356,7 @@ def _pull_back(A: Any, maps: Any, weights: Any, start: int, n: int, half: Any, m
                             )
 
 
-@_compiled
+@compiled_reordered
 def _add_to_pairs(pairs: Any, moduli: Any, across: Any, r: int, row: int, channels: int, n: int) -> None:
     """Add a row of points to the pairs of the rows row + c and row + c + d, pairs[., d, orders, i, k]."""
     C = across.shape[2]
@@ -376,7 +376,7 @@ def _add_to_pairs(pairs: Any, moduli: Any, across: Any, r: int, row: int, channe
                                 _add_scaled(pair[p], factor, moduli[one, other, p * n : (p + 1) * n], n)
 
 
-@_compiled
+@compiled_reordered
 def _spread(
     pair: Any,
     one: Any,
@@ -431,7 +431,7 @@ def _spread(
                     )
 
 
-@_compiled
+@compiled_reordered
 def _sum_over_points(value: Any, functions: Any, x: Any, n: int) -> None:
     """Set value (n,) to sum_p N(p) x_0(p) + dN/dxi(p) x_1(p), of functions and x (2, P, n)."""
     N, dN, x0, x1 = functions[0], functions[1], x[0], x[1]

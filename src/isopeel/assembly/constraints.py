@@ -4,16 +4,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
-from numba import njit
 
 from isopeel.arrays import FloatArray, IntArray
+from isopeel.compilation import compiled
 from isopeel.errors import InputError
 from isopeel.problem import Drive, Problem
 from isopeel.splines.rows import RowSpace
 
 HELD = -1
-
-_compiled = njit(cache=True)
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,7 +75,7 @@ class Constraints:
         return _work(forces, self.driven, self.rate(parameter))
 
 
-@_compiled
+@compiled
 def displace(
     unknowns: IntArray,
     values: FloatArray,
@@ -95,7 +93,7 @@ def displace(
             u[driven[k], i] += moved[k, i]
 
 
-@_compiled
+@compiled
 def condense(unknowns: IntArray, forces: FloatArray, totals: FloatArray) -> None:
     """Add T^T f of forces (size, 2) to totals (count,)."""
     for f in range(len(unknowns)):
@@ -104,7 +102,7 @@ def condense(unknowns: IntArray, forces: FloatArray, totals: FloatArray) -> None
                 totals[unknowns[f, i]] += forces[f, i]
 
 
-@_compiled
+@compiled
 def _work(forces: FloatArray, driven: IntArray, rate: FloatArray) -> float:
     """Of forces (size, 2) that move the driven functions at a rate (n, 2)."""
     total = 0.0

@@ -7,14 +7,12 @@ so they are compiled once, whatever code asks for them.
 from typing import NamedTuple, TypeAlias
 
 import numpy as np
-from numba import njit
 
 from isopeel.arrays import FloatArray, IntArray
 from isopeel.assembly.adhesion_kernel import AdhesionArguments, adhesion_at
 from isopeel.assembly.body_kernel import BodyArguments, body_at
 from isopeel.assembly.constraints import condense, displace
-
-_compiled = njit(cache=True, error_model="numpy")
+from isopeel.compilation import compiled
 
 
 class Equations(NamedTuple):
@@ -40,7 +38,7 @@ class Sums(NamedTuple):
 Energies: TypeAlias = tuple[float, float, float, float]
 
 
-@_compiled
+@compiled
 def add_forces(equations: Equations, openings: FloatArray, u: FloatArray, sums: Sums) -> Energies:
     """Add what deforms the body and what the substrate does, of coefficients u (size, 2)."""
     of_body, of_side = equations.body, equations.adhesion
@@ -100,7 +98,7 @@ class Iterate(NamedTuple):
     residual: FloatArray  # (count,)
 
 
-@_compiled
+@compiled
 def evaluate(
     equations: Equations, openings: FloatArray, moved: FloatArray, external: FloatArray, at: Iterate
 ) -> Energies:

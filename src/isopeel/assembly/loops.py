@@ -4,15 +4,9 @@ from collections.abc import Callable
 from functools import cache
 from typing import Any, TypeAlias
 
-from numba import cfunc, float64, types
+from numba import float64, types
 
-#: Reordered sums let loops run in vector registers; nan must stay nan, because it is how an inverted element
-#: is noticed.
-OPTIONS: dict[str, Any] = {
-    "cache": True,
-    "error_model": "numpy",
-    "fastmath": {"contract", "reassoc", "nsz"},
-}
+from isopeel.compilation import REORDERED, compiled_now
 
 #: What loops return.
 PAIR: Any = types.UniTuple(float64, 2)  # type: ignore[no-untyped-call]
@@ -30,4 +24,4 @@ Loops: TypeAlias = Callable[..., tuple[float, float]]
 @cache
 def compile_loops(signature: Any, loops: Loops) -> Any:
     """The loops in compiled form, with their `address`."""
-    return cfunc(signature, **OPTIONS)(loops)
+    return compiled_now(signature, loops, REORDERED)

@@ -10,7 +10,7 @@ from isopeel.arrays import FloatArray, frozen
 from isopeel.assembly.adhesion_kernel import SIDE_SIGNATURE, AdhesionArguments, add_adhesion
 from isopeel.assembly.body_kernel import BODY_SIGNATURE, BodyArguments, add_body
 from isopeel.assembly.constraints import Constraints, constrain, half_bandwidth
-from isopeel.assembly.equations import Energies, Equations, Sums, add_forces
+from isopeel.assembly.equations import Equations, Sums, add_forces
 from isopeel.assembly.loads import AssembledLoad
 from isopeel.assembly.loops import Loops, compile_loops
 from isopeel.assembly.start import check_start
@@ -292,7 +292,8 @@ class System:
         forces = np.zeros(displacement.shape)
         sums = Sums(forces, band, diagonal, matrix is not None)
         noted = self.openings if openings is None else openings
-        energies: Energies = add_forces(self.equations, noted, displacement, sums)
+        # loops are compiled for contiguous arrays alone
+        energies = add_forces(self.equations, noted, np.ascontiguousarray(displacement), sums)
         unbalanced = forces
         if self.load is not None:
             unbalanced = forces - load * self.load.forces(displacement)

@@ -8,11 +8,12 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from numba import boolean, cfunc, float64, int64, njit, types, void
+from numba import boolean, float64, int64, types, void
 from numba.core import cgutils
 from numba.extending import intrinsic
 
 from isopeel.arrays import FloatArray
+from isopeel.compilation import EXACT, compiled, compiled_now
 
 _VECTOR = float64[::1]
 _POINTS_2 = float64[:, ::1]
@@ -34,10 +35,9 @@ BatchFunction = Any
 def compile_batch(signature: Any, function: Callable[..., None], cache: bool = True) -> BatchFunction:
     """Compile a batch function to machine code for one of the signatures above.
 
-    `error_model="numpy"` makes a division by zero give inf or nan, which the solver detects and reports;
-    an exception could not cross the call by address.
+    A division by zero gives inf or nan: an exception could not cross the call by address.
     """
-    return cfunc(signature, cache=cache, error_model="numpy")(function)
+    return compiled_now(signature, function, EXACT, keep=cache)
 
 
 def of_address(signature: Any) -> Any:
@@ -102,7 +102,7 @@ def evaluate_substrate(
     return gap.reshape(shape), _points_first(normal, shape), curvature.reshape(shape)
 
 
-@njit(cache=True)
+@compiled
 def _call_material(
     kernel: BatchFunction,
     F: FloatArray,
@@ -114,7 +114,7 @@ def _call_material(
     kernel(F, parameters, energy.size, energy, P, A, True)
 
 
-@njit(cache=True)
+@compiled
 def _call_law(
     kernel: BatchFunction,
     gap: FloatArray,
@@ -127,7 +127,7 @@ def _call_law(
     kernel(gap, curvature, parameters, gap.size, potential, traction, derivative)
 
 
-@njit(cache=True)
+@compiled
 def _call_substrate(
     kernel: BatchFunction,
     position: FloatArray,

@@ -9,17 +9,15 @@ from dataclasses import dataclass
 from typing import Self
 
 import numpy as np
-from numba import njit
 
 from isopeel.arrays import FloatArray, IntArray
 from isopeel.assembly.system import System
+from isopeel.compilation import compiled
 from isopeel.splines.nurbs import Side
 from isopeel.splines.space import SplineSpace
 
 #: Where a side's own deformation has decayed (Saint-Venant), in lengths of the side.
 _DECAYED = 2.0
-
-_compiled = njit(cache=True)
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,7 +95,7 @@ def _extent(points: FloatArray) -> float:
     return float(np.linalg.norm(points[-1] - points[0]))
 
 
-@_compiled
+@compiled
 def _turn(at_hinge: FloatArray) -> tuple[float, float]:
     """Cosine and sine of the rotation from one element to the next, of the positions (3, 2) at the hinge."""
     x0, y0 = at_hinge[0, 0] - at_hinge[1, 0], at_hinge[0, 1] - at_hinge[1, 1]
@@ -107,7 +105,7 @@ def _turn(at_hinge: FloatArray) -> tuple[float, float]:
     return cosine / size, sine / size
 
 
-@_compiled
+@compiled
 def _rise(
     points: FloatArray, displacement: FloatArray, hinge: IntArray, driven: IntArray, rate: FloatArray
 ) -> float:
@@ -129,7 +127,7 @@ def _rise(
     return total
 
 
-@_compiled
+@compiled
 def _carry(
     unknowns: IntArray,
     change: FloatArray,
@@ -160,7 +158,7 @@ def _carry(
         carried[f, 1] = u[beyond, 1] + sine * x + cosine * y
 
 
-@_compiled
+@compiled
 def _angle(position: FloatArray, change: FloatArray, one: int, other: int) -> float:
     """What a small change of all positions (size, 2) turns the line from one of them to another by."""
     x, y = position[other, 0] - position[one, 0], position[other, 1] - position[one, 1]

@@ -10,13 +10,10 @@ from dataclasses import dataclass
 from typing import Any, Self, TypeAlias
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from isopeel.arrays import FloatArray, IntArray
-
-# reordered sums let loops run in vector registers
-_compiled = njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "nsz"})
+from isopeel.compilation import compiled_reordered
 
 #: In single or in double precision.
 Floats: TypeAlias = NDArray[np.floating[Any]]
@@ -66,7 +63,7 @@ class BlockedFactor:
         return solution
 
 
-@_compiled
+@compiled_reordered
 def _find_reach(columns: FloatArray, reach: IntArray) -> None:
     """Rows of L below each block that are not zero, in multiples of 8, of the columns (n, width) of A."""
     n, width = columns.shape
@@ -82,7 +79,7 @@ def _find_reach(columns: FloatArray, reach: IntArray) -> None:
         reach[block] = -(-max(last + 1 - beyond, 0) // _COLUMNS) * _COLUMNS
 
 
-@_compiled
+@compiled_reordered
 def _factorize(columns: FloatArray, reach: IntArray, values: Floats, starts: IntArray) -> int:
     """Set the values of L, of the columns (n, width) of A; the first pivot that is not positive, or 0.
 
@@ -134,7 +131,7 @@ def _factorize(columns: FloatArray, reach: IntArray, values: Floats, starts: Int
     return 0
 
 
-@_compiled
+@compiled_reordered
 def _enter(columns: FloatArray, block: int, A: FloatArray) -> None:
     """Set A (8, rows), by columns, to a block of the columns (n, width); beyond all, to the identity."""
     n, width = columns.shape
@@ -149,7 +146,7 @@ def _enter(columns: FloatArray, block: int, A: FloatArray) -> None:
             A[c, c] = 1.0
 
 
-@_compiled
+@compiled_reordered
 def _invert(A: FloatArray, inverse: FloatArray) -> int:
     """Set the inverse of the Cholesky factor of the first rows of A; the first pivot that fails, or 0."""
     for c in range(_COLUMNS):
@@ -171,7 +168,7 @@ def _invert(A: FloatArray, inverse: FloatArray) -> int:
     return 0
 
 
-@_compiled
+@compiled_reordered
 def energy(columns: FloatArray, x: FloatArray) -> float:
     """x . A x for x (n,) of a symmetric matrix, of whose lower half there are the columns (n, width)."""
     n, width = columns.shape
@@ -185,7 +182,7 @@ def energy(columns: FloatArray, x: FloatArray) -> float:
     return total
 
 
-@_compiled
+@compiled_reordered
 def solve(values: Floats, starts: IntArray, right_side: FloatArray, solution: FloatArray) -> None:
     """Solve L L^T solution = right side."""
     blocks, n = len(starts) - 1, len(right_side)

@@ -3,10 +3,10 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 
 from isopeel.arrays import FloatArray
 from isopeel.assembly.system import BandMatrix
+from isopeel.compilation import compiled
 from isopeel.solve.linear import SingularError
 
 #: Largest pivot over the largest entry that was there: beyond it half of the digits are lost.
@@ -43,7 +43,7 @@ class BandLDL:
         return solution
 
 
-@njit(cache=True)
+@compiled
 def _factorize(entries: FloatArray, most: float) -> bool:
     """Four columns at a time, so that what comes after them is read and written once for all four."""
     n, width = entries.shape
@@ -75,7 +75,7 @@ def _factorize(entries: FloatArray, most: float) -> bool:
     return True
 
 
-@njit(cache=True)
+@compiled
 def _subtract(columns: FloatArray, start: int, shares: FloatArray, target: FloatArray) -> None:
     one, two, three, four = columns[0], columns[1], columns[2], columns[3]
     a, b, c, d = shares[0], shares[1], shares[2], shares[3]
@@ -84,7 +84,7 @@ def _subtract(columns: FloatArray, start: int, shares: FloatArray, target: Float
         target[i] -= a * one[k] + b * two[k - 1] + c * three[k - 2] + d * four[k - 3]
 
 
-@njit(cache=True)
+@compiled
 def _substitute(entries: FloatArray, x: FloatArray) -> None:
     n, width = entries.shape
     for j in range(n):

@@ -6,9 +6,9 @@ changes little: y(s) = C y(s - P) + d(s). Names: the way is s, p the parameter, 
 """
 
 import numpy as np
-from numba import njit
 
 from isopeel.arrays import FloatArray
+from isopeel.compilation import compiled
 
 #: States that a polynomial leads through, at most.
 MOST_STATES = 8
@@ -30,11 +30,8 @@ _PLACED = 1e-6  # of the last step
 
 _BY_PARAMETER, _BY_ENERGY, _RECURRENCE = range(3)
 
-# a quotient of what does not change is no number, and leads nowhere
-_compiled = njit(cache=True, error_model="numpy")
 
-
-@_compiled
+@compiled
 def best_weights(
     parameters: FloatArray, ahead: FloatArray, energies: FloatArray, samples: FloatArray, target: float
 ) -> tuple[FloatArray, bool]:
@@ -82,7 +79,7 @@ def best_weights(
     return weights, best_kind != _BY_PARAMETER
 
 
-@_compiled
+@compiled
 def _copy(values: FloatArray, to: FloatArray) -> None:
     """Numba takes seconds to compile the assignment of arrays."""
     for kind in range(2):
@@ -90,7 +87,7 @@ def _copy(values: FloatArray, to: FloatArray) -> None:
             to[kind, i] = values[kind, i]
 
 
-@_compiled
+@compiled
 def _missed(samples: FloatArray, weights: FloatArray, n: int, difference: FloatArray) -> float:
     """Square of what the weights of the first n states miss the next one by, which is left in (m,)."""
     for j in range(len(difference)):
@@ -106,7 +103,7 @@ def _missed(samples: FloatArray, weights: FloatArray, n: int, difference: FloatA
     return total
 
 
-@_compiled
+@compiled
 def _jumps(way: FloatArray, parameters: FloatArray, target: float, rise: float) -> bool:
     """Whether the way grows by far more per parameter to the target than it lately did."""
     n = len(way)
@@ -116,7 +113,7 @@ def _jumps(way: FloatArray, parameters: FloatArray, target: float, rise: float) 
     return not abs(rise / (target - parameters[n - 1])) < _JUMP * least
 
 
-@_compiled
+@compiled
 def _lead(
     way: FloatArray,
     parameters: FloatArray,
@@ -210,7 +207,7 @@ def _lead(
     return float(at * unit)
 
 
-@_compiled
+@compiled
 def _steady(way: FloatArray, n: int) -> int:
     """The first of n states from which on the way grows, or falls, steadily to the last one."""
     first = n - 1
@@ -221,7 +218,7 @@ def _steady(way: FloatArray, n: int) -> int:
     return first
 
 
-@_compiled
+@compiled
 def _around(nodes: FloatArray, first: int, n: int, at: float) -> int:
     """The first of the _AROUND rising nodes, from the first up to n, nearest to a place; -1 beyond all."""
     if n - first < _AROUND or not nodes[first] <= at <= nodes[n - 1]:
@@ -231,7 +228,7 @@ def _around(nodes: FloatArray, first: int, n: int, at: float) -> int:
     return first
 
 
-@_compiled
+@compiled
 def _horner(form: FloatArray, nodes: FloatArray, start: int, at: float) -> tuple[float, float]:
     """Value and slope of Newton's form (n,) of a polynomial, whose nodes begin at a start."""
     last = len(form) - 1
@@ -242,7 +239,7 @@ def _horner(form: FloatArray, nodes: FloatArray, start: int, at: float) -> tuple
     return value, slope
 
 
-@_compiled
+@compiled
 def _before(
     nodes: FloatArray, values: FloatArray, start: int, at: float, basis: FloatArray
 ) -> tuple[float, float]:
@@ -255,7 +252,7 @@ def _before(
     return value, slope
 
 
-@_compiled
+@compiled
 def slope(way: FloatArray, parameters: FloatArray, values: FloatArray) -> float:
     """Derivative by the parameter of what has some values (n,) at the states of a path, at the last one.
 
@@ -278,7 +275,7 @@ def slope(way: FloatArray, parameters: FloatArray, values: FloatArray) -> float:
     return along / parameter if last > 0 and onwards > 0.0 else 0.0
 
 
-@_compiled
+@compiled
 def lagrange(nodes: FloatArray, start: int, count: int, at: float, basis: FloatArray) -> None:
     """Set (2, count) to values and slopes at a place of Lagrange's polynomials of nodes from a start on."""
     for i in range(count):
@@ -291,7 +288,7 @@ def lagrange(nodes: FloatArray, start: int, count: int, at: float, basis: FloatA
         basis[0, i], basis[1, i] = value, slope
 
 
-@_compiled
+@compiled
 def _period(way: FloatArray, samples: FloatArray) -> float:
     """How long ago the path was last where, carried on, it meets the last state; zero where it nowhere was.
 
@@ -345,7 +342,7 @@ def _period(way: FloatArray, samples: FloatArray) -> float:
     return 0.0
 
 
-@_compiled
+@compiled
 def _square(samples: FloatArray, k: int, kind: int) -> float:
     """Square of the distance of the last state from another, as it is or carried on."""
     last = samples.shape[0] - 1

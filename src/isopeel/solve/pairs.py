@@ -4,10 +4,10 @@ from dataclasses import dataclass
 from typing import Any, Self, TypeAlias
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from isopeel.arrays import FloatArray, IntArray
+from isopeel.compilation import compiled_reordered
 from isopeel.solve.blocks import BlockedFactor, Floats, solve
 
 #: In single precision: what is learned is no more exact, and half of the memory is read in half of the time.
@@ -17,9 +17,6 @@ Singles: TypeAlias = NDArray[np.float32]
 MOST_PAIRS = 10
 #: Rows of an array of pairs: what is beyond the kept ones is room for the next.
 _ROWS = 3 * MOST_PAIRS
-
-# reordered sums let loops run in vector registers; nan must stay nan
-_compiled = njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "nsz"})
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,7 +81,7 @@ class Pairs:
         return found
 
 
-@_compiled
+@compiled_reordered
 def correct(
     values: Floats,
     starts: IntArray,
@@ -110,7 +107,7 @@ def correct(
     _put_back(rows[0, kept], rows[1, kept], products[kept], correction, shares)
 
 
-@_compiled
+@compiled_reordered
 def follow(
     rows: Singles, products: FloatArray, first: int, end: int, correction: FloatArray, change: FloatArray
 ) -> tuple[int, int]:
@@ -121,7 +118,7 @@ def follow(
     return max(first, end - MOST_PAIRS + 1), end + 1
 
 
-@_compiled
+@compiled_reordered
 def _keep(correction: FloatArray, change: FloatArray, one: Singles, other: Singles) -> float:
     """Round a pair to single precision; return the product of what is kept."""
     total = 0.0
@@ -132,7 +129,7 @@ def _keep(correction: FloatArray, change: FloatArray, one: Singles, other: Singl
     return total
 
 
-@_compiled
+@compiled_reordered
 def _take_off(
     corrections: Singles, changes: Singles, products: FloatArray, rest: FloatArray, shares: FloatArray
 ) -> None:
@@ -147,7 +144,7 @@ def _take_off(
             rest[i] -= share * changes[k, i]
 
 
-@_compiled
+@compiled_reordered
 def _put_back(
     corrections: Singles, changes: Singles, products: FloatArray, product: FloatArray, shares: FloatArray
 ) -> None:

@@ -9,11 +9,11 @@ at limit points, and hesitates near them. Best of all is what the front did on t
 from collections.abc import Mapping
 
 import numpy as np
-from numba import njit
 from scipy.linalg.blas import daxpy, ddot
 
 from isopeel.arrays import FloatArray, IntArray
 from isopeel.assembly.system import System
+from isopeel.compilation import compiled
 from isopeel.solve.advance import Advance
 from isopeel.solve.leading import best_weights, lagrange, slope
 from isopeel.solve.step import Past
@@ -27,8 +27,6 @@ SLOPE_STATES = 5
 _PLACES = 100
 #: Of notes of states: those beyond the remembered ones are room for the next.
 _ROWS = 3 * STATES_TO_GO_ON
-
-_compiled = njit(cache=True)
 
 
 class Predictor:
@@ -123,7 +121,7 @@ def extrapolate(history: Mapping[float, FloatArray], parameter: float, count: in
     return start
 
 
-@_compiled
+@compiled
 def _bend(displacement: FloatArray, functions: IntArray, order: int, every: int, bends: FloatArray) -> None:
     """Set bends (2, m) to differences of displacements along functions (2, n), at every so many of them."""
     places = bends.shape[1] // 2

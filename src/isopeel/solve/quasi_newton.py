@@ -3,11 +3,11 @@
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numba import njit
 
 from isopeel.arrays import FloatArray, IntArray
 from isopeel.assembly.equations import Energies, Equations, Iterate, evaluate
 from isopeel.assembly.system import Equilibrium, System
+from isopeel.compilation import compiled_reordered
 from isopeel.solve.blocks import BlockedFactor, Floats, NotPositiveDefiniteError
 from isopeel.solve.linear import approximate
 from isopeel.solve.newton import NewtonResult, NewtonSettings
@@ -29,9 +29,6 @@ _POOR = 0.5
 
 # what corrections have led to
 _CONVERGED, _POORLY, _NOWHERE = range(3)
-
-# nan must stay nan, because it is how an inverted element is noticed
-_compiled = njit(cache=True, error_model="numpy", fastmath={"contract", "reassoc", "nsz"})
 
 
 @dataclass(frozen=True, eq=False)
@@ -156,7 +153,7 @@ class QuasiNewton:
         return approximate(self._system.linearize(u, "symmetric", load, memory.openings)[1])
 
 
-@_compiled
+@compiled_reordered
 def _corrected(
     equations: Equations,
     openings: FloatArray,
@@ -215,7 +212,7 @@ def _corrected(
     return _NOWHERE, made, first, end, threshold, energies
 
 
-@_compiled
+@compiled_reordered
 def _product(one: FloatArray, other: FloatArray) -> float:
     total = 0.0
     for i in range(len(one)):
@@ -223,7 +220,7 @@ def _product(one: FloatArray, other: FloatArray) -> float:
     return total
 
 
-@_compiled
+@compiled_reordered
 def _foreseen(guess: FloatArray, correction: FloatArray, last: FloatArray) -> bool:
     """Whether the first correction of a guess (count,) is little of the way from the last state."""
     largest, way = 0.0, 0.0

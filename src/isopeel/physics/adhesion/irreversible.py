@@ -23,9 +23,9 @@ line and nothing is lost; where it rises in a curve, as the exponential law, a l
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
 from isopeel.arrays import FloatArray
+from isopeel.compilation import compiled
 from isopeel.errors import InputError
 from isopeel.physics.adhesion.base import AdhesionLaw
 from isopeel.physics.batch import BatchFunction
@@ -71,7 +71,7 @@ def secant_unloading(
     return SecantUnloading(*outputs.reshape(4, *gaps.shape))
 
 
-@njit(cache=True, error_model="numpy")
+@compiled
 def with_history(
     law: BatchFunction,
     gap: FloatArray,

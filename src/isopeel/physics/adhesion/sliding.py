@@ -14,12 +14,12 @@ The slip of a point is its displacement along the tangent that the substrate has
 """
 
 import numpy as np
-from numba import njit
 
 from isopeel.arrays import FloatArray
+from isopeel.compilation import compiled
 
 
-@njit(cache=True, error_model="numpy")
+@compiled
 def with_slip(
     gap: FloatArray,
     slip: FloatArray,

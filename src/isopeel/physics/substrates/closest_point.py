@@ -11,6 +11,7 @@ import numpy as np
 from numba import float64, int64, njit, void
 
 from isopeel.arrays import FloatArray
+from isopeel.compilation import compiled
 from isopeel.physics.batch import SUBSTRATE_SIGNATURE, BatchFunction, compile_batch
 
 _VECTOR = float64[::1]
@@ -21,7 +22,6 @@ CURVE_SIGNATURE = void(_VECTOR, _VECTOR, int64, _VECTOR, _VECTOR, _VECTOR)
 _SAMPLES = 65  # an odd number: the one in the middle lies straight below or above the point
 _MOST_STEPS = 100  # halving alone needs 53 to the last digit
 
-_compiled = njit(cache=True, error_model="numpy")
 # a compiled function handed on as an argument is inlined, because else the result could not be stored
 _inlined = njit(inline="always", error_model="numpy")
 
@@ -47,7 +47,7 @@ def graph_kernel(curve: BatchFunction) -> BatchFunction:
     return compile_batch(SUBSTRATE_SIGNATURE, batch, cache=False)
 
 
-@_compiled
+@compiled
 def _project_on_graph(
     curve: Any, position: Any, parameters: Any, count: int, gap: Any, normal: Any, curvature: Any
 ) -> None:
@@ -124,7 +124,7 @@ def project_on_wave(
         _write(x, y, at, n, gap, normal, curvature)
 
 
-@_compiled
+@compiled
 def _wave(place: Any, parameters: Any, count: int, height: Any, slope: Any, second: Any) -> None:
     amplitude, number = parameters[1], parameters[2]
     for n in range(count):
@@ -171,7 +171,7 @@ def _evaluate(curve: Any, parameters: Any, s: float, at: Any) -> None:
     curve(at[0], parameters, 1, at[1], at[2], at[3])
 
 
-@_compiled
+@compiled
 def _write(x: float, y: float, at: Any, n: int, gap: Any, normal: Any, curvature: Any) -> None:
     slope = at[2, 0]
     length = np.hypot(1.0, slope)

@@ -1,0 +1,84 @@
+"""Compilation of functions, which is kept from run to run as long as the package stays the same.
+
+Numba keeps a compiled function until the file changes that it stands in. But what it calls, which may stand
+in another one, is part of it. So what is kept of a file is left out once any source of the package changes.
+"""
+
+from collections.abc import Callable
+from functools import cache
+from hashlib import sha256
+from pathlib import Path
+from typing import Any, TypeVar, cast
+
+from numba import cfunc, njit
+
+Function = TypeVar("Function", bound=Callable[..., Any])
+
+#: For formulas: a division by zero gives inf or nan, which the solver detects and reports.
+EXACT: dict[str, Any] = {"error_model": "numpy"}
+#: For long sums: reordered, they run in vector registers; nan must stay nan, because it is how an inverted
+#: element is noticed.
+REORDERED: dict[str, Any] = {"error_model": "numpy", "fastmath": {"contract", "reassoc", "nsz"}}
+
+
+def compiled(function: Function) -> Function:
+    """Compile a function when it is first called, with sums in their order."""
+    _leave_out_what_is_old(function)
+    return cast("Function", njit(cache=True, **EXACT)(function))
+
+
+def compiled_reordered(function: Function) -> Function:
+    """Compile a function when it is first called, with sums in any order."""
+    _leave_out_what_is_old(function)
+    return cast("Function", njit(cache=True, **REORDERED)(function))
+
+
+def compiled_now(
+    signature: Any, function: Callable[..., Any], options: dict[str, Any], *, keep: bool = True
+) -> Any:
+    """Compile a function to code with an `address`, by which other compiled code may call it."""
+    if keep:
+        _leave_out_what_is_old(function)
+    return cfunc(signature, cache=keep, **options)(function)
+
+
+def is_kept(function: Callable[..., Any]) -> bool:
+    """Whether a function is there in compiled form."""
+    _leave_out_what_is_old(function)
+    return any(_folder(function).glob(f"{_module(function)}.{function.__name__}-*.nbi"))
+
+
+def _leave_out_what_is_old(function: Callable[..., Any]) -> None:
+    """Remove what was kept of a function's file with other sources of the package."""
+    _leave_out(_folder(function), _module(function), sources())
+
+
+@cache
+def _leave_out(folder: Path, module: str, version: str) -> None:
+    noted = folder / f"{module}.isopeel"
+    if noted.exists() and noted.read_text() == version:
+        return
+    for kept in folder.glob(f"{module}.*.nb[ic]"):
+        # another process may have been faster
+        kept.unlink(missing_ok=True)
+    folder.mkdir(parents=True, exist_ok=True)
+    noted.write_text(version)
+
+
+def _folder(function: Callable[..., Any]) -> Path:
+    """Where Numba keeps a function."""
+    return Path(str(njit(cache=True)(function).stats.cache_path))
+
+
+def _module(function: Callable[..., Any]) -> str:
+    """What the names of its files begin with."""
+    return Path(function.__code__.co_filename).stem
+
+
+@cache
+def sources() -> str:
+    """Digest of all sources of the package."""
+    digest = sha256()
+    for path in sorted(Path(__file__).parent.rglob("*.py")):
+        digest.update(path.read_bytes())
+    return digest.hexdigest()
