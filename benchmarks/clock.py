@@ -3,39 +3,36 @@
 from collections import Counter, defaultdict
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
+from inspect import signature
 from time import perf_counter
 from typing import Any
 from unittest.mock import patch
 
 from isopeel.assembly.system import System
 from isopeel.solve import quasi_newton
-from isopeel.solve.blocks import BlockedFactor
-from isopeel.solve.pairs import Pairs
 from isopeel.solve.predictor import Predictor
 
-#: The parts of a load step, by what is called for each.
-PARTS = ("forces", "tangent", "factor", "solve", "update", "state", "guess")
+#: What is called within a load step. Corrections are one compiled loop, of forces, solutions and updates.
+PARTS = ("corrections", "tangent", "factor", "guess")
+#: Where the loop is told how many corrections were made before.
+_MADE = list(signature(quasi_newton.corrected).parameters).index("made")
 
 
 class Clock:
-    """Calls and seconds of each part; what one part calls of another counts for the latter alone."""
+    """Calls and seconds of each part, and how often forces, solutions and updates were asked for."""
 
     def __init__(self) -> None:
         self.calls: Counter[str] = Counter()
         self.seconds: defaultdict[str, float] = defaultdict(float)
-        self._inner: list[float] = []
 
     @contextmanager
     def running(self) -> Iterator[None]:
         """Watch all parts of what is traced meanwhile."""
         with ExitStack() as watched:
             for owner, name, part in (
-                (System, "equilibrium", "forces"),
+                (quasi_newton, "corrected", "corrections"),
                 (System, "linearize", "tangent"),
-                (BlockedFactor, "solve", "solve"),
                 (quasi_newton, "approximate", "factor"),
-                (Pairs, "correction", "update"),
-                (System, "state", "state"),
                 (Predictor, "guess", "guess"),
             ):
                 watched.enter_context(patch.object(owner, name, self._watched(part, getattr(owner, name))))
@@ -43,15 +40,19 @@ class Clock:
 
     def _watched(self, part: str, function: Callable[..., Any]) -> Callable[..., Any]:
         def call(*arguments: Any, **named: Any) -> Any:
-            self._inner.append(0.0)
             began = perf_counter()
-            try:
-                return function(*arguments, **named)
-            finally:
-                taken = perf_counter() - began
-                self.calls[part] += 1
-                self.seconds[part] += taken - self._inner.pop()
-                if self._inner:
-                    self._inner[-1] += taken
+            found = function(*arguments, **named)
+            self.seconds[part] += perf_counter() - began
+            self.calls[part] += 1
+            if part == "corrections":
+                self._count(arguments[_MADE], made=found[1])
+            return found
 
         return call
+
+    def _count(self, before: int, made: int) -> None:
+        """What corrections have asked for, that are made after those before."""
+        # the forces of the start, and those after each one
+        self.calls["forces"] += made - before + (before == 0)
+        for part in ("solve", "update"):
+            self.calls[part] += made - before

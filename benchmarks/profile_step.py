@@ -112,7 +112,7 @@ def parts_table(profiles: Iterable[Profile]) -> Table:
         caption="the least of many calls; tangent: with forces;\nupdate: what the pairs add to a solution",
     )
     for one in profiles:
-        alone = [f"{1e3 * one.alone[part]:.3f}" for part in PARTS if part in one.alone]
+        alone = [f"{1e3 * seconds:.3f}" for seconds in one.alone.values()]
         table.add_row(*one.label, str(one.unknowns), str(one.half_bandwidth), *alone)
     return table
 
@@ -123,7 +123,7 @@ def steps_table(profiles: Iterable[Profile]) -> Table:
         "a load step: milliseconds, calls, and shares in percent",
         *("space", "mesh", "ms", "corrections", "forces", "tangents"),
         *(f"{part}\n%" for part in (*PARTS, "rest")),
-        caption="means of all timed steps; shares of what was spent within them",
+        caption="means of all timed steps; corrections: with their forces, solutions and updates",
     )
     for one in profiles:
         shares = [one.share(part) for part in PARTS]

@@ -1,9 +1,7 @@
 """A second process compiles what the first one needs besides the body's kernel."""
 
-import os
 import subprocess
 import sys
-from pathlib import Path
 
 import pytest
 
@@ -46,22 +44,6 @@ def test_a_path_needs_nothing_but_the_bodys_kernel_afterwards() -> None:
     ).stdout.splitlines()
     kernel = "isopeel.assembly.body_kernel"
     assert [line for line in found if not line.startswith(kernel)] == ["loops 2", "loops 3"]
-
-
-def test_a_kernel_is_cached_once_it_was_compiled(tmp_path: Path) -> None:
-    code = (
-        "from isopeel.physics.batch import _call_law; from isopeel import VanDerWaals\n"
-        "import numpy as np; from isopeel.physics.batch import evaluate_law\n"
-        "from isopeel.rehearsal import _is_cached\n"
-        "law, kernel = VanDerWaals(1.0, 0.4), _call_law.py_func\n"
-        "print(_is_cached(kernel)); evaluate_law(law.kernel, law.parameters, np.ones(1), np.ones(1))\n"
-        "print(_is_cached(kernel))"
-    )
-    environment = os.environ | {"NUMBA_CACHE_DIR": str(tmp_path)}
-    found = subprocess.run(
-        [sys.executable, "-c", code], check=True, capture_output=True, text=True, env=environment
-    )
-    assert found.stdout.split() == ["False", "True"]
 
 
 @pytest.mark.parametrize(("cold", "cores", "processes"), [(True, 2, 1), (True, 1, 0), (False, 2, 0)])

@@ -102,7 +102,7 @@ class QuasiNewton:
         made, threshold = 0, self._settings.tolerance * system.energy_scale
         while True:
             pairs = memory.pairs.with_room(_MOST_CORRECTIONS)
-            outcome, made, first, end, threshold, energies = _corrected(
+            outcome, made, first, end, threshold, energies = corrected(
                 system.equations,
                 system.openings,
                 moved,
@@ -154,7 +154,7 @@ class QuasiNewton:
 
 
 @compiled_reordered
-def _corrected(
+def corrected(
     equations: Equations,
     openings: FloatArray,
     moved: FloatArray,

@@ -1,0 +1,60 @@
+"""What is compiled is kept, as long as no source of the package changes."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+#: A function in one file, and one in another that it calls.
+CALLER = """
+from isopeel.compilation import compiled
+from called import number
+
+@compiled
+def twice(x):
+    return 2 * number(x)
+"""
+CALLED = """
+from isopeel.compilation import compiled
+
+@compiled
+def number(x):
+    return {} * x
+"""
+#: Prints whether the first is kept, what it returns, and whether it is kept then.
+RUN = """
+import isopeel.compilation as compilation
+from caller import twice
+kept = compilation.is_kept(twice.py_func)
+print(kept, twice(1.0), compilation.is_kept(twice.py_func))
+"""
+
+
+@pytest.mark.parametrize("elsewhere", [False, True])
+def test_it_is_kept_until_another_file_of_the_package_changes(tmp_path: Path, elsewhere: bool) -> None:
+    package, kept = tmp_path / "package" / "isopeel", tmp_path / "kept"
+    package.mkdir(parents=True)
+    original = Path(__file__).parent.parent / "src" / "isopeel" / "compilation.py"
+    (package / "__init__.py").touch()
+    (package / "compilation.py").write_text(original.read_text())
+    (package.parent / "caller.py").write_text(CALLER)
+    environment = os.environ | {"PYTHONPATH": str(package.parent)}
+    if elsewhere:
+        environment |= {"NUMBA_CACHE_DIR": str(kept)}
+
+    def run(factor: int) -> list[str]:
+        # as a part of the package that the other one calls
+        (package.parent / "called.py").write_text(CALLED.format(factor))
+        (package / "number.py").write_text(f"FACTOR = {factor}")
+        found = subprocess.run(
+            [sys.executable, "-c", RUN], check=True, capture_output=True, text=True, env=environment
+        )
+        return found.stdout.split()
+
+    assert run(3) == ["False", "6.0", "True"]
+    assert run(3) == ["True", "6.0", "True"]
+    # Numba alone would go on with what it kept of the caller, which has not changed
+    assert run(5) == ["False", "10.0", "True"]
+    assert kept.exists() == elsewhere
