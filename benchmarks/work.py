@@ -129,8 +129,8 @@ def _spread(table: BodyTable, P: int, C: int) -> int:
 
 
 def _sizes(table: BodyTable) -> tuple[int, int, int, int, int]:
-    P, X, C, channels = table.along.shape[2], table.along.shape[4], table.across.shape[3], table.maps.shape[3]
-    return P, X, C, channels, table.weights.size
+    P, X, C, channels = table.along.shape[2], table.along.shape[4], table.across.shape[3], table.maps.shape[2]
+    return P, X, C, channels, table.weight_kinds.size * P * X
 
 
 def _tables(system: System) -> int:

@@ -22,6 +22,7 @@ from isopeel import (
 )
 from isopeel.arrays import FloatArray
 from isopeel.assembly.system import BandMatrix, Storage, System, bytes_needed
+from isopeel.assembly.tables import body_table
 from isopeel.physics.batch import evaluate_law
 from isopeel.problem import Traction
 from isopeel.splines.nurbs import NurbsSurface, Side, annulus_sector, rectangle
@@ -312,7 +313,11 @@ def test_a_patch_that_folds_is_refused() -> None:
 
 @pytest.mark.parametrize("name", ["L1", "N4", "L1+N2.1"])
 def test_memory_is_estimated_from_above(name: str) -> None:
-    system = System(strip(), row_space(name, (40, 6)))
+    # on a body whose elements are not alike
+    line = SplineSpace.uniform(1, 0, 1)
+    points = np.array([[[0.0, 0.0], [0.0, 10.0]], [[200.0, 0.0], [200.0, 5.0]]])
+    tapered = NurbsSurface((line, line), points, np.ones((2, 2)))
+    system = System(problem_of(tapered), row_space(name, (40, 6)))
     u = np.zeros((system.space.size, 2))
     system.linearize(u)
     general = system.linearize(u, "general")[1].workspace
@@ -325,3 +330,24 @@ def test_memory_is_estimated_from_above(name: str) -> None:
     estimate = bytes_needed(system.space)
     # a driven side has one unknown, and the first and last elements few functions of their own
     assert held < estimate < 2 * held
+
+
+@pytest.mark.parametrize(
+    ("shape", "area", "maps", "areas"),
+    [
+        (rectangle(7.0, 3.0), 21.0, 1, 1),
+        (annulus_sector(1.0, 2.0, np.pi / 2), 0.75 * np.pi, 4 * 2, 4 * 2),
+    ],
+    ids=["rectangle", "sector"],
+)
+def test_lines_of_points_share_what_is_alike(shape: NurbsSurface, area: float, maps: int, areas: int) -> None:
+    table = body_table(shape, row_space("N2", (7, 4)))
+    assert len(table.maps) == maps
+    assert len(table.weights) == areas
+    for y, heights in enumerate(table.eta):
+        for r, eta in enumerate(heights):
+            for x, places in enumerate(table.xi):
+                jacobian = shape.jacobian(places, np.full(3, eta))
+                to_X = table.maps[table.map_kinds[y, r], :, :, :, x]
+                np.testing.assert_allclose(jacobian @ to_X, np.tile(np.eye(2), (3, 1, 1)), atol=1e-12)
+    assert table.area == pytest.approx(area, rel=1e-6)  # of the sector, by Gauss points

@@ -41,7 +41,9 @@ class BodyArguments(NamedTuple):
     first: IntArray
     across: FloatArray
     first_rows: IntArray
+    map_kinds: IntArray
     maps: FloatArray
+    weight_kinds: IntArray
     weights: FloatArray
     unknowns: IntArray  # (rows, 2, largest size, X)
 
@@ -55,7 +57,9 @@ def add_body(
     first: IntArray,
     across: FloatArray,
     first_rows: IntArray,
+    map_kinds: IntArray,
     maps: FloatArray,
+    weight_kinds: IntArray,
     weights: FloatArray,
     unknowns: IntArray,
     u: FloatArray,
@@ -73,7 +77,7 @@ def add_body(
     rows, X = first.shape
     Y, _, R, C = across.shape
     P, largest = along.shape[2], along.shape[3]
-    channels = maps.shape[3]
+    channels = maps.shape[2]
     # blocks of about the same size
     block = -(-X // -(-X // _LANES))
     points = P * block
@@ -133,6 +137,7 @@ def add_body(
         for y in range(Y):
             row = first_rows[y]
             for r in range(R):
+                to_X, areas = maps[map_kinds[y, r]], weights[weight_kinds[y, r]]
                 for p in range(P):
                     for i in range(2):
                         for h in range(channels):
@@ -153,20 +158,20 @@ def add_body(
                             _set_products(
                                 gradient,
                                 1.0 if i == J else 0.0,
-                                maps[y, r, p, 0, J, lanes],
+                                to_X[p, 0, J, lanes],
                                 channel[0],
-                                maps[y, r, p, 1, J, lanes],
+                                to_X[p, 1, J, lanes],
                                 channel[1],
                                 n,
                             )
                             if channels == 3:
-                                _add_product(gradient, maps[y, r, p, 2, J, lanes], channel[2], n)
+                                _add_product(gradient, to_X[p, 2, J, lanes], channel[2], n)
                     # one for each place in the arrays: a single one would not run in vector registers
                     for lane in range(n):
                         determinant = F[0, 0, lane] * F[1, 1, lane] - F[0, 1, lane] * F[1, 0, lane]
                         least[lane] = determinant if determinant < least[lane] else least[lane]
                     material(F, parameters, n, density, stress, A[p], with_tangent)
-                    area = weights[y, r, p, lanes]
+                    area = areas[p, lanes]
                     energy += _sum_of_products(area, density, n)
                     for i in range(2):
                         for h in range(channels):
@@ -174,9 +179,9 @@ def add_body(
                             _set_weighted_products(
                                 flow,
                                 area,
-                                maps[y, r, p, h, 0, lanes],
+                                to_X[p, h, 0, lanes],
                                 stress[i, 0],
-                                maps[y, r, p, h, 1, lanes],
+                                to_X[p, h, 1, lanes],
                                 stress[i, 1],
                                 n,
                             )
@@ -193,7 +198,7 @@ def add_body(
                             for c in range(2, C):
                                 _add_scaled(loads[row + c, order, i, p], factors[c], flow, n)
                 if with_tangent:
-                    _pull_back(A, maps[y, r], weights[y, r], start, n, half, moduli)
+                    _pull_back(A, to_X, areas, start, n, half, moduli)
                     _add_to_pairs(pairs, moduli, across[y], r, row, channels, n)
             if with_tangent:
                 # rows that no other row of elements adds to
@@ -248,8 +253,10 @@ BODY_SIGNATURE = PAIR(
     read_only(int64, 2),
     read_only(float64, 4),
     read_only(int64, 1),
-    read_only(float64, 6),
-    read_only(float64, 4),
+    read_only(int64, 2),
+    read_only(float64, 5),
+    read_only(int64, 2),
+    read_only(float64, 3),
     read_only(int64, 4),
     read_only(float64, 2),
     float64[:, ::1],

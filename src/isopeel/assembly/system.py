@@ -125,7 +125,7 @@ class System:
             problem, self.space, self.adhesive, self.constraints, self.load, base
         )
         #: Young's modulus times the area of the body: what energies are measured against.
-        self.energy_scale: float = problem.body.material.youngs_modulus * float(self.body.weights.sum())
+        self.energy_scale: float = problem.body.material.youngs_modulus * self.body.area
         self._workspaces: dict[Storage, FloatArray] = {}
         # kept alive, as compiled code is told their addresses only
         self._kernels = problem.body.material.kernel, adhesion.law.kernel, adhesion.substrate.kernel
@@ -141,7 +141,9 @@ class System:
             table.first,
             table.across,
             table.first_rows,
+            table.map_kinds,
             table.maps,
+            table.weight_kinds,
             table.weights,
             table.unknowns(self.constraints),
         )

@@ -12,6 +12,8 @@ from isopeel.splines.rows import Basis, RowSpace
 
 #: More Gauss points on an element than this resolve nothing: the adhesive force is smooth.
 MOST_CONTACT_POINTS = 100
+#: Lines of points are alike where their values agree to so many digits: to the round-off of their evaluation.
+_DIGITS = 13
 
 
 @dataclass(frozen=True, eq=False)
@@ -20,6 +22,8 @@ class BodyTable:
 
     There are X elements along xi with P Gauss points each, Y across with R. A function of row j is a function
     along xi times M_j(eta). Rows of one space (and, of a rational body, of the same weights) are of one kind.
+
+    Lines of points along xi share their maps, and their areas, where they are alike, as on a rectangle.
 
     The gradient with respect to the reference position is a sum of channels: the derivatives by xi and by
     eta of sum_j M_j sum_i w_ij N_i^(j) u_ij and, where weights make the functions rational, its value, by
@@ -32,10 +36,17 @@ class BodyTable:
     first: IntArray  # (rows, X) number of the first function of a row on an element; the others follow
     across: FloatArray  # (Y, 2, R, C) values and derivatives of the C rows of an element
     first_rows: IntArray  # (Y,)
-    maps: FloatArray  # (Y, R, P, channels, 2, X): d/dX_J = sum_h maps[h, J] channel_h
-    weights: FloatArray  # (Y, R, P, X) reference area of each point
+    map_kinds: IntArray  # (Y, R) of lines of points along xi
+    maps: FloatArray  # (map kinds, P, channels, 2, X): d/dX_J = sum_h maps[h, J] channel_h
+    weight_kinds: IntArray  # (Y, R)
+    weights: FloatArray  # (weight kinds, P, X) reference area of each point
     xi: FloatArray  # (X, P)
     eta: FloatArray  # (Y, R)
+
+    @property
+    def area(self) -> float:
+        """Of the body."""
+        return float(self.weights.sum(axis=(1, 2))[self.weight_kinds].sum())
 
     def functions(self) -> tuple[IntArray, ...]:
         """Numbers (X, m) of the functions of the elements, for each row of elements."""
@@ -98,6 +109,8 @@ def body_table(shape: NurbsSurface, space: RowSpace) -> BodyTable:
         inverse = np.linalg.inv(jacobian).astype(np.float64, copy=False)
         inverse = np.moveaxis(inverse.reshape(*x.shape, 2, 2), 2, -1)
         maps.append(inverse if space.weights is None else _rational(inverse, along[row], functions))
+    map_kinds, different_maps = _kinds(np.array(maps))
+    weight_kinds, different_weights = _kinds(np.array(weights))
     return BodyTable(
         kinds,
         np.array([space.rows[list(kinds).index(kind)].degree + 1 for kind in range(len(along))]),
@@ -105,11 +118,24 @@ def body_table(shape: NurbsSurface, space: RowSpace) -> BodyTable:
         np.stack([o + r.first_functions for o, r in zip(space.offsets[:-1], space.rows, strict=True)]),
         across,
         first_rows,
-        np.array(maps),
-        np.array(weights),
+        map_kinds,
+        different_maps,
+        weight_kinds,
+        different_weights,
         xi,
         eta,
     )
+
+
+def _kinds(values: FloatArray) -> tuple[IntArray, FloatArray]:
+    """Kinds (Y, R) of lines with values (Y, R, ...), and the values of one line of each kind."""
+    lines = values.reshape(-1, *values.shape[2:])
+    # minus zero is zero
+    rounded = np.round(lines / np.abs(lines).max(), _DIGITS) + 0.0
+    numbers: dict[bytes, int] = {}
+    kinds = np.array([numbers.setdefault(line.tobytes(), len(numbers)) for line in rounded])
+    _, first = np.unique(kinds, return_index=True)
+    return kinds.reshape(values.shape[:2]), lines[first]
 
 
 def _along(space: RowSpace, xi: FloatArray) -> tuple[IntArray, FloatArray]:
