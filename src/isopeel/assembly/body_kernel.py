@@ -82,8 +82,9 @@ def add_body(
     block = -(-X // -(-X // _LANES))
     points = P * block
     local = np.empty((2, largest, block))
-    lines = np.empty((rows, 2, 2, P, block))
-    loads = np.empty((rows, 2, 2, P, block))
+    # of the rows of one row of elements
+    lines = np.empty((C, 2, 2, P, block))
+    loads = np.empty((C, 2, 2, P, block))
     channel = np.empty((channels, block))
     F = np.empty((2, 2, block))
     density = np.empty(block)
@@ -102,40 +103,43 @@ def add_body(
     for start in range(0, X, block):
         n = min(block, X - start)
         lanes = slice(start, start + n)
-        loads.fill(0.0)
-        for j in range(rows):
-            kind = kinds[j]
-            for a in range(sizes[kind]):
-                for i in range(2):
-                    for lane in range(n):
-                        local[i, a, lane] = u[first[j, start + lane] + a, i]
-            for order in range(2):
-                for i in range(2):
-                    for p in range(P):
-                        line = lines[j, order, i, p, :n]
-                        _set_products(
-                            line,
-                            0.0,
-                            local[i, 0],
-                            along[kind, order, p, 0, lanes],
-                            local[i, 1],
-                            along[kind, order, p, 1, lanes],
-                            n,
-                        )
-                        for a in range(2, sizes[kind] - 1, 2):
-                            _add_products(
-                                line,
-                                local[i, a],
-                                along[kind, order, p, a, lanes],
-                                local[i, a + 1],
-                                along[kind, order, p, a + 1, lanes],
-                                n,
-                            )
-                        if sizes[kind] > 2 and sizes[kind] % 2 == 1:
-                            last = sizes[kind] - 1
-                            _add_product(line, local[i, last], along[kind, order, p, last, lanes], n)
+        ready = 0
         for y in range(Y):
             row = first_rows[y]
+            one, two = row % C, (row + 1) % C
+            for j in range(ready, row + C):
+                kind = kinds[j]
+                loads[j % C].fill(0.0)
+                for a in range(sizes[kind]):
+                    for i in range(2):
+                        for lane in range(n):
+                            local[i, a, lane] = u[first[j, start + lane] + a, i]
+                for order in range(2):
+                    for i in range(2):
+                        for p in range(P):
+                            line = lines[j % C, order, i, p, :n]
+                            _set_products(
+                                line,
+                                0.0,
+                                local[i, 0],
+                                along[kind, order, p, 0, lanes],
+                                local[i, 1],
+                                along[kind, order, p, 1, lanes],
+                                n,
+                            )
+                            for a in range(2, sizes[kind] - 1, 2):
+                                _add_products(
+                                    line,
+                                    local[i, a],
+                                    along[kind, order, p, a, lanes],
+                                    local[i, a + 1],
+                                    along[kind, order, p, a + 1, lanes],
+                                    n,
+                                )
+                            if sizes[kind] > 2 and sizes[kind] % 2 == 1:
+                                last = sizes[kind] - 1
+                                _add_product(line, local[i, last], along[kind, order, p, last, lanes], n)
+            ready = row + C
             for r in range(R):
                 to_X, areas = maps[map_kinds[y, r]], weights[weight_kinds[y, r]]
                 for p in range(P):
@@ -146,13 +150,13 @@ def add_body(
                             _set_scaled(
                                 channel[h],
                                 factors[0],
-                                lines[row, order, i, p],
+                                lines[one, order, i, p],
                                 factors[1],
-                                lines[row + 1, order, i, p],
+                                lines[two, order, i, p],
                                 n,
                             )
                             for c in range(2, C):
-                                _add_scaled(channel[h], factors[c], lines[row + c, order, i, p], n)
+                                _add_scaled(channel[h], factors[c], lines[(row + c) % C, order, i, p], n)
                         for J in range(2):
                             gradient = F[i, J]
                             _set_products(
@@ -188,21 +192,36 @@ def add_body(
                             factors = across[y, 1 if h == 1 else 0, r]
                             order = 1 if h == 0 else 0
                             _add_scaled_to_both(
-                                loads[row, order, i, p],
+                                loads[one, order, i, p],
                                 factors[0],
-                                loads[row + 1, order, i, p],
+                                loads[two, order, i, p],
                                 factors[1],
                                 flow,
                                 n,
                             )
                             for c in range(2, C):
-                                _add_scaled(loads[row + c, order, i, p], factors[c], flow, n)
+                                _add_scaled(loads[(row + c) % C, order, i, p], factors[c], flow, n)
                 if with_tangent:
                     _pull_back(A, to_X, areas, start, n, half, moduli)
                     _add_to_pairs(pairs, moduli, across[y], r, row, channels, n)
-            if with_tangent:
-                # rows that no other row of elements adds to
-                for j in range(row, first_rows[y + 1] if y + 1 < Y else rows):
+            # rows that no other row of elements adds to
+            for j in range(row, first_rows[y + 1] if y + 1 < Y else rows):
+                kind = kinds[j]
+                for a in range(sizes[kind]):
+                    for i in range(2):
+                        value.fill(0.0)
+                        for p in range(P):
+                            _add_products(
+                                value,
+                                along[kind, 0, p, a, lanes],
+                                loads[j % C, 0, i, p],
+                                along[kind, 1, p, a, lanes],
+                                loads[j % C, 1, i, p],
+                                n,
+                            )
+                        for lane in range(n):
+                            forces[first[j, start + lane] + a, i] += value[lane]
+                if with_tangent:
                     for d in range(min(C, rows - j)):
                         _spread(
                             pairs[j % C, d],
@@ -221,22 +240,6 @@ def add_body(
                             band.shape[1] - 1,
                         )
                     pairs[j % C].fill(0.0)
-        for j in range(rows):
-            kind = kinds[j]
-            for a in range(sizes[kind]):
-                for i in range(2):
-                    value.fill(0.0)
-                    for p in range(P):
-                        _add_products(
-                            value,
-                            along[kind, 0, p, a, lanes],
-                            loads[j, 0, i, p],
-                            along[kind, 1, p, a, lanes],
-                            loads[j, 1, i, p],
-                            n,
-                        )
-                    for lane in range(n):
-                        forces[first[j, start + lane] + a, i] += value[lane]
     lowest = np.inf
     for lane in range(block):
         lowest = min(lowest, least[lane])

@@ -18,6 +18,9 @@ from isopeel.compilation import compiled_reordered
 #: In single or in double precision.
 Floats: TypeAlias = NDArray[np.floating[Any]]
 
+#: A place in an array: numbers with a sign may count from its end, which is looked for at each one.
+_place = np.uint64
+
 #: Columns of a block: loops over them are written out by the compiler.
 _COLUMNS = 8
 
@@ -201,40 +204,38 @@ def solve(values: Floats, starts: IntArray, right_side: FloatArray, solution: Fl
     part = np.empty(_COLUMNS, values.dtype)
     # sums are of the precision of what they add up: a Python zero would make them double
     zero = values.dtype.type(0)
+    # places in the array, not parts of it, of which Numba would count the references
     for block in range(blocks):
-        start = block * _COLUMNS
-        inverse = values[starts[block] :]
-        L = values[starts[block] + _COLUMNS * _COLUMNS : starts[block + 1]]
-        rows = np.uint64(len(L) // _COLUMNS)  # no places that count from the end are looked for
-        here = x[start : start + _COLUMNS]
+        start, inverse = _place(block * _COLUMNS), _place(starts[block])
+        rows = _place((starts[block + 1] - starts[block]) // _COLUMNS - _COLUMNS)
+        L = inverse + _place(_COLUMNS * _COLUMNS)
+        below = start + _place(_COLUMNS)
         for i in range(_COLUMNS):
             total = zero
             for c in range(_COLUMNS):
-                total += inverse[c * _COLUMNS + i] * here[c]
+                total += values[inverse + _place(c * _COLUMNS + i)] * x[start + _place(c)]
             part[i] = total
         for i in range(_COLUMNS):
-            here[i] = part[i]
-        rest = x[start + _COLUMNS :]
-        for i in range(rows):
+            x[start + _place(i)] = part[i]
+        for k in range(rows):
             total = zero
             for c in range(_COLUMNS):
-                total += L[np.uint64(c) * rows + i] * part[c]
-            rest[i] -= total
+                total += values[L + _place(c) * rows + k] * part[c]
+            x[below + k] -= total
     for block in range(blocks - 1, -1, -1):
-        start = block * _COLUMNS
-        inverse = values[starts[block] :]
-        L = values[starts[block] + _COLUMNS * _COLUMNS : starts[block + 1]]
-        rows = np.uint64(len(L) // _COLUMNS)
-        rest = x[start + _COLUMNS :]
+        start, inverse = _place(block * _COLUMNS), _place(starts[block])
+        rows = _place((starts[block + 1] - starts[block]) // _COLUMNS - _COLUMNS)
+        L = inverse + _place(_COLUMNS * _COLUMNS)
+        below = start + _place(_COLUMNS)
         for c in range(_COLUMNS):
             total = zero
-            for i in range(rows):
-                total += L[np.uint64(c) * rows + i] * rest[i]
-            part[c] = x[start + c] - total
+            for k in range(rows):
+                total += values[L + _place(c) * rows + k] * x[below + k]
+            part[c] = x[start + _place(c)] - total
         for c in range(_COLUMNS):
             total = zero
             for row in range(_COLUMNS):
-                total += inverse[c * _COLUMNS + row] * part[row]
-            x[start + c] = total
+                total += values[inverse + _place(c * _COLUMNS + row)] * part[row]
+            x[start + _place(c)] = total
     for i in range(n):
         solution[i] = largest * x[i]
