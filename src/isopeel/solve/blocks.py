@@ -190,10 +190,10 @@ def solve(values: Floats, starts: IntArray, right_side: FloatArray, solution: Fl
     """Solve L L^T solution = right side."""
     blocks, n = len(starts) - 1, len(right_side)
     # room for all blocks, and for the rows below the last one
-    below = 0
+    most = 0
     for block in range(blocks):
-        below = max(below, (starts[block + 1] - starts[block]) // _COLUMNS)
-    x = np.zeros(blocks * _COLUMNS + below, values.dtype)
+        most = max(most, (starts[block + 1] - starts[block]) // _COLUMNS)
+    x = np.zeros(blocks * _COLUMNS + most, values.dtype)
     # single precision ends at 1e38, which units of a problem could pass
     largest = 0.0
     for i in range(n):
