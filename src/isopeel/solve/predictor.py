@@ -62,9 +62,8 @@ class Predictor:
         # a drive that turns back meets a parameter again: its last state counts
         (known,) = np.nonzero(self._numbers[0, self._rows] != parameter)
         if self._end == _ROWS or len(known) < len(self.states):
-            self.states = [self.states[k] for k in known]
             rows = self._rows.start + known
-            self._end = len(known)
+            self.states, self._end = [self.states[k] for k in known], len(known)
             self._numbers[:, : self._end] = self._numbers[:, rows]
             self._bends[: self._end] = self._bends[rows]
         self.states = [*self.states[1 - STATES_TO_GO_ON :], state]
