@@ -110,16 +110,16 @@ def _factorize(columns: FloatArray, reach: IntArray, values: Floats, starts: Int
         for c in range(_COLUMNS):
             for k in range(_COLUMNS):
                 part[k] = inverse[k, c]
+            first = start + _COLUMNS * _COLUMNS + c * rows
+            kept = values[first : first + rows]
             for i in range(rows):
                 total = 0.0
                 for k in range(_COLUMNS):
                     total += A[k, _COLUMNS + i] * part[k]
                 L[c, i] = total
+                kept[i] = total
             for i in range(_COLUMNS):
                 values[start + c * _COLUMNS + i] = inverse[c, i]
-            kept = start + _COLUMNS * _COLUMNS + c * rows
-            for i in range(rows):
-                values[kept + i] = L[c, i]
         for ahead in range(min(rows // _COLUMNS, blocks - 1 - block)):
             target = (block + 1 + ahead) % (beyond + 1)
             offset = ahead * _COLUMNS
