@@ -11,6 +11,7 @@ from typing import Self
 import numpy as np
 
 from isopeel.arrays import FloatArray, IntArray
+from isopeel.assembly.constraints import condense
 from isopeel.assembly.system import System
 from isopeel.compilation import compiled
 from isopeel.splines.nurbs import Side
@@ -63,12 +64,19 @@ class Advance:
 
     def change(self, change: FloatArray, displacement: FloatArray) -> FloatArray:
         """What a small change of the unknowns (count,) becomes, at coefficients u (size, 2)."""
-        unknowns = self.system.constraints.unknowns
-        carried = np.empty(unknowns.shape)
-        position = self.points + displacement
-        turn = _turn(position[self.hinge])
-        _carry(unknowns, change, position, self.ahead, self.rigid, self.hinge, turn, carried)
-        return self.system.constraints.condense(carried) / self.followers
+        ahead = np.zeros(self.system.constraints.count)
+        _carry(
+            self.system.constraints.unknowns,
+            change,
+            self.points,
+            displacement,
+            self.ahead,
+            self.rigid,
+            self.hinge,
+            self.followers,
+            ahead,
+        )
+        return ahead
 
     def parameter(self, parameter: float, displacement: FloatArray) -> float:
         """What the parameter of a drive that moves its side becomes, of coefficients u (size, 2)."""
@@ -96,10 +104,14 @@ def _extent(points: FloatArray) -> float:
 
 
 @compiled
-def _turn(at_hinge: FloatArray) -> tuple[float, float]:
-    """Cosine and sine of the rotation from one element to the next, of the positions (3, 2) at the hinge."""
-    x0, y0 = at_hinge[0, 0] - at_hinge[1, 0], at_hinge[0, 1] - at_hinge[1, 1]
-    x1, y1 = at_hinge[2, 0] - at_hinge[0, 0], at_hinge[2, 1] - at_hinge[0, 1]
+def _turn(points: FloatArray, displacement: FloatArray, hinge: IntArray) -> tuple[float, float]:
+    """Cosine and sine of the rotation from one element to the next, at the hinge."""
+    at = np.empty((3, 2))
+    for k in range(3):
+        for i in range(2):
+            at[k, i] = points[hinge[k], i] + displacement[hinge[k], i]
+    x0, y0 = at[0, 0] - at[1, 0], at[0, 1] - at[1, 1]
+    x1, y1 = at[2, 0] - at[0, 0], at[2, 1] - at[0, 1]
     cosine, sine = x0 * x1 + y0 * y1, x0 * y1 - y0 * x1
     size = np.sqrt(cosine**2 + sine**2)
     return cosine / size, sine / size
@@ -110,13 +122,9 @@ def _rise(
     points: FloatArray, displacement: FloatArray, hinge: IntArray, driven: IntArray, rate: FloatArray
 ) -> float:
     """What the driven functions move by when they are carried on with the hinge, times a rate (n, 2)."""
-    at_hinge = np.empty((3, 2))
-    for k in range(3):
-        for i in range(2):
-            at_hinge[k, i] = points[hinge[k], i] + displacement[hinge[k], i]
-    cosine, sine = _turn(at_hinge)
+    cosine, sine = _turn(points, displacement, hinge)
     here, beyond = hinge[0], hinge[2]
-    x0, y0 = at_hinge[0, 0], at_hinge[0, 1]
+    x0, y0 = points[here, 0] + displacement[here, 0], points[here, 1] + displacement[here, 1]
     total = 0.0
     for k in range(len(driven)):
         f = driven[k]
@@ -131,24 +139,26 @@ def _rise(
 def _carry(
     unknowns: IntArray,
     change: FloatArray,
-    position: FloatArray,
+    points: FloatArray,
+    displacement: FloatArray,
     ahead: IntArray,
     rigid: IntArray,
     hinge: IntArray,
-    turn: tuple[float, float],
-    carried: FloatArray,
+    followers: FloatArray,
+    result: FloatArray,
 ) -> None:
-    """Set coefficients (size, 2) to those of a change of the unknowns (count,), one element ahead."""
-    u = np.zeros(unknowns.shape)
+    """Set the result (count,), of zeros, to a change of the unknowns (count,), one element ahead."""
+    u, carried, position = np.zeros(unknowns.shape), np.empty(unknowns.shape), np.empty(unknowns.shape)
     here, before, beyond = hinge[0], hinge[1], hinge[2]
     for f in range(len(u)):
         for i in range(2):
+            position[f, i] = points[f, i] + displacement[f, i]
             if unknowns[f, i] >= 0:
                 u[f, i] = change[unknowns[f, i]]
     for f in range(len(u)):
         for i in range(2):
             carried[f, i] = u[ahead[f], i]
-    cosine, sine = turn
+    cosine, sine = _turn(points, displacement, hinge)
     # the change of the angle between the elements
     angle = _angle(position, u, here, beyond) - _angle(position, u, before, here)
     for f in rigid:
@@ -156,6 +166,9 @@ def _carry(
         y = u[f, 1] - u[here, 1] + angle * (position[f, 0] - position[here, 0])
         carried[f, 0] = u[beyond, 0] + cosine * x - sine * y
         carried[f, 1] = u[beyond, 1] + sine * x + cosine * y
+    condense(unknowns, carried, result)
+    for n in range(len(result)):
+        result[n] /= followers[n]
 
 
 @compiled
