@@ -138,15 +138,15 @@ def _lead(
     first = _steady(way, n)
     if n - first < max(count, 2):
         return 0.0
-    # the way and the parameters, from the last state on
+    start = n - count
+    # the way and the parameters, from the last state on, as far back as is asked for
     unit, here = way[n - 1] - way[n - 2], parameters[n - 1]
     s, carried = np.empty(n), np.empty(n)
-    for k in range(first, n):
+    for k in range(first if period > 0.0 else start, n):
         s[k] = (way[k] - way[n - 1]) / unit
         carried[k] = ahead[k] - here
     ago = period / abs(unit)
     basis = np.empty((2, MOST_STATES))
-    start = n - count
     rest = np.empty(count)
     for k in range(count):
         rest[k] = parameters[start + k] - here
