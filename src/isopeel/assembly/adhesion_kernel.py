@@ -77,19 +77,72 @@ def add_adhesion(
     law, substrate = law_at(law_address), substrate_at(substrate_address)
     elements, m = functions.shape
     Q = weights.shape[1]
-    x = np.empty((2, Q))
-    gap = np.empty(Q)
-    n = np.empty((2, Q))
-    curvature = np.empty(Q)
-    seen = np.zeros(Q)
-    closed = np.full(Q, equilibrium_gap)
-    bottom = np.zeros((3, Q))
-    slip = np.empty(Q)
-    potential = np.empty(Q)
-    T = np.empty(Q)
-    dT = np.empty(Q)
-    lost = np.zeros(Q)
-    shear = np.zeros((3, Q))
+    # of all points at once, for the loops of law and substrate
+    points = elements * Q
+    x = np.empty((2, points))
+    gap = np.empty(points)
+    n = np.empty((2, points))
+    curvature = np.empty(points)
+    seen = np.zeros(points)
+    potential = np.empty(points)
+    T = np.empty(points)
+    dT = np.empty(points)
+    lost = np.zeros(points)
+    shear = np.zeros((3, points))
+    local = np.empty((2, m))  # of one element: its displacements, and then its forces
+    for e in range(elements):
+        for a in range(m):
+            for i in range(2):
+                local[i, a] = u[functions[e, a], i]
+        for q in range(Q):
+            for i in range(2):
+                place = positions[e, q, i]
+                for a in range(m):
+                    place += values[e, q, a] * local[i, a]
+                x[i, e * Q + q] = place
+    substrate(x, substrate_parameters, points, gap, n, curvature)
+    if factors:
+        for p in range(points):
+            seen[p] = curvature[p]
+    if irreversible:
+        with_history(
+            law,
+            gap,
+            seen,
+            openings.ravel(),
+            equilibrium_gap,
+            law_parameters,
+            points,
+            potential,
+            T,
+            dT,
+            lost,
+        )
+    else:
+        law(gap, seen, law_parameters, points, potential, T, dT)
+    if sliding_length > 0.0:
+        closed = np.full(points, equilibrium_gap)
+        bottom = np.empty((3, points))
+        slip = np.zeros(points)
+        for e in range(elements):
+            for q in range(Q):
+                for i in range(2):
+                    slip[e * Q + q] += tangents[e, q, i] * (x[i, e * Q + q] - positions[e, q, i])
+        law(closed, seen, law_parameters, points, bottom[0], bottom[1], bottom[2])
+        with_slip(
+            gap,
+            slip,
+            sliding_length,
+            equilibrium_gap,
+            bottom[0],
+            points,
+            potential,
+            T,
+            dT,
+            shear[0],
+            shear[1],
+            shear[2],
+        )
     F = np.empty((2, 2))
     H = np.empty((2, 2))
     v = np.empty(2)
@@ -99,63 +152,30 @@ def add_adhesion(
     energy = 0.0
     dissipated = 0.0
     for e in range(elements):
-        for q in range(Q):
-            for i in range(2):
-                x[i, q] = positions[e, q, i]
-                for a in range(m):
-                    x[i, q] += values[e, q, a] * u[functions[e, a], i]
-        substrate(x, substrate_parameters, Q, gap, n, curvature)
-        if factors:
-            for q in range(Q):
-                seen[q] = curvature[q]
-        if irreversible:
-            with_history(
-                law, gap, seen, openings[e], equilibrium_gap, law_parameters, Q, potential, T, dT, lost
-            )
-        else:
-            law(gap, seen, law_parameters, Q, potential, T, dT)
-        if sliding_length > 0.0:
-            for q in range(Q):
-                slip[q] = 0.0
-                for i in range(2):
-                    slip[q] += tangents[e, q, i] * (x[i, q] - positions[e, q, i])
-            law(closed, seen, law_parameters, Q, bottom[0], bottom[1], bottom[2])
-            with_slip(
-                gap,
-                slip,
-                sliding_length,
-                equilibrium_gap,
-                bottom[0],
-                Q,
-                potential,
-                T,
-                dT,
-                shear[0],
-                shear[1],
-                shear[2],
-            )
+        local.fill(0.0)
         if with_tangent:
             K.fill(0.0)
         for q in range(Q):
+            p = e * Q + q
             phi = 1.0
             if projected:
                 _inverse_deformation(u, functions[e], gradients[e, q], F, H)
                 for i in range(2):
                     v[i] = H[0, i] * normals[e, q, 0] + H[1, i] * normals[e, q, 1]
-                    w[i] = H[i, 0] * n[0, q] + H[i, 1] * n[1, q]
-                phi = -(n[0, q] * v[0] + n[1, q] * v[1])
+                    w[i] = H[i, 0] * n[0, p] + H[i, 1] * n[1, p]
+                phi = -(n[0, p] * v[0] + n[1, p] * v[1])
             area = weights[e, q]
-            energy += area * phi * potential[q]
-            dissipated += area * phi * lost[q]
-            for a in range(m):
-                for i in range(2):
-                    pull = phi * T[q] * n[i, q] - shear[0, q] * tangents[e, q, i]
-                    forces[functions[e, a], i] -= area * pull * values[e, q, a]
+            energy += area * phi * potential[p]
+            dissipated += area * phi * lost[p]
+            for i in range(2):
+                pull = area * (phi * T[p] * n[i, p] - shear[0, p] * tangents[e, q, i])
+                for a in range(m):
+                    local[i, a] -= pull * values[e, q, a]
             if not with_tangent:
                 continue
-            t[0] = -n[1, q]
-            t[1] = n[0, q]
-            turn = curvature[q] / (1.0 + curvature[q] * gap[q])
+            t[0] = -n[1, p]
+            t[1] = n[0, p]
+            turn = curvature[p] / (1.0 + curvature[p] * gap[p])
             turning = turn * (t[0] * v[0] + t[1] * v[1]) if projected else 0.0
             for a in range(m):
                 share = -area * values[e, q, a]
@@ -165,15 +185,18 @@ def add_adhesion(
                             w[0] * gradients[e, q, 0, b] + w[1] * gradients[e, q, 1, b] if projected else 0.0
                         )
                         for k in range(2):
-                            moved = dT[q] * n[i, q] * n[k, q] + T[q] * turn * t[i] * t[k]
+                            moved = dT[p] * n[i, p] * n[k, p] + T[p] * turn * t[i] * t[k]
                             if sliding_length > 0.0:
                                 hold = tangents[e, q]
-                                moved -= shear[1, q] * hold[i] * hold[k]
-                                moved -= shear[2, q] * (n[i, q] * hold[k] + hold[i] * n[k, q])
+                                moved -= shear[1, p] * hold[i] * hold[k]
+                                moved -= shear[2, p] * (n[i, p] * hold[k] + hold[i] * n[k, p])
                             change = moved * phi * values[e, q, b]
                             if projected:
-                                change += T[q] * n[i, q] * (v[k] * along - turning * t[k] * values[e, q, b])
+                                change += T[p] * n[i, p] * (v[k] * along - turning * t[k] * values[e, q, b])
                             K[i, a, k, b] += share * change
+        for a in range(m):
+            for i in range(2):
+                forces[functions[e, a], i] += local[i, a]
         if with_tangent:
             for a in range(m):
                 for i in range(2):
