@@ -98,6 +98,9 @@ class QuasiNewton:
         moved, external = system.constraints.moved(parameter), system.external(load)
         u, forces = np.empty((2, *system.constraints.unknowns.shape))
         at = Iterate(guess.copy(), u, forces, np.empty(count))
+        # as those of a step are: loops are compiled anew for arrays that can be written to
+        last = (guess if last is None else last).view()
+        last.setflags(write=False)
         measures = np.empty(_MOST_CORRECTIONS)
         made, threshold = 0, self._settings.tolerance * system.energy_scale
         while True:
@@ -114,7 +117,7 @@ class QuasiNewton:
                 pairs.first,
                 pairs.end,
                 at,
-                guess if last is None else last,
+                last,
                 measures,
                 made,
                 threshold,
