@@ -163,9 +163,9 @@ class System:
             adhesion.substrate.constant_curvature,
             adhesion.traction == "projected",
             adhesion.irreversible,
-            adhesion.sliding_length or 0.0,
+            float(adhesion.sliding_length or 0.0),
             self.tangents,
-            adhesion.law.equilibrium_gap,
+            float(adhesion.law.equilibrium_gap),
         )
         self._no_forces = np.zeros(self.constraints.count)
         held = self.constraints
