@@ -60,4 +60,4 @@ def _cell(figures: Figures | None) -> str:
 def _points(ours: Figures | None, theirs: Figures) -> str:
     if ours is None:
         return ABSENT
-    return " / ".join(f"{a - b:+.1f}" for a, b in zip(ours, theirs, strict=True))
+    return " / ".join(f"{a - b:+z.1f}" for a, b in zip(ours, theirs, strict=True))
