@@ -13,7 +13,7 @@ from time import perf_counter
 
 import numpy as np
 
-from isopeel.arrays import FloatArray, IntArray
+from isopeel.arrays import BoolArray, FloatArray, IntArray
 from isopeel.assembly.body_kernel import add_body
 from isopeel.assembly.system import System
 from isopeel.compilation import is_kept
@@ -69,6 +69,7 @@ def _springs(
     _maps: FloatArray,
     _weight_kinds: IntArray,
     _weights: FloatArray,
+    _rectangles: BoolArray,
     unknowns: IntArray,
     u: FloatArray,
     forces: FloatArray,

@@ -49,7 +49,7 @@ def test_the_path_is_that_of_plain_newton(space: str, tangents: list[float]) -> 
 def test_moment_is_of_second_order_in_what_is_left() -> None:
     """With a coarse tolerance the moment has far more digits than the state."""
     exact = path("N2.1", plain=True)[-1]
-    settings = NewtonSettings(tolerance=1e-12)
+    settings = NewtonSettings(tolerance=1e-11)
     *_, coarse = trace(strip(), row_space("N2.1", (150, 4)), ANGLES, settings)
     state = np.abs(coarse.displacement - exact.displacement).max()
     assert state > 1e-6
@@ -118,6 +118,26 @@ def test_it_finds_what_newton_finds() -> None:
     exact = newton(system, np.zeros(system.count), 0.002, NewtonSettings())
     largest = np.abs(exact.unknown_values).max()
     np.testing.assert_allclose(found.unknown_values, exact.unknown_values, rtol=0, atol=1e-8 * largest)
+
+
+def test_it_ends_what_newton_has_begun(tangents: list[float]) -> None:
+    system, settings = System(strip(), row_space("N2", (60, 3))), NewtonSettings()
+    start = np.zeros(system.count)
+    exact = newton(system, start, 0.1, settings)
+    made = len(tangents)
+    method = QuasiNewton(system, settings)
+    ended = newton(system, start, 0.1, settings, method.finish)
+    assert 2 <= len(tangents) - made < made
+    # by first corrections that are the same
+    assert ended.iterations[:2] == exact.iterations[:2]
+    assert ended.exact
+    largest = np.abs(exact.unknown_values).max()
+    np.testing.assert_allclose(ended.unknown_values, exact.unknown_values, rtol=0, atol=1e-11 * largest)
+    # its last tangent is kept
+    made = len(tangents)
+    assert method.memory is not None
+    assert method.equilibrium(ended.unknown_values, 0.1) is not None
+    assert len(tangents) == made
 
 
 def test_a_step_that_was_not_foreseen_ends_at_a_hundredth_of_the_tolerance() -> None:

@@ -56,6 +56,7 @@ def add_forces(equations: Equations, openings: FloatArray, u: FloatArray, sums: 
         of_body.maps,
         of_body.weight_kinds,
         of_body.weights,
+        of_body.rectangles,
         of_body.unknowns,
         u,
         sums.forces,

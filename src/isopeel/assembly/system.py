@@ -145,6 +145,7 @@ class System:
             table.maps,
             table.weight_kinds,
             table.weights,
+            table.rectangles,
             table.unknowns(self.constraints),
         )
         of_side = AdhesionArguments(

@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from isopeel.arrays import FloatArray, IntArray
+from isopeel.arrays import BoolArray, FloatArray, IntArray
 from isopeel.assembly.constraints import HELD, Constraints
 from isopeel.errors import InputError
 from isopeel.splines.nurbs import NurbsSurface, Side
@@ -40,6 +40,7 @@ class BodyTable:
     maps: FloatArray  # (map kinds, P, channels, 2, X): d/dX_J = sum_h maps[h, J] channel_h
     weight_kinds: IntArray  # (Y, R)
     weights: FloatArray  # (weight kinds, P, X) reference area of each point
+    rectangles: BoolArray  # (Y, R) whether a line's elements are equal rectangles, with diagonal maps
     xi: FloatArray  # (X, P)
     eta: FloatArray  # (Y, R)
 
@@ -111,6 +112,8 @@ def body_table(shape: NurbsSurface, space: RowSpace) -> BodyTable:
         maps.append(inverse if space.weights is None else _rational(inverse, along[row], functions))
     map_kinds, different_maps = _kinds(np.array(maps))
     weight_kinds, different_weights = _kinds(np.array(weights))
+    pairs = zip(map_kinds.flat, weight_kinds.flat, strict=True)
+    rectangles = np.array([_of_rectangles(different_maps[m], different_weights[w]) for m, w in pairs])
     return BodyTable(
         kinds,
         np.array([space.rows[list(kinds).index(kind)].degree + 1 for kind in range(len(along))]),
@@ -122,6 +125,7 @@ def body_table(shape: NurbsSurface, space: RowSpace) -> BodyTable:
         different_maps,
         weight_kinds,
         different_weights,
+        rectangles.reshape(map_kinds.shape),
         xi,
         eta,
     )
@@ -136,6 +140,19 @@ def _kinds(values: FloatArray) -> tuple[IntArray, FloatArray]:
     kinds = np.array([numbers.setdefault(line.tobytes(), len(numbers)) for line in rounded])
     _, first = np.unique(kinds, return_index=True)
     return kinds.reshape(values.shape[:2]), lines[first]
+
+
+def _of_rectangles(maps: FloatArray, weights: FloatArray) -> bool:
+    """Whether maps (P, channels, 2, X) are diagonal, and they and areas (P, X) the same on all elements."""
+    if maps.shape[1] == 3:
+        return False
+    oblique = maps[:, [0, 1], [1, 0]]
+    uneven = np.abs(maps - maps[..., :1]).max()
+    limit = 10.0**-_DIGITS
+    return bool(
+        max(np.abs(oblique).max(), uneven) <= limit * np.abs(maps).max()
+        and np.abs(weights - weights[..., :1]).max() <= limit * weights.max()
+    )
 
 
 def _along(space: RowSpace, xi: FloatArray) -> tuple[IntArray, FloatArray]:

@@ -36,7 +36,8 @@ def _number(_context: Any, _bits: Any) -> Any:
     return float64(int64), code
 
 
-@njit(error_model="numpy")
+# products and sums of the series may be one operation
+@njit(error_model="numpy", fastmath={"contract"})
 def log(x: float) -> float:
     """Natural logarithm of x; nan unless 0 < x < inf, where an inverted point tells of itself.
 

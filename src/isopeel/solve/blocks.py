@@ -2,8 +2,8 @@
 
 LAPACK's pbtrs takes one column after another, each of which must wait for the last. Here the inverses of the
 diagonal blocks are made once, and what a block takes off the rows below is one product of a matrix and a
-vector, which runs in vector registers: a factor that is kept is used hundreds of times. It is made by such
-products too, from the band and straight into the form that solutions read.
+vector, in vector registers: a factor that is kept is used hundreds of times. It is made by such products too,
+from the band and straight into the form that solutions read.
 """
 
 from dataclasses import dataclass
@@ -14,15 +14,10 @@ from numpy.typing import NDArray
 
 from isopeel.arrays import FloatArray, IntArray
 from isopeel.compilation import compiled_reordered
+from isopeel.solve.registers import COLUMNS, backward, forward, set_product, take_off_product
 
 #: In single or in double precision.
 Floats: TypeAlias = NDArray[np.floating[Any]]
-
-#: A place in an array: numbers with a sign may count from its end, which is looked for at each one.
-_place = np.uint64
-
-#: Columns of a block: loops over them are written out by the compiler.
-_COLUMNS = 8
 
 
 class NotPositiveDefiniteError(ArithmeticError):
@@ -50,9 +45,9 @@ class BlockedFactor:
         Raises NotPositiveDefiniteError.
         """
         n = len(columns)
-        reach = np.empty(-(-n // _COLUMNS), np.int64)
+        reach = np.empty(-(-n // COLUMNS), np.int64)
         _find_reach(columns, reach)
-        starts = np.append(0, np.cumsum(_COLUMNS * (_COLUMNS + reach)))
+        starts = np.append(0, np.cumsum(COLUMNS * (COLUMNS + reach)))
         values = np.empty(starts[-1], precision)
         pivot = _factorize(columns, reach, values, starts)
         if pivot > 0:
@@ -72,14 +67,14 @@ def _find_reach(columns: FloatArray, reach: IntArray) -> None:
     n, width = columns.shape
     last = 0
     for block in range(len(reach)):
-        beyond = (block + 1) * _COLUMNS
+        beyond = (block + 1) * COLUMNS
         # what a column takes off the next ones reaches as far as it does
-        for j in range(beyond - _COLUMNS, min(beyond, n)):
+        for j in range(beyond - COLUMNS, min(beyond, n)):
             size = min(width, n - j)
             while j + size - 1 > last and columns[j, size - 1] == 0.0:
                 size -= 1
             last = max(last, j + size - 1)
-        reach[block] = -(-max(last + 1 - beyond, 0) // _COLUMNS) * _COLUMNS
+        reach[block] = -(-max(last + 1 - beyond, 0) // COLUMNS) * COLUMNS
 
 
 @compiled_reordered
@@ -91,46 +86,36 @@ def _factorize(columns: FloatArray, reach: IntArray, values: Floats, starts: Int
     blocks, below = len(reach), 0
     for block in range(blocks):
         below = max(below, reach[block])
-    beyond = below // _COLUMNS
+    beyond = below // COLUMNS
     # column by column: rows from the first of the block on
-    window = np.empty((beyond + 1, _COLUMNS, _COLUMNS + below))
-    inverse = np.zeros((_COLUMNS, _COLUMNS))
-    L = np.empty((_COLUMNS, below))
-    part = np.empty(_COLUMNS)
+    window = np.empty((beyond + 1, COLUMNS, COLUMNS + below))
+    stride = COLUMNS + below
+    inverse = np.zeros((COLUMNS, COLUMNS))
+    L = np.empty((COLUMNS, below))
     for block in range(min(beyond, blocks)):
         _enter(columns, block, window[block])
     for block in range(blocks):
         if block + beyond < blocks:
             _enter(columns, block + beyond, window[(block + beyond) % (beyond + 1)])
-        A = window[block % (beyond + 1)]
-        pivot = _invert(A, inverse)
+        here = block % (beyond + 1)
+        pivot = _invert(window[here], inverse)
         if pivot > 0:
-            return block * _COLUMNS + pivot
+            return block * COLUMNS + pivot
         rows, start = reach[block], starts[block]
-        for c in range(_COLUMNS):
-            for k in range(_COLUMNS):
-                part[k] = inverse[k, c]
-            first = start + _COLUMNS * _COLUMNS + c * rows
+        # L = A inverse^T, of whose column k the number c is that of the column c of the inverse
+        set_product(window, here * COLUMNS * stride + COLUMNS, stride, inverse, 0, COLUMNS, L, 0, below, rows)
+        for c in range(COLUMNS):
+            first = start + COLUMNS * COLUMNS + c * rows
             kept = values[first : first + rows]
             for i in range(rows):
-                total = 0.0
-                for k in range(_COLUMNS):
-                    total += A[k, _COLUMNS + i] * part[k]
-                L[c, i] = total
-                kept[i] = total
-            for i in range(_COLUMNS):
-                values[start + c * _COLUMNS + i] = inverse[c, i]
-        for ahead in range(min(rows // _COLUMNS, blocks - 1 - block)):
+                kept[i] = L[c, i]
+            for i in range(COLUMNS):
+                values[start + c * COLUMNS + i] = inverse[c, i]
+        for ahead in range(min(rows // COLUMNS, blocks - 1 - block)):
             target = (block + 1 + ahead) % (beyond + 1)
-            offset = ahead * _COLUMNS
-            for c in range(_COLUMNS):
-                for k in range(_COLUMNS):
-                    part[k] = L[k, offset + c]
-                for i in range(rows - offset):
-                    total = 0.0
-                    for k in range(_COLUMNS):
-                        total += L[k, offset + i] * part[k]
-                    window[target, c, i] -= total
+            offset = ahead * COLUMNS
+            first = target * COLUMNS * stride
+            take_off_product(L, offset, below, L, offset, below, window, first, stride, rows - offset)
     return 0
 
 
@@ -139,8 +124,8 @@ def _enter(columns: FloatArray, block: int, A: FloatArray) -> None:
     """Set A (8, rows), by columns, to a block of the columns (n, width); beyond all, to the identity."""
     n, width = columns.shape
     A.fill(0.0)
-    for c in range(_COLUMNS):
-        first = block * _COLUMNS + c
+    for c in range(COLUMNS):
+        first = block * COLUMNS + c
         if first < n:
             row, column = A[c], columns[first]
             for i in range(min(width, n - first, len(row) - c)):
@@ -152,18 +137,18 @@ def _enter(columns: FloatArray, block: int, A: FloatArray) -> None:
 @compiled_reordered
 def _invert(A: FloatArray, inverse: FloatArray) -> int:
     """Set the inverse of the Cholesky factor of the first rows of A; the first pivot that fails, or 0."""
-    for c in range(_COLUMNS):
+    for c in range(COLUMNS):
         if not A[c, c] > 0.0:
             return c + 1
         scale = 1.0 / np.sqrt(A[c, c])
-        for row in range(c, _COLUMNS):
+        for row in range(c, COLUMNS):
             A[c, row] *= scale
-        for k in range(c + 1, _COLUMNS):
-            for row in range(k, _COLUMNS):
+        for k in range(c + 1, COLUMNS):
+            for row in range(k, COLUMNS):
                 A[k, row] -= A[c, k] * A[c, row]
-    for c in range(_COLUMNS):
+    for c in range(COLUMNS):
         inverse[c, c] = 1.0 / A[c, c]
-        for row in range(c + 1, _COLUMNS):
+        for row in range(c + 1, COLUMNS):
             total = 0.0
             for k in range(c, row):
                 total += A[k, row] * inverse[c, k]
@@ -192,8 +177,8 @@ def solve(values: Floats, starts: IntArray, right_side: FloatArray, solution: Fl
     # room for all blocks, and for the rows below the last one
     most = 0
     for block in range(blocks):
-        most = max(most, (starts[block + 1] - starts[block]) // _COLUMNS)
-    x = np.zeros(blocks * _COLUMNS + most, values.dtype)
+        most = max(most, (starts[block + 1] - starts[block]) // COLUMNS)
+    x = np.zeros(blocks * COLUMNS + most, values.dtype)
     # single precision ends at 1e38, which units of a problem could pass
     largest = 0.0
     for i in range(n):
@@ -201,41 +186,11 @@ def solve(values: Floats, starts: IntArray, right_side: FloatArray, solution: Fl
     largest = largest if largest > 0.0 else 1.0
     for i in range(n):
         x[i] = right_side[i] / largest
-    part = np.empty(_COLUMNS, values.dtype)
-    # sums are of the precision of what they add up: a Python zero would make them double
-    zero = values.dtype.type(0)
-    # places in the array, not parts of it, of which Numba would count the references
     for block in range(blocks):
-        start, inverse = _place(block * _COLUMNS), _place(starts[block])
-        rows = _place((starts[block + 1] - starts[block]) // _COLUMNS - _COLUMNS)
-        L = inverse + _place(_COLUMNS * _COLUMNS)
-        below = start + _place(_COLUMNS)
-        for i in range(_COLUMNS):
-            total = zero
-            for c in range(_COLUMNS):
-                total += values[inverse + _place(c * _COLUMNS + i)] * x[start + _place(c)]
-            part[i] = total
-        for i in range(_COLUMNS):
-            x[start + _place(i)] = part[i]
-        for k in range(rows):
-            total = zero
-            for c in range(_COLUMNS):
-                total += values[L + _place(c) * rows + k] * part[c]
-            x[below + k] -= total
+        rows = (starts[block + 1] - starts[block]) // COLUMNS - COLUMNS
+        forward(values, starts[block], rows, x, block * COLUMNS)  # type: ignore[call-arg]
     for block in range(blocks - 1, -1, -1):
-        start, inverse = _place(block * _COLUMNS), _place(starts[block])
-        rows = _place((starts[block + 1] - starts[block]) // _COLUMNS - _COLUMNS)
-        L = inverse + _place(_COLUMNS * _COLUMNS)
-        below = start + _place(_COLUMNS)
-        for c in range(_COLUMNS):
-            total = zero
-            for k in range(rows):
-                total += values[L + _place(c) * rows + k] * x[below + k]
-            part[c] = x[start + _place(c)] - total
-        for c in range(_COLUMNS):
-            total = zero
-            for row in range(_COLUMNS):
-                total += values[inverse + _place(c * _COLUMNS + row)] * part[row]
-            x[start + _place(c)] = total
+        rows = (starts[block + 1] - starts[block]) // COLUMNS - COLUMNS
+        backward(values, starts[block], rows, x, block * COLUMNS)  # type: ignore[call-arg]
     for i in range(n):
         solution[i] = largest * x[i]

@@ -1,7 +1,8 @@
 """Newton's method at one value of the drive's parameter."""
 
-from dataclasses import dataclass
-from typing import Literal
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Literal, TypeAlias
 
 import numpy as np
 
@@ -30,6 +31,9 @@ Cause = Literal[
 
 #: Corrections without a smaller energy residual are a stall.
 _STALL = 10
+#: An energy residual that falls to less of the last one is near a solution: a tangent that is kept then lets
+#: errors fall by as much again, a sixth of what they were, at each correction.
+_NEAR = 0.03
 
 #: What to try.
 HINTS: dict[Cause, str] = {
@@ -106,20 +110,39 @@ class ConvergenceError(ArithmeticError):
         return type(self), (self.reason, self.iterations, self.parameter, self.cause)
 
 
-def newton(system: System, start: FloatArray, parameter: float, settings: NewtonSettings) -> NewtonResult:
+#: Ends what Newton's method has begun, from unknowns (count,) on, with its last tangent, which was made at
+#: others (count,), at a parameter. None where it cannot.
+Finish: TypeAlias = Callable[[FloatArray, BandMatrix, FloatArray, float], NewtonResult | None]
+
+
+def newton(
+    system: System,
+    start: FloatArray,
+    parameter: float,
+    settings: NewtonSettings,
+    finish: Finish | None = None,
+) -> NewtonResult:
     """Solve R(y) = 0 at a value of the drive's parameter from a start y (count,).
 
     Each correction is dy = -K^-1 R with the exact tangent (Wriggers, Nonlinear Finite Element Methods,
-    Sec. 5.1). Raises ConvergenceError with the reason.
+    Sec. 5.1). Once they fall as they do near a solution, others may `finish`. Raises ConvergenceError with
+    the reason.
     """
     y = start
     threshold = settings.tolerance * system.energy_scale
     measures: list[float] = []
     try:
         for _ in range(settings.iteration_limit):
-            correction, measure = _correction(system, y, parameter)
+            made_at = y
+            correction, measure, matrix = _correction(system, y, parameter)
             y = y + correction
+            near = len(measures) > 0 and threshold < measure < _NEAR * measures[-1]
             measures.append(measure)
+            if near and finish is not None and matrix is not None:
+                found = finish(made_at, matrix, y, parameter)
+                if found is not None:
+                    return replace(found, iterations=(*measures, *found.iterations))
+                finish = None
             if measure <= threshold:
                 u, load = system.state(y, parameter)
                 return NewtonResult(y, u, load, _accepted(system, u, load), tuple(measures))
@@ -143,8 +166,10 @@ class _StoppedError(ArithmeticError):
         super().__init__(reason)
 
 
-def _correction(system: System, y: FloatArray, parameter: float) -> tuple[FloatArray, float]:
-    """Newton's correction of a state, and its energy residual per unknown."""
+def _correction(
+    system: System, y: FloatArray, parameter: float
+) -> tuple[FloatArray, float, BandMatrix | None]:
+    """Newton's correction of a state, its energy residual per unknown, and the tangent if it is definite."""
     u, load = system.state(y, parameter)
     equilibrium, matrix = system.linearize(u, load=load)
     residual = equilibrium.residual
@@ -153,11 +178,14 @@ def _correction(system: System, y: FloatArray, parameter: float) -> tuple[FloatA
     try:
         if system.load_is_unknown:
             correction, residual = _under_control(system, u, load, parameter, residual, matrix)
+            definite = False
         else:
-            correction = -_factorized(system, u, load, matrix)[0].solve(residual)
+            factor, again = _factorized(system, u, load, matrix)
+            correction, definite = -factor.solve(residual), matrix.storage == "symmetric" and not again
     except SingularError as error:
         raise _StoppedError(f"the tangent is singular: {error}", "singular tangent") from error
-    return correction, abs(float(residual @ correction)) / len(correction)
+    measure = abs(float(residual @ correction)) / len(correction)
+    return correction, measure, matrix if definite else None
 
 
 def _under_control(

@@ -131,7 +131,8 @@ class Path:
             last = self.history[-PARABOLA_POINTS:]
             guess = extrapolate({past.parameter: past.exact for past in last}, parameter, self.system.count)
             try:
-                return Found(parameter, newton(self.system, guess, parameter, self.settings), kind)
+                finish = None if self._quasi_newton is None else self._quasi_newton.finish
+                return Found(parameter, newton(self.system, guess, parameter, self.settings, finish), kind)
             except ConvergenceError as error:
                 failure = error
         raise failure

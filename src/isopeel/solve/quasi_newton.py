@@ -5,8 +5,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from isopeel.arrays import FloatArray, IntArray
+from isopeel.assembly.constraints import displace
 from isopeel.assembly.equations import Energies, Equations, Iterate, evaluate
-from isopeel.assembly.system import Equilibrium, System
+from isopeel.assembly.system import BandMatrix, Equilibrium, System
 from isopeel.compilation import compiled_reordered
 from isopeel.solve.blocks import BlockedFactor, Floats, NotPositiveDefiniteError
 from isopeel.solve.linear import approximate
@@ -24,6 +25,11 @@ _MOST_CORRECTIONS = 12
 #: its moment by 1.4e-8 in one run of several; at this those of L1, L2 and L4 are met to 4e-9.
 _SHARE = 1e-2
 _FORESEEN = 3e-4
+#: Of the tolerance: a last correction below this is no more than what others leave. Energies and reactions
+#: are known to second order in it, and it teaches little. So forces are not asked for once more.
+_TRIFLE = 1e-2
+#: Of the tolerance, and _SHARE of that: where Newton's method has begun it squares what is left at its end.
+_EXACT = 1e-4
 #: An energy residual that falls by less is a poor correction; the second one of a tangent ends it.
 _POOR = 0.5
 
@@ -83,12 +89,32 @@ class QuasiNewton:
         self, guess: FloatArray, parameter: float, last: FloatArray | None = None
     ) -> NewtonResult | None:
         """Find the equilibrium near a guess y (count,), one step from the last; None where Newton should."""
-        result = self._solve(guess, parameter, last)
+        system = self._system
+        # what a load moves by, and what is dissipated, are known to first order only
+        first_order = system.load is not None or system.problem.adhesion.irreversible
+        trifle = 0.0 if first_order else _TRIFLE
+        result = self._solve(guess, parameter, last, self._settings.tolerance, trifle)
         if result is None:
             self.forget()
         return result
 
-    def _solve(self, guess: FloatArray, parameter: float, last: FloatArray | None) -> NewtonResult | None:
+    def finish(
+        self, made_at: FloatArray, matrix: BandMatrix, start: FloatArray, parameter: float
+    ) -> NewtonResult | None:
+        """End what Newton's method has begun: see `isopeel.solve.newton.Finish`."""
+        try:
+            self._factor = approximate(matrix)
+        except NotPositiveDefiniteError:
+            return None
+        self.memory = Memory(made_at, parameter, self._system.openings, Pairs.none(len(start)))
+        result = self._solve(start, parameter, None, _EXACT * self._settings.tolerance, 0.0)
+        if result is None:
+            self.forget()
+        return None if result is None else replace(result, exact=True)
+
+    def _solve(
+        self, guess: FloatArray, parameter: float, last: FloatArray | None, tolerance: float, trifle: float
+    ) -> NewtonResult | None:
         try:
             factor, memory = self._kept_tangent(guess, parameter)
         except NotPositiveDefiniteError:
@@ -102,7 +128,7 @@ class QuasiNewton:
         last = (guess if last is None else last).view()
         last.setflags(write=False)
         measures = np.empty(_MOST_CORRECTIONS)
-        made, threshold = 0, self._settings.tolerance * system.energy_scale
+        made, threshold = 0, tolerance * system.energy_scale
         while True:
             pairs = memory.pairs.with_room(_MOST_CORRECTIONS)
             outcome, made, first, end, threshold, energies = corrected(
@@ -121,6 +147,7 @@ class QuasiNewton:
                 measures,
                 made,
                 threshold,
+                trifle,
             )
             if outcome == _POORLY and memory.steps > 0:
                 # the tangent is of another step: one of this step may do
@@ -173,6 +200,7 @@ def corrected(
     measures: FloatArray,
     made: int,
     threshold: float,
+    trifle: float,
 ) -> tuple[int, int, int, int, float, Energies]:
     """Correct unknowns until they are converged, or a second correction is poor, or all have been made.
 
@@ -180,6 +208,8 @@ def corrected(
     of the last step, and what was `made` of the corrections with another tangent before: their energy
     residuals are the first of `measures`. Returns what has become of it, the number of corrections, first and
     end of the pairs, the threshold, which the first correction may tighten, and the energies.
+
+    These, forces and residual are those before the last correction where that is a `trifle` of the threshold.
     """
     y, residual = at.unknown_values, at.residual
     count = len(y)
@@ -204,6 +234,9 @@ def corrected(
         for i in range(count):
             y[i] += correction[i]
             change[i] = -residual[i]
+        if measure <= trifle * threshold:
+            displace(equations.unknowns, y, equations.offset, equations.driven, moved, at.displacement)
+            return _CONVERGED, made, first, end, threshold, energies
         energies = evaluate(equations, openings, moved, external, at)
         finite = True
         for i in range(count):

@@ -83,9 +83,9 @@ def _neo_hooke(
 ) -> None:
     mu = parameters[0]
     lam = parameters[1]
-    J = np.empty(count)  # det F, and then its inverse: a division takes as long as ten products
+    J = np.empty(count)
     c = np.empty(count)
-    G = np.empty((2, 2, count))  # F^-1
+    pull = np.empty(count)  # c / J
     # loops over few arrays each: one over all of them could not prove that they do not overlap, and would
     # not run in vector registers
     for n in range(count):
@@ -94,19 +94,26 @@ def _neo_hooke(
         # an inverted point has no energy: nan tells the solver, which then finds the point
         log_J = log(J[n])
         c[n] = lam * log_J - mu
+        pull[n] = c[n] / J[n]
         energy[n] = (0.5 * lam * log_J - mu) * log_J - mu
-        J[n] = 1.0 / J[n]
     for i in range(2):
         for n in range(count):
             energy[n] += 0.5 * mu * (F[i, 0, n] * F[i, 0, n] + F[i, 1, n] * F[i, 1, n])
         for K in range(2):
             sign = 1.0 if i == K else -1.0
             for n in range(count):
-                G[K, i, n] = sign * F[1 - i, 1 - K, n] * J[n]
-            for n in range(count):
-                P[i, K, n] = mu * F[i, K, n] + c[n] * G[K, i, n]
+                P[i, K, n] = mu * F[i, K, n] + sign * pull[n] * F[1 - i, 1 - K, n]
     if not tangent:
         return
+    G = np.empty((2, 2, count))  # F^-1
+    for n in range(count):
+        # a division takes as long as ten products
+        J[n] = 1.0 / J[n]
+    for i in range(2):
+        for K in range(2):
+            sign = 1.0 if i == K else -1.0
+            for n in range(count):
+                G[K, i, n] = sign * F[1 - i, 1 - K, n] * J[n]
     for one in range(4):
         for other in range(one + 1):
             i, K, k, L = one // 2, one % 2, other // 2, other % 2

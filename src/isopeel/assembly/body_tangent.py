@@ -1,0 +1,186 @@
+"""Compiled: the tangent of the body, from the moduli at its points to the entries of the band.
+
+Names as in `isopeel.assembly.body_kernel`. It is made in two steps: the moduli of all points of a row of
+elements are summed up across, for each pair of rows of functions, and these pairs are spread along then.
+"""
+
+from typing import Any
+
+from isopeel.assembly.lanes import (
+    add_products,
+    add_scaled,
+    inlined,
+    set_products,
+    set_weighted_products,
+)
+from isopeel.compilation import compiled_reordered
+
+
+@compiled_reordered
+def pull_back(A: Any, maps: Any, weights: Any, start: int, n: int, half: Any, moduli: Any) -> None:
+    """Moduli between channels: w sum_JL maps_hJ A_iJkL maps_gL at [2 h + i, 2 g + k], where that is >= 0."""
+    P, channels = maps.shape[0], maps.shape[1]
+    lanes = slice(start, start + n)
+    for p in range(P):
+        here = slice(p * n, (p + 1) * n)
+        for g in range(channels):
+            for k in range(2):
+                for i in range(2):
+                    for J in range(2):
+                        set_weighted_products(
+                            half[i, J],
+                            weights[p, lanes],
+                            A[p, i, J, k, 0],
+                            maps[p, g, 0, lanes],
+                            A[p, i, J, k, 1],
+                            maps[p, g, 1, lanes],
+                            n,
+                        )
+                for h in range(channels):
+                    for i in range(2):
+                        # the other half follows from the symmetry
+                        if 2 * h + i >= 2 * g + k:
+                            set_products(
+                                moduli[2 * h + i, 2 * g + k, here],
+                                0.0,
+                                half[i, 0],
+                                maps[p, h, 0, lanes],
+                                half[i, 1],
+                                maps[p, h, 1, lanes],
+                                n,
+                            )
+
+
+@compiled_reordered
+def add_to_pairs(pairs: Any, moduli: Any, across: Any, r: int, row: int, channels: int, n: int) -> None:
+    """Add a row of points to the pairs of the rows row + c and row + c + d, pairs[., d, orders, i, k]."""
+    C = across.shape[2]
+    P = pairs.shape[6]
+    for c in range(C):
+        for d in range(C - c):
+            for h in range(channels):
+                for g in range(channels):
+                    factor = across[1 if h == 1 else 0, r, c] * across[1 if g == 1 else 0, r, c + d]
+                    for i in range(2):
+                        for k in range(2):
+                            if d == 0 and i > k:
+                                continue
+                            one, other = max(2 * h + i, 2 * g + k), min(2 * h + i, 2 * g + k)
+                            pair = pairs[(row + c) % C, d, 1 if h == 0 else 0, 1 if g == 0 else 0, i, k]
+                            for p in range(P):
+                                add_scaled(pair[p], factor, moduli[one, other, p * n : (p + 1) * n], n)
+
+
+@compiled_reordered
+def add_rectangles_to_pairs(
+    pairs: Any, A: Any, maps: Any, weights: Any, across: Any, r: int, row: int, n: int
+) -> None:
+    """The same of equal rectangles, straight from the moduli A."""
+    C, P = across.shape[2], maps.shape[0]
+    for c in range(C):
+        for d in range(C - c):
+            for h in range(2):
+                for g in range(2):
+                    factor = across[h, r, c] * across[g, r, c + d]
+                    for i in range(2):
+                        for k in range(2):
+                            if d == 0 and i > k:
+                                continue
+                            pair = pairs[(row + c) % C, d, 1 - h, 1 - g, i, k]
+                            for p in range(P):
+                                scale = factor * weights[p, 0] * maps[p, h, h, 0] * maps[p, g, g, 0]
+                                add_scaled(pair[p], scale, A[p, i, h, k, g], n)
+
+
+@compiled_reordered
+def spread(
+    pair: Any,
+    one: Any,
+    other: Any,
+    size: int,
+    other_size: int,
+    rows: Any,
+    columns: Any,
+    start: int,
+    n: int,
+    same_row: bool,
+    flux: Any,
+    value: Any,
+    place: Any,
+    flat: Any,
+    diagonal: int,
+    stride: int,
+) -> None:
+    """Add the tangent between two rows: sum_p D^o N_a pair[o, q, i, k, p] D^q N_b, of orders o and q.
+
+    `one` and `other` (2, P, size, X) are the functions of the rows, `rows` and `columns` (2, size, X) their
+    unknowns; of one row with itself, half of the entries follow from the symmetry.
+    """
+    P = one.shape[1]
+    lanes = slice(start, start + n)
+    for i in range(2):
+        for k in range(2):
+            if same_row and i > k:
+                continue
+            for b in range(other_size):
+                for p in range(P):
+                    for order in range(2):
+                        set_products(
+                            flux[order, p],
+                            0.0,
+                            pair[order, 0, i, k, p],
+                            other[0, p, b, lanes],
+                            pair[order, 1, i, k, p],
+                            other[1, p, b, lanes],
+                            n,
+                        )
+                for a in range(b if same_row and i == k else 0, size):
+                    value.fill(0.0)
+                    for p in range(P):
+                        add_products(
+                            value, one[0, p, a, lanes], flux[0, p], one[1, p, a, lanes], flux[1, p], n
+                        )
+                    _scatter(
+                        flat,
+                        diagonal,
+                        stride,
+                        rows[i, a, lanes],
+                        columns[k, b, lanes],
+                        value,
+                        place,
+                        n,
+                        same_row and i == k and a == b,
+                    )
+
+
+@inlined
+def _scatter(
+    flat: Any,
+    diagonal: int,
+    stride: int,
+    row: Any,
+    column: Any,
+    value: Any,
+    place: Any,
+    n: int,
+    same: bool,
+) -> None:
+    """Add symmetric entries (n,), and their mirror images where the whole band is stored, `diagonal` > 0.
+
+    Entry (i, j) of the matrix lies at flat[stride x j + diagonal + i]. Two coefficients that follow one
+    unknown meet their mirror image on the diagonal, unless they are the `same`.
+    """
+    nowhere = flat.size - 1
+    for lane in range(n):
+        least = min(row[lane], column[lane])
+        place[lane] = stride * least + diagonal + max(row[lane], column[lane]) if least >= 0 else nowhere
+    if not same:
+        for lane in range(n):
+            value[lane] *= 2.0 if row[lane] == column[lane] else 1.0
+    for lane in range(n):
+        flat[place[lane]] += value[lane]
+    if diagonal > 0:
+        for lane in range(n):
+            if row[lane] >= 0 and column[lane] >= 0 and row[lane] != column[lane]:
+                greatest = max(row[lane], column[lane])
+                flat[stride * greatest + diagonal + min(row[lane], column[lane])] += value[lane]

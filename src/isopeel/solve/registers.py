@@ -1,0 +1,220 @@
+"""Products with blocks of eight columns, written for vector registers by hand.
+
+The compiler runs a loop over eight numbers one by one, and a loop over a few rows behind tests for
+overlapping arrays; factors of narrow bands have no other loops. So these few are told to it as what they are:
+operations on eight numbers at once. Arrays are in C order, and are told with the place of the number that is
+the first one; blocks are stored column by column. Numbers of rows are multiples of eight.
+"""
+
+from typing import Any
+
+from llvmlite import ir
+from numba import types
+from numba.core import cgutils
+from numba.extending import intrinsic
+
+#: Columns of a block, and numbers of a vector.
+COLUMNS = 8
+# products and sums may be one operation, in any order, as in loops that are compiled for vector registers
+_FLAGS = ("contract", "reassoc", "nsz")
+
+
+class _Writer:
+    """Writes operations on vectors of numbers of one kind."""
+
+    def __init__(self, context: Any, builder: Any, kind: Any) -> None:
+        self._context, self._builder = context, builder
+        scalar = context.get_value_type(kind)
+        self._vector = ir.VectorType(scalar, COLUMNS)
+        self._bytes = kind.bitwidth // 8
+
+    def data(self, array: Any, value: Any) -> Any:
+        """Where an array begins."""
+        return self._context.make_array(array)(self._context, self._builder, value).data
+
+    def load(self, data: Any, place: Any) -> Any:
+        """A vector of an array."""
+        return self._builder.load(self._pointer(data, place), align=self._bytes)
+
+    def store(self, vector: Any, data: Any, place: Any) -> None:
+        """Set a part of an array to a vector."""
+        self._builder.store(vector, self._pointer(data, place), align=self._bytes)
+
+    def _pointer(self, data: Any, place: Any) -> Any:
+        return self._builder.bitcast(self._builder.gep(data, [place]), self._vector.as_pointer())
+
+    @property
+    def zero(self) -> Any:
+        """A vector of zeros."""
+        return ir.Constant(self._vector, [0.0] * COLUMNS)
+
+    def variable(self, vector: Any) -> Any:
+        """Where a vector is kept that changes in a loop, set to another one."""
+        kept = cgutils.alloca_once(self._builder, self._vector)  # type: ignore[no-untyped-call]
+        self._builder.store(vector, kept)
+        return kept
+
+    def all_of(self, scalar: Any) -> Any:
+        """A vector of one number."""
+        first = self._builder.insert_element(self.zero, scalar, ir.IntType(32)(0))
+        return self._shuffled(first, first, [0] * COLUMNS)
+
+    def each_of(self, vector: Any) -> list[Any]:
+        """For each number of a vector, a vector of that."""
+        return [self._shuffled(vector, vector, [k] * COLUMNS) for k in range(COLUMNS)]
+
+    def _shuffled(self, one: Any, other: Any, places: list[int]) -> Any:
+        mask = ir.Constant(ir.VectorType(ir.IntType(32), COLUMNS), places)
+        return self._builder.shuffle_vector(one, other, mask)
+
+    def plus(self, one: Any, other: Any) -> Any:
+        """Their sum."""
+        return self._builder.fadd(one, other, flags=_FLAGS)
+
+    def minus(self, one: Any, other: Any) -> Any:
+        """Their difference."""
+        return self._builder.fsub(one, other, flags=_FLAGS)
+
+    def times(self, one: Any, other: Any) -> Any:
+        """Their products, number by number."""
+        return self._builder.fmul(one, other, flags=_FLAGS)
+
+    def sum_of_products(self, ones: list[Any], others: list[Any]) -> Any:
+        """The sum over pairs of vectors, in two halves, which need not wait for each other."""
+        products = [self.times(one, other) for one, other in zip(ones, others, strict=True)]
+        halves = products[:2]
+        for k, product in enumerate(products[2:]):
+            halves[k % 2] = self.plus(halves[k % 2], product)
+        return self.plus(*halves)
+
+    def sums(self, vectors: list[Any]) -> Any:
+        """The sum of each of eight vectors, as the numbers of one."""
+        while len(vectors) > 1:
+            # numbers of neighbours take turns, as many at a time as have been summed into one vector
+            size = COLUMNS // len(vectors)
+            first = [k for k in range(COLUMNS) if k // size % 2 == 0]
+            one = [
+                k + turn * COLUMNS
+                for start in first[::size]
+                for turn in (0, 1)
+                for k in range(start, start + size)
+            ]
+            other = [k + size for k in one]
+            vectors = [
+                self.plus(self._shuffled(a, b, one), self._shuffled(a, b, other))
+                for a, b in zip(vectors[::2], vectors[1::2], strict=True)
+            ]
+        return vectors[0]
+
+
+def _number(value: int) -> Any:
+    return ir.IntType(64)(value)
+
+
+@intrinsic
+def forward(_context: Any, values: Any, _block: Any, _rows: Any, x: Any, _start: Any) -> Any:
+    """Solve with a block of a triangular factor, in place: for the numbers of x from the start on.
+
+    The values have, from the block on, the inverse (8, 8) of its triangle and its columns (8, rows) below.
+    """
+
+    def code(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        write = _Writer(context, builder, signature.args[0].dtype)
+        values, x = write.data(signature.args[0], arguments[0]), write.data(signature.args[3], arguments[3])
+        _, block, rows, _, start = arguments
+        inverse = [write.load(values, builder.add(block, _number(c * COLUMNS))) for c in range(COLUMNS)]
+        solved = write.sum_of_products(inverse, write.each_of(write.load(x, start)))
+        write.store(solved, x, start)
+        parts = write.each_of(solved)
+        columns, below = _below(builder, block, rows, start)
+        with cgutils.for_range(builder, builder.udiv(rows, _number(COLUMNS))) as loop:
+            offset = builder.mul(loop.index, _number(COLUMNS))
+            taken = [write.load(values, builder.add(column, offset)) for column in columns]
+            place = builder.add(below, offset)
+            rest = write.minus(write.load(x, place), write.sum_of_products(taken, parts))
+            write.store(rest, x, place)
+        return context.get_dummy_value()
+
+    return types.void(values, types.int64, types.int64, x, types.int64), code
+
+
+@intrinsic
+def backward(_context: Any, values: Any, _block: Any, _rows: Any, x: Any, _start: Any) -> Any:
+    """The same with the transposed factor."""
+
+    def code(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        write = _Writer(context, builder, signature.args[0].dtype)
+        values, x = write.data(signature.args[0], arguments[0]), write.data(signature.args[3], arguments[3])
+        _, block, rows, _, start = arguments
+        columns, below = _below(builder, block, rows, start)
+        totals = [write.variable(write.zero) for _ in columns]
+        with cgutils.for_range(builder, builder.udiv(rows, _number(COLUMNS))) as loop:
+            offset = builder.mul(loop.index, _number(COLUMNS))
+            known = write.load(x, builder.add(below, offset))
+            for column, total in zip(columns, totals, strict=True):
+                product = write.times(write.load(values, builder.add(column, offset)), known)
+                builder.store(write.plus(builder.load(total), product), total)
+        rest = write.minus(write.load(x, start), write.sums([builder.load(total) for total in totals]))
+        inverse = [write.load(values, builder.add(block, _number(c * COLUMNS))) for c in range(COLUMNS)]
+        write.store(write.sums([write.times(column, rest) for column in inverse]), x, start)
+        return context.get_dummy_value()
+
+    return types.void(values, types.int64, types.int64, x, types.int64), code
+
+
+def _below(builder: Any, block: Any, rows: Any, start: Any) -> tuple[list[Any], Any]:
+    """Where the columns below a block begin, and the numbers of x that they have to do with."""
+    first = builder.add(block, _number(COLUMNS * COLUMNS))
+    columns = [builder.add(first, builder.mul(rows, _number(c))) for c in range(COLUMNS)]
+    return columns, builder.add(start, _number(COLUMNS))
+
+
+def _product(*, subtract: bool) -> Any:
+    @intrinsic
+    def multiplied(
+        _context: Any,
+        left: Any,
+        _first: Any,
+        _stride: Any,
+        right: Any,
+        _right_first: Any,
+        _right_stride: Any,
+        result: Any,
+        _result_first: Any,
+        _result_stride: Any,
+        _rows: Any,
+    ) -> Any:
+        def code(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+            write = _Writer(context, builder, signature.args[0].dtype)
+
+            def columns(argument: int) -> tuple[Any, list[Any]]:
+                """Where an array begins, and the places of the columns that it is told with."""
+                array, first, stride = arguments[argument : argument + 3]
+                places = [builder.add(first, builder.mul(stride, _number(k))) for k in range(COLUMNS)]
+                return write.data(signature.args[argument], array), places
+
+            (left, lefts), (right, rights), (result, results) = columns(0), columns(3), columns(6)
+            with cgutils.for_range(builder, builder.udiv(arguments[9], _number(COLUMNS))) as loop:
+                offset = builder.mul(loop.index, _number(COLUMNS))
+                ones = [write.load(left, builder.add(place, offset)) for place in lefts]
+                for c, result_place in enumerate(results):
+                    places = [builder.add(place, _number(c)) for place in rights]
+                    others = [write.all_of(builder.load(builder.gep(right, [place]))) for place in places]
+                    total, place = write.sum_of_products(ones, others), builder.add(result_place, offset)
+                    if subtract:
+                        total = write.minus(write.load(result, place), total)
+                    write.store(total, result, place)
+            return context.get_dummy_value()
+
+        arrays = (kind for array in (left, right, result) for kind in (array, types.int64, types.int64))
+        return types.void(*arrays, types.int64), code
+
+    return multiplied
+
+
+#: Set columns (8, rows) to a product: the column c is the sum over k of the columns k of a left block
+#: (8, rows) times the number c of the column k of a right one (8, 8). Of left, right and result there are the
+#: array, the place of the first number, and what is from column to column; and then the number of rows.
+set_product = _product(subtract=False)
+#: The same, taken off.
+take_off_product = _product(subtract=True)
