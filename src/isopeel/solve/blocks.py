@@ -56,9 +56,9 @@ class BlockedFactor:
 
     def solve(self, right_side: FloatArray) -> FloatArray:
         """Solve A x = right side (n,)."""
-        solution = np.empty(self.count)
-        solve(self.values, self.starts, right_side, solution)
-        return solution
+        x, largest = begin(self.values, self.starts, right_side)
+        solve(self.values, self.starts, x)
+        return largest * x[: self.count].astype(np.float64)
 
 
 @compiled_reordered
@@ -171,26 +171,33 @@ def energy(columns: FloatArray, x: FloatArray) -> float:
 
 
 @compiled_reordered
-def solve(values: Floats, starts: IntArray, right_side: FloatArray, solution: FloatArray) -> None:
-    """Solve L L^T solution = right side."""
+def begin(values: Floats, starts: IntArray, right_side: FloatArray) -> tuple[Floats, float]:
+    """What `solve` takes, of a right side (n,): that over its largest number, which is the second value.
+
+    It is of the precision of the factor, and single precision ends at 1e38, which units of a problem could
+    pass. There is room for all blocks, and for the rows below the last one.
+    """
     blocks, n = len(starts) - 1, len(right_side)
-    # room for all blocks, and for the rows below the last one
     most = 0
     for block in range(blocks):
         most = max(most, (starts[block + 1] - starts[block]) // COLUMNS)
     x = np.zeros(blocks * COLUMNS + most, values.dtype)
-    # single precision ends at 1e38, which units of a problem could pass
     largest = 0.0
     for i in range(n):
         largest = max(largest, abs(right_side[i]))
     largest = largest if largest > 0.0 else 1.0
     for i in range(n):
         x[i] = right_side[i] / largest
+    return x, largest
+
+
+@compiled_reordered
+def solve(values: Floats, starts: IntArray, x: Floats) -> None:
+    """Solve L L^T x = right side, in place: see `begin`."""
+    blocks = len(starts) - 1
     for block in range(blocks):
         rows = (starts[block + 1] - starts[block]) // COLUMNS - COLUMNS
         forward(values, starts[block], rows, x, block * COLUMNS)  # type: ignore[call-arg]
     for block in range(blocks - 1, -1, -1):
         rows = (starts[block + 1] - starts[block]) // COLUMNS - COLUMNS
         backward(values, starts[block], rows, x, block * COLUMNS)  # type: ignore[call-arg]
-    for i in range(n):
-        solution[i] = largest * x[i]

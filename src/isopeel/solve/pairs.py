@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from isopeel.arrays import FloatArray, IntArray
 from isopeel.compilation import compiled_reordered
-from isopeel.solve.blocks import BlockedFactor, Floats, solve
+from isopeel.solve.blocks import BlockedFactor, Floats, begin, solve
 
 #: In single precision: what is learned is no more exact, and half of the memory is read in half of the time.
 Singles: TypeAlias = NDArray[np.float32]
@@ -95,16 +95,17 @@ def correct(
     """Set -H r (n,) with the inverse H of a kept tangent, updated by the pairs: the two-loop recursion.
 
     Nocedal and Wright, Numerical Optimization, Algorithm 7.4; the kept tangent, of which there are the values
-    and starts of the factor, is the initial matrix.
+    and starts of the factor, is the initial matrix. All is in the precision of the factor.
     """
-    rest = np.empty(len(residual))
-    for i in range(len(rest)):
-        rest[i] = -residual[i]
-    shares = np.empty(end - first)
+    x, largest = begin(values, starts, residual)
+    shares = np.empty(end - first, values.dtype)
     kept = slice(first, end)
-    _take_off(rows[0, kept], rows[1, kept], products[kept], rest, shares)
-    solve(values, starts, rest, correction)
-    _put_back(rows[0, kept], rows[1, kept], products[kept], correction, shares)
+    n = len(residual)
+    _take_off(rows[0, kept], rows[1, kept], products[kept], x, shares, n)
+    solve(values, starts, x)
+    _put_back(rows[0, kept], rows[1, kept], products[kept], x, shares, n)
+    for i in range(n):
+        correction[i] = -largest * x[i]
 
 
 @compiled_reordered
@@ -131,28 +132,32 @@ def _keep(correction: FloatArray, change: FloatArray, one: Singles, other: Singl
 
 @compiled_reordered
 def _take_off(
-    corrections: Singles, changes: Singles, products: FloatArray, rest: FloatArray, shares: FloatArray
+    corrections: Singles, changes: Singles, products: FloatArray, x: Floats, shares: Floats, n: int
 ) -> None:
     """The first loop of the recursion, from the newest pair to the oldest."""
-    for k in range(len(products) - 1, -1, -1):
-        total = 0.0
-        for i in range(len(rest)):
-            total += corrections[k, i] * rest[i]
-        share = total / products[k]
+    count = len(products)
+    for newer in range(count):
+        # of a loop that counts down the compiler does not know that k is a place
+        k = count - 1 - newer
+        # a Python zero would make the sum double
+        total = x.dtype.type(0)
+        for i in range(n):
+            total += corrections[k, i] * x[i]
+        share = x.dtype.type(total / products[k])
         shares[k] = share
-        for i in range(len(rest)):
-            rest[i] -= share * changes[k, i]
+        for i in range(n):
+            x[i] -= share * changes[k, i]
 
 
 @compiled_reordered
 def _put_back(
-    corrections: Singles, changes: Singles, products: FloatArray, product: FloatArray, shares: FloatArray
+    corrections: Singles, changes: Singles, products: FloatArray, x: Floats, shares: Floats, n: int
 ) -> None:
     """The second loop, from the oldest pair to the newest."""
     for k in range(len(products)):
-        total = 0.0
-        for i in range(len(product)):
-            total += changes[k, i] * product[i]
-        share = shares[k] - total / products[k]
-        for i in range(len(product)):
-            product[i] += share * corrections[k, i]
+        total = x.dtype.type(0)
+        for i in range(n):
+            total += changes[k, i] * x[i]
+        share = shares[k] - x.dtype.type(total / products[k])
+        for i in range(n):
+            x[i] += share * corrections[k, i]
