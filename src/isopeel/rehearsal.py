@@ -50,7 +50,7 @@ def rehearse() -> None:
     """Take a few steps, on a mesh on which a front could be carried on from element to element."""
     # the first process asks for this one last, and could not wait for it
     one = np.ones(1)
-    best_weights(one, one, one, np.ones((1, 2, 1)), 2.0)
+    best_weights(one, one, one, np.ones((1, 2, 1)), np.ones((1, 2, 1)), 2.0)
     path = SolverPath(_OnSprings(strip(), row_space("L1", (40, 1))), NewtonSettings(), ())
     for degrees in (0.0, 0.1, 0.2):
         path.step(path.equilibrium(radians(degrees)), perf_counter())

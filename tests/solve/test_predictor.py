@@ -6,16 +6,21 @@ import pytest
 from isopeel.assembly.system import System
 from isopeel.problem import strip
 from isopeel.solve.advance import Advance
-from isopeel.solve.leading import best_weights, slope
+from isopeel.solve.leading import MOST_STATES, best_weights, slope
 from isopeel.solve.newton import NewtonSettings
 from isopeel.solve.trace import trace
 from isopeel.splines.rows import row_space
 
 
+def unknown(states: int) -> np.ndarray:
+    """What polynomials would have missed states by."""
+    return np.full((states, 2, MOST_STATES), np.nan)
+
+
 def _led(parameters: np.ndarray, energies: np.ndarray, values: np.ndarray, target: float) -> float:
     nothing = np.full(len(values), np.nan)  # is carried on
     samples = np.stack([values, nothing], axis=1)[..., None]
-    weights, _ = best_weights(parameters, nothing, energies, samples, target)
+    weights, _ = best_weights(parameters, nothing, energies, samples, unknown(len(values)), target)
     assert not weights[1].any()
     return float(weights[0] @ values)
 
@@ -87,15 +92,33 @@ def test_a_recurrence_leads_on_where_polynomials_cannot() -> None:
     values = _recurrent(way)[1]
     past = slice(0, -1)
     known, samples = parameters[past], np.stack([values, values], axis=1)[past]
-    weights, by_energy = best_weights(known, known, 3 * way[past] - 1, samples, parameters[-1])
+    weights, by_energy = best_weights(
+        known, known, 3 * way[past] - 1, samples, unknown(len(known)), parameters[-1]
+    )
     assert by_energy
     assert weights[1].any()
     missed = np.abs(weights[0] @ values[past] + weights[1] @ values[past] - values[-1]).max()
     samples[:, 1] = np.nan
-    alone, _ = best_weights(known, known, 3 * way[past] - 1, samples, parameters[-1])
+    alone, _ = best_weights(known, known, 3 * way[past] - 1, samples, unknown(len(known)), parameters[-1])
     assert not alone[1].any()
     # states around a place, of eleven in a period, against those before it
     assert missed < 0.3 * np.abs(alone[0] @ values[past] - values[-1]).max()
+
+
+def test_what_was_missed_is_not_asked_for_again() -> None:
+    parameters = np.linspace(0.0, 2.0, 30)
+    samples = np.stack([np.sin(parameters)] * 2, axis=1)[..., None]
+    kept, every = unknown(30), []
+    for n in range(1, 30):
+        past = slice(0, n)
+        arguments = parameters[past], parameters[past], parameters[past] ** 2 - 1, samples[past]
+        fresh = best_weights(*arguments, unknown(n), parameters[n])
+        again = best_weights(*arguments, kept[past], parameters[n])
+        np.testing.assert_array_equal(again[0], fresh[0])
+        assert again[1] == fresh[1]
+        every.append(np.isfinite(kept).sum())
+    # one state more, by polynomials in two measures
+    assert 0 < every[-1] - every[-2] <= 2 * MOST_STATES
 
 
 def test_a_recurrence_does_not_lead_through_what_may_have_been_a_jump() -> None:
@@ -108,7 +131,7 @@ def test_a_recurrence_does_not_lead_through_what_may_have_been_a_jump() -> None:
     for n in range(36, len(way)):
         past = slice(n - 36, n)
         known, samples = parameters[past], np.stack([values, values], axis=1)[past]
-        weights, _ = best_weights(known, known, way[past], samples, parameters[n])
+        weights, _ = best_weights(known, known, way[past], samples, unknown(36), parameters[n])
         steps = np.diff(way[n - 4 : n + 1])
         (steep if steps[-1] > 2.6 * steps[:-1].min() else calm).append(bool(weights[1].any()))
     assert len(steep) > 1

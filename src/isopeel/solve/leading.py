@@ -8,7 +8,7 @@ changes little: y(s) = C y(s - P) + d(s). Names: the way is s, p the parameter, 
 import numpy as np
 
 from isopeel.arrays import FloatArray
-from isopeel.compilation import compiled
+from isopeel.compilation import compiled, compiled_reordered
 
 #: States that a polynomial leads through, at most.
 MOST_STATES = 8
@@ -33,7 +33,12 @@ _BY_PARAMETER, _BY_ENERGY, _RECURRENCE = range(3)
 
 @compiled
 def best_weights(
-    parameters: FloatArray, ahead: FloatArray, energies: FloatArray, samples: FloatArray, target: float
+    parameters: FloatArray,
+    ahead: FloatArray,
+    energies: FloatArray,
+    samples: FloatArray,
+    misses: FloatArray,
+    target: float,
 ) -> tuple[FloatArray, bool]:
     """Weights (2, n) of past states, as they are and carried on, whose sum leads to the target.
 
@@ -42,6 +47,9 @@ def best_weights(
     it is and carried on: nan where nothing is carried on. Each polynomial, in either measure of the way and
     through 1 to MOST_STATES states, and each recurrence is judged by the mean logarithm of what it would have
     missed the last states by. The second value is whether its measure is the energy.
+
+    What polynomials would have missed a state by is kept in misses (n, 2, MOST_STATES), by measure and number
+    of states: nan where it has not been asked for yet.
     """
     n, m = samples.shape[0], samples.shape[2]
     weights, trial, difference = np.zeros((2, n)), np.zeros((2, n)), np.empty(m)
@@ -59,11 +67,17 @@ def best_weights(
         for count in range(fewest, min(n - 1, most) + 1):
             score = 0.0
             for last in range(n - tries, n):
-                if _lead(way, parameters, ahead, last, parameters[last], count, period, trial) == 0.0:
-                    score = np.inf
-                    break
+                missed = np.nan if kind == _RECURRENCE else misses[last, kind, count - 1]
+                if np.isnan(missed):
+                    missed = np.inf
+                    if _lead(way, parameters, ahead, last, parameters[last], count, period, trial) != 0.0:
+                        missed = _missed(samples, trial, last, difference)
+                    if kind != _RECURRENCE:
+                        misses[last, kind, count - 1] = missed
                 # a state that is met to the last digit is met no better than to round-off
-                score += np.log(_missed(samples, trial, last, difference) + 1e-300) / tries
+                score += np.log(missed + 1e-300) / tries
+                if score == np.inf:
+                    break
             if not score < best:
                 continue
             rise = _lead(way, parameters, ahead, n, target, count, period, trial)
@@ -87,7 +101,7 @@ def _copy(values: FloatArray, to: FloatArray) -> None:
             to[kind, i] = values[kind, i]
 
 
-@compiled
+@compiled_reordered
 def _missed(samples: FloatArray, weights: FloatArray, n: int, difference: FloatArray) -> float:
     """Square of what the weights of the first n states miss the next one by, which is left in (m,)."""
     for j in range(len(difference)):
@@ -288,7 +302,7 @@ def lagrange(nodes: FloatArray, start: int, count: int, at: float, basis: FloatA
         basis[0, i], basis[1, i] = value, slope
 
 
-@compiled
+@compiled_reordered
 def _period(way: FloatArray, samples: FloatArray) -> float:
     """How long ago the path was last where, carried on, it meets the last state; zero where it nowhere was.
 
@@ -342,7 +356,7 @@ def _period(way: FloatArray, samples: FloatArray) -> float:
     return 0.0
 
 
-@compiled
+@compiled_reordered
 def _square(samples: FloatArray, k: int, kind: int) -> float:
     """Square of the distance of the last state from another, as it is or carried on."""
     last = samples.shape[0] - 1

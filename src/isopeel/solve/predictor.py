@@ -15,7 +15,7 @@ from isopeel.arrays import FloatArray, IntArray
 from isopeel.assembly.system import System
 from isopeel.compilation import compiled
 from isopeel.solve.advance import Advance
-from isopeel.solve.leading import best_weights, lagrange, slope
+from isopeel.solve.leading import MOST_STATES, best_weights, lagrange, slope
 from isopeel.solve.step import Past
 
 #: States that are remembered: those of two elements and some more, of which a front of the published study
@@ -43,10 +43,11 @@ class Predictor:
         #: The newest at the end.
         self.states: list[Past] = []
         # notes of the states are the last of `end` rows: parameters, as they are and carried on, and adhesive
-        # energies; bends, as they are and carried on
+        # energies; bends, as they are and carried on; and what polynomials would have missed them by
         self._end = 0
         self._numbers = np.empty((3, _ROWS))
         self._bends = np.empty((_ROWS, 2, 2 * -(-(len(side) - self._order) // self._every)))
+        self._misses = np.empty((_ROWS, 2, MOST_STATES))
         self._displacement = np.empty((0, 2))  # of the last state
         # whether the adhesive energy was the better measure of the way at the last guess
         self._by_energy = False
@@ -63,13 +64,18 @@ class Predictor:
         (known,) = np.nonzero(self._numbers[0, self._rows] != parameter)
         if self._end == _ROWS or len(known) < len(self.states):
             rows = self._rows.start + known
+            if len(known) < len(self.states):
+                # other states lead to them now
+                self._misses.fill(np.nan)
             self.states, self._end = [self.states[k] for k in known], len(known)
             self._numbers[:, : self._end] = self._numbers[:, rows]
             self._bends[: self._end] = self._bends[rows]
+            self._misses[: self._end] = self._misses[rows]
         self.states = [*self.states[1 - STATES_TO_GO_ON :], state]
         ahead = np.nan if advance is None else advance.parameter(parameter, displacement)
         for row, number in enumerate((parameter, ahead, state.adhesive_energy)):
             self._numbers[row, self._end] = number
+        self._misses[self._end] = np.nan
         _bend(displacement, self._functions, self._order, self._every, self._bends[self._end])
         self._end += 1
         self._displacement = displacement
@@ -86,7 +92,12 @@ class Predictor:
         rows = self._rows
         parameters, ahead, energies = self._numbers
         weights, self._by_energy = best_weights(
-            parameters[rows], ahead[rows], energies[rows], self._bends[rows], parameter
+            parameters[rows],
+            ahead[rows],
+            energies[rows],
+            self._bends[rows],
+            self._misses[rows],
+            parameter,
         )
         if self._advance is not None and weights[1].any():
             self._add(weights[1], guess)
