@@ -14,8 +14,8 @@ from isopeel.solve.predictor import Predictor
 
 #: What is called within a load step. Corrections are one compiled loop, of forces, solutions and updates.
 PARTS = ("corrections", "tangent", "factor", "guess")
-#: Where the loop is told how many corrections were made before.
-_MADE = list(signature(quasi_newton.corrected).parameters).index("made")
+#: Where the loop is told what it is told.
+_PLACES = {name: k for k, name in enumerate(signature(quasi_newton.corrected).parameters)}
 
 
 class Clock:
@@ -45,14 +45,18 @@ class Clock:
             self.seconds[part] += perf_counter() - began
             self.calls[part] += 1
             if part == "corrections":
-                self._count(arguments[_MADE], made=found[1])
+                before, measures, trifle = (
+                    arguments[_PLACES[name]] for name in ("made", "measures", "trifle")
+                )
+                made, threshold = found[1], found[4]
+                self._count(before, made, spared=measures[made - 1] <= trifle * threshold)
             return found
 
         return call
 
-    def _count(self, before: int, made: int) -> None:
+    def _count(self, before: int, made: int, *, spared: bool) -> None:
         """What corrections have asked for, that are made after those before."""
-        # the forces of the start, and those after each one
-        self.calls["forces"] += made - before + (before == 0)
+        # the forces of the start, and those after each one, but for a last one that is a trifle
+        self.calls["forces"] += made - before + (before == 0) - bool(spared)
         for part in ("solve", "update"):
             self.calls[part] += made - before

@@ -13,8 +13,8 @@ from isopeel.arrays import FloatArray, IntArray
 from isopeel.assembly.system import System
 from isopeel.assembly.tables import BodyTable, SideTable
 
-# neo-Hooke at a point: det F, its logarithm, energy, F^-1 and P; and the ten moduli that symmetry leaves
-_STRESS, _MODULI = 3 + 32 + 7 + 12 + 8 + 12, 10 * 6
+# neo-Hooke at a point: det F, its logarithm, energy and P; F^-1, and the ten moduli that symmetry leaves
+_STRESS, _MODULI = 3 + 32 + 17 + 13, 5 + 10 * 6
 # van der Waals at a point above a flat substrate, the power of its gap among them
 _LAW = 60
 
@@ -83,21 +83,25 @@ def body_forces(table: BodyTable) -> int:
     P, X, C, channels, points = _sizes(table)
     # u -> values and derivatives on lines, and back: 2 orders, 2 components
     lines = 2 * 2 * 2 * P * X * int(table.sizes[table.kinds].sum())
-    # lines -> channels -> F, and back
-    gradient = 2 * channels * C * 2 + 2 * 2 * channels * 2
-    energy_and_area = 2 + 4
-    return 2 * lines + points * (2 * gradient + _STRESS + energy_and_area)
+    # lines -> channels, and back; and the energy times the area
+    channel, energy = 2 * channels * C * 2, 2
+    # channels -> F, and back with the area: of rectangles they are one but for a factor, which lines take
+    gradient = 2 * 2 * (2 * channels * 2) + 4
+    others = points - _points_of_rectangles(table)
+    return 2 * lines + points * (2 * channel + _STRESS + energy) + others * gradient
 
 
 def body_tangent(table: BodyTable) -> int:
     """Operations that the body's tangent takes beyond those of its forces."""
     P, X, C, channels, points = _sizes(table)
     h = 2 * channels
-    # moduli -> half with the weights -> pairs of channels, of which the symmetric ones count once
+    # moduli -> half with the weights -> pairs of channels, of which the symmetric ones count once; of
+    # rectangles they are the moduli but for a factor
     pulled = h * 4 * (4 + 1) + h * (h + 1) // 2 * 4
     # -> pairs of rows, three of the four pairs of components where a row meets itself
     paired = channels**2 * (4 * C * (C - 1) // 2 + 3 * C) * 2
-    return points * (_MODULI + pulled + paired) + X * _spread(table, P, C)
+    others = points - _points_of_rectangles(table)
+    return points * (_MODULI + paired) + others * pulled + X * _spread(table, P, C)
 
 
 def side_forces(side: SideTable) -> int:
@@ -129,8 +133,14 @@ def _spread(table: BodyTable, P: int, C: int) -> int:
 
 
 def _sizes(table: BodyTable) -> tuple[int, int, int, int, int]:
-    P, X, C, channels = table.along.shape[2], table.along.shape[4], table.across.shape[3], table.maps.shape[2]
+    P, X = table.along.shape[2], table.along.shape[4]
+    C, channels = table.across.shape[3], table.maps.shape[2]
     return P, X, C, channels, table.weight_kinds.size * P * X
+
+
+def _points_of_rectangles(table: BodyTable) -> int:
+    P, X, _, _, _ = _sizes(table)
+    return int(table.rectangles.sum()) * P * X
 
 
 def _tables(system: System) -> int:

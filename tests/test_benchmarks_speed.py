@@ -1,6 +1,7 @@
 """The benchmarks of speed: what they count is counted by hand here, and each runs on a small case."""
 
 import sys
+from dataclasses import replace
 from functools import partial
 from importlib import import_module
 from pathlib import Path
@@ -68,15 +69,20 @@ def test_operations_of_one_element_by_hand() -> None:
     table = System(isopeel.strip(), isopeel.row_space("L1", (1, 1))).body
     # four points; both rows have two functions, of which values and derivatives are made at two points
     lines = 2 * 2 * 2 * 2 * (2 + 2)
-    # of two components: two derivatives from two rows, and two of F from them
-    gradient = 2 * 2 * 4 + 2 * 2 * 4
-    neo_hooke = 3 + 32 + 7 + 12 + 8 + 12
-    assert body_forces(table) == 2 * lines + 4 * (2 * gradient + neo_hooke + 2 + 4)
-    pulled_back = 4 * 4 * 5 + 10 * 4
+    # of two components two derivatives from two rows, which the size of a rectangle goes into
+    derivatives = 2 * 2 * 4
+    neo_hooke = 3 + 32 + 17 + 13
+    assert body_forces(table) == 2 * lines + 4 * (2 * derivatives + neo_hooke + 2)
+    # of any other element there are two products in each component of F, and three in those of the way back
+    other = replace(table, rectangles=np.zeros_like(table.rectangles))
+    gradient = 2 * 2 * 4
+    assert body_forces(other) == body_forces(table) + 4 * (2 * gradient + 4)
     between_rows = 4 * (3 + 4 + 3) * 2
     # of each row with itself ten of sixteen entries, and all sixteen between them
     entries = 2 * (3 * 2 * 16 + 10 * 9) + 4 * 2 * 16 + 16 * 9
-    assert body_tangent(table) == 4 * (60 + pulled_back + between_rows) + entries
+    assert body_tangent(table) == 4 * (5 + 60 + between_rows) + entries
+    pulled_back = 4 * 4 * 5 + 10 * 4
+    assert body_tangent(other) == body_tangent(table) + 4 * pulled_back
 
 
 def test_the_work_of_a_longer_strip_is_in_proportion() -> None:
@@ -121,9 +127,10 @@ def test_a_step_is_what_its_parts_are() -> None:
     found = profile(Strip("L1", (20, 2)), reach=4.0, coarse=1.0, steps=3)
     corrections = sum(len(step.iterations) for step in found.steps)
     assert len(found.steps) == 3
-    # each correction is a solution with the kept tangent, and each step looks at one residual more
+    # each correction is a solution with the kept tangent, and each step looks at one residual more, but where
+    # its last correction is a trifle
     assert found.clock.calls["solve"] == found.clock.calls["update"] == corrections
-    assert found.clock.calls["forces"] == corrections + 3
+    assert corrections <= found.clock.calls["forces"] <= corrections + 3
     assert found.clock.calls["tangent"] == found.clock.calls["factor"]
     assert 0 < sum(found.share(part) for part in found.clock.seconds) < 1
     assert System.equilibrium is unwatched
