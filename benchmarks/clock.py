@@ -14,7 +14,7 @@ from isopeel.solve.predictor import Predictor
 
 #: What is called within a load step. Corrections are one compiled loop, of forces, solutions and updates.
 PARTS = ("corrections", "tangent", "factor", "guess")
-#: Where the loop is told what it is told.
+#: Places of the loop's arguments, by name.
 _PLACES = {name: k for k, name in enumerate(signature(quasi_newton.corrected).parameters)}
 
 
@@ -49,7 +49,7 @@ class Clock:
                     arguments[_PLACES[name]] for name in ("made", "measures", "trifle")
                 )
                 made, threshold = found[1], found[4]
-                self._count(before, made, spared=measures[made - 1] <= trifle * threshold)
+                self._count(before, made, spared=made > before and measures[made - 1] <= trifle * threshold)
             return found
 
         return call

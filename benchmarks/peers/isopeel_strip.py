@@ -11,6 +11,10 @@ def start(degree: int, elements: tuple[int, int], angles: Iterator[float]) -> It
     """Start isopeel on its path."""
     settings = isopeel.NewtonSettings(tolerance=ENERGY_TOLERANCE / (LENGTH * HEIGHT))
     space = isopeel.row_space(f"L{degree}", elements)
+    for plain in (True, False):
+        # compile what steps call, Newton's method among it, before the first one that is timed
+        small = isopeel.row_space(f"L{degree}", (20, 2))
+        next(isopeel.trace(isopeel.strip(), small, [0.0], isopeel.NewtonSettings(plain=plain)))
     try:
         for step in isopeel.trace(isopeel.strip(), space, angles, settings):
             yield LoadStep(step.reaction, len(step.iterations), step.seconds)

@@ -8,6 +8,8 @@ from isopeel.problem import strip
 from isopeel.solve.advance import Advance
 from isopeel.solve.leading import MOST_STATES, best_weights, slope
 from isopeel.solve.newton import NewtonSettings
+from isopeel.solve.predictor import Predictor
+from isopeel.solve.step import Past
 from isopeel.solve.trace import trace
 from isopeel.splines.rows import row_space
 
@@ -119,6 +121,28 @@ def test_what_was_missed_is_not_asked_for_again() -> None:
         every.append(np.isfinite(kept).sum())
     # one state more, by polynomials in two measures
     assert 0 < every[-1] - every[-2] <= 2 * MOST_STATES
+
+
+def test_notes_are_those_of_states_that_are_looked_at_anew() -> None:
+    """Beyond the room for notes, with a turn back onto a known parameter, and a jump."""
+    system = System(strip(), row_space("N2", (12, 2)))
+    kept, fresh = Predictor(system), Predictor(system)
+    parameters = [*np.linspace(0.0, 2.0, 120), *np.linspace(1.97, 1.5, 20)]
+    shape = np.random.default_rng(0).standard_normal((2, system.count))
+    for k, parameter in enumerate(parameters):
+        y = 0.1 * (np.sin(parameter) * shape[0] + np.cos(2 * parameter) * shape[1])
+        u, _ = system.state(y, parameter)
+        for one in (kept, fresh):
+            one.remember(Past(parameter, y, 0.0, 0.0, parameter**2 - 1), u)
+            if k == 130:
+                one.forget()
+                one.remember(Past(parameter, y, 0.0, 0.0, parameter**2 - 1), u)
+        fresh._misses.fill(np.nan)
+        ahead = parameter + (0.02 if k < 119 else -0.02)
+        np.testing.assert_array_equal(kept.guess(ahead), fresh.guess(ahead))
+    # they differ where any two numbers do
+    kept._misses[:] = np.random.default_rng(1).uniform(size=kept._misses.shape)
+    assert np.any(kept.guess(1.48) != fresh.guess(1.48))
 
 
 def test_a_recurrence_does_not_lead_through_what_may_have_been_a_jump() -> None:

@@ -44,6 +44,7 @@ from isopeel.physics.batch import material_at, of_address
 #: Elements that are treated together, at most: enough that the test for overlapping arrays, made before each
 #: innermost loop, costs little, and few enough that what is kept of them fits the processor's cache.
 _LANES = 256
+# Numba takes seconds to compile an assignment to a part of an array, but not its fill.
 
 
 class BodyArguments(NamedTuple):

@@ -18,7 +18,7 @@ from isopeel.compilation import compiled_reordered
 
 @compiled_reordered
 def pull_back(A: Any, maps: Any, weights: Any, start: int, n: int, half: Any, moduli: Any) -> None:
-    """Moduli between channels: w sum_JL maps_hJ A_iJkL maps_gL at [2 h + i, 2 g + k], where that is >= 0."""
+    """Moduli between channels: w sum_JL maps_hJ A_iJkL maps_gL at [2 h + i, 2 g + k], of the lower half."""
     P, channels = maps.shape[0], maps.shape[1]
     lanes = slice(start, start + n)
     for p in range(P):

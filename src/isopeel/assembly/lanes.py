@@ -1,6 +1,6 @@
 """Loops over lanes, the elements of a row that are treated together, written into what calls them.
 
-All arrays are of n lanes. A loop over few of them runs in vector registers: the compiler tests whether they
+All arrays have at least n lanes. A loop over few of them runs in vector registers: the compiler tests whether they
 overlap before it begins. Each should be the last axis, or a part of it, of an array in C order, taken by
 single indices: of others the compiler does not know that their numbers lie one after another.
 """
@@ -9,15 +9,15 @@ from typing import Any
 
 from numba import njit
 
-# Numba takes seconds to compile an assignment to a part of an array, but not its fill.
 inlined = njit(inline="always")
 
 
 @inlined
 def take(u: Any, first: Any, a: int, x: Any, y: Any, n: int) -> None:
     """Set x, y (n,) to the displacements (functions, 2) of the functions `a` beyond the first of elements."""
+    # the first ones grow from element to element
     if first[n - 1] - first[0] == n - 1:
-        # one after another, as between elements that are joined as smoothly as can be
+        # by one, as where elements are joined as smoothly as can be
         f = first[0] + a
         for lane in range(n):
             x[lane] = u[f + lane, 0]

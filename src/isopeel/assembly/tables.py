@@ -146,12 +146,13 @@ def _of_rectangles(maps: FloatArray, weights: FloatArray) -> bool:
     """Whether maps (P, channels, 2, X) are diagonal, and they and areas (P, X) the same on all elements."""
     if maps.shape[1] == 3:
         return False
-    oblique = maps[:, [0, 1], [1, 0]]
-    uneven = np.abs(maps - maps[..., :1]).max()
     limit = 10.0**-_DIGITS
+    oblique, uneven = maps[:, [0, 1], [1, 0]], maps - maps[..., :1]
+    # the size of an element is the difference of two breakpoints, with the round-off of these
+    of_sizes = max(limit, 4 * weights.shape[-1] * np.finfo(np.float64).eps)
     return bool(
-        max(np.abs(oblique).max(), uneven) <= limit * np.abs(maps).max()
-        and np.abs(weights - weights[..., :1]).max() <= limit * weights.max()
+        max(np.abs(oblique).max(), np.abs(uneven).max()) <= limit * np.abs(maps).max()
+        and np.abs(weights - weights[..., :1]).max() <= of_sizes * weights.max()
     )
 
 

@@ -34,7 +34,7 @@ class BlockedFactor:
 
     #: Of one block after another: the inverse (8, 8), column by column, and the columns (8, rows below).
     values: Floats
-    starts: IntArray  # (blocks + 1,) where those of a block begin; the rows below are a multiple of 8
+    starts: IntArray  # (blocks + 1,) where those of a block scaled; the rows below are a multiple of 8
     count: int
 
     @classmethod
@@ -56,7 +56,7 @@ class BlockedFactor:
 
     def solve(self, right_side: FloatArray) -> FloatArray:
         """Solve A x = right side (n,)."""
-        x, largest = begin(self.values, self.starts, right_side)
+        x, largest = scaled(self.values, self.starts, right_side)
         solve(self.values, self.starts, x)
         return largest * x[: self.count].astype(np.float64)
 
@@ -171,7 +171,7 @@ def energy(columns: FloatArray, x: FloatArray) -> float:
 
 
 @compiled_reordered
-def begin(values: Floats, starts: IntArray, right_side: FloatArray) -> tuple[Floats, float]:
+def scaled(values: Floats, starts: IntArray, right_side: FloatArray) -> tuple[Floats, float]:
     """What `solve` takes, of a right side (n,): that over its largest number, which is the second value.
 
     It is of the precision of the factor, and single precision ends at 1e38, which units of a problem could
@@ -193,7 +193,7 @@ def begin(values: Floats, starts: IntArray, right_side: FloatArray) -> tuple[Flo
 
 @compiled_reordered
 def solve(values: Floats, starts: IntArray, x: Floats) -> None:
-    """Solve L L^T x = right side, in place: see `begin`."""
+    """Solve L L^T x = right side, in place: see `scaled`."""
     blocks = len(starts) - 1
     for block in range(blocks):
         rows = (starts[block + 1] - starts[block]) // COLUMNS - COLUMNS

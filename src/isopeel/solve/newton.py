@@ -52,8 +52,8 @@ class NewtonSettings:
     """When Newton's method stops, and how a path goes on there.
 
     It ends with the first correction whose energy residual per unknown, |R . dz|/n, is below `tolerance`
-    times the elastic scale E x area of the body; the correction itself is still applied. `iteration_limit`
-    corrections are made at most.
+    times the elastic scale E x area of the body; the correction itself is still applied. At most
+    `iteration_limit` corrections are made with new tangents; those with kept ones have a limit of their own.
 
     `control` says what happens where that finds no equilibrium, as past a limit point. `newton`: the path
     ends. `auto`: the step is cut, and where the smallest one fails too, the path jumps to the next stable
@@ -63,8 +63,8 @@ class NewtonSettings:
 
     `plain` makes a new tangent for every correction. Without it a path keeps its tangents as long as they
     serve. Their last correction leaves about a tenth of the error, where that of Newton's method squares it;
-    reactions are corrected for what is left, to first order. It turns to plain Newton where they do not
-    lead to an equilibrium quickly.
+    reactions are corrected for what is left, to first order. It turns to Newton's method where they do not
+    lead to an equilibrium quickly, whose last tangent then serves on.
     """
 
     tolerance: float = 1e-20
@@ -82,7 +82,7 @@ class NewtonResult:
     load: float
     equilibrium: Equilibrium
     iterations: tuple[float, ...]
-    exact: bool = True  # to round-off, by a last correction of full Newton
+    exact: bool = True  # so nearly that reactions need no correction by what is left
 
 
 class ConvergenceError(ArithmeticError):

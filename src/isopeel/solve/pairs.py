@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from isopeel.arrays import FloatArray, IntArray
 from isopeel.compilation import compiled_reordered
-from isopeel.solve.blocks import BlockedFactor, Floats, begin, solve
+from isopeel.solve.blocks import BlockedFactor, Floats, scaled, solve
 
 #: In single precision: what is learned is no more exact, and half of the memory is read in half of the time.
 Singles: TypeAlias = NDArray[np.float32]
@@ -97,7 +97,7 @@ def correct(
     Nocedal and Wright, Numerical Optimization, Algorithm 7.4; the kept tangent, of which there are the values
     and starts of the factor, is the initial matrix. All is in the precision of the factor.
     """
-    x, largest = begin(values, starts, residual)
+    x, largest = scaled(values, starts, residual)
     shares = np.empty(end - first, values.dtype)
     kept = slice(first, end)
     n = len(residual)

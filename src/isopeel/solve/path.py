@@ -167,7 +167,7 @@ class Path:
         return abs(_released(one, other)) <= MISFIT * work
 
     def forget(self) -> None:
-        """Make a new tangent at the next step: the array of the kept one is needed, or it is of elsewhere."""
+        """Make a new tangent at the next step: the kept one is of elsewhere."""
         if self._quasi_newton is not None:
             self._quasi_newton.forget()
 

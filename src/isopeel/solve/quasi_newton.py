@@ -25,10 +25,11 @@ _MOST_CORRECTIONS = 12
 #: its moment by 1.4e-8 in one run of several; at this those of L1, L2 and L4 are met to 4e-9.
 _SHARE = 1e-2
 _FORESEEN = 3e-4
-#: Of the tolerance: a last correction below this is no more than what others leave. Energies and reactions
-#: are known to second order in it, and it teaches little. So forces are not asked for once more.
+#: Of what a step ends at: a last correction below this is no more than what others leave. Energies and
+#: reactions are known to second order in it, and it teaches little. So forces are not asked for once more.
 _TRIFLE = 1e-2
-#: Of the tolerance, and _SHARE of that: where Newton's method has begun it squares what is left at its end.
+#: Of the tolerance, and _SHARE of that: where Newton's method has begun, whose end squares what is left. The
+#: slope of a path that has just snapped on would correct no reaction.
 _EXACT = 1e-4
 #: An energy residual that falls by less is a poor correction; the second one of a tangent ends it.
 _POOR = 0.5
@@ -65,8 +66,7 @@ class QuasiNewton:
     does, with the first correction whose energy residual is below the tolerance, and gives up early where
     it does not converge well: Newton's method then decides.
 
-    For systems whose forces have a potential, under no unknown load. Tangents lie in the array of the
-    system, so that whoever makes another one must let this one `forget`.
+    For systems whose forces have a potential, under no unknown load.
     """
 
     def __init__(self, system: System, settings: NewtonSettings, memory: Memory | None = None) -> None:
@@ -234,7 +234,8 @@ def corrected(
         for i in range(count):
             y[i] += correction[i]
             change[i] = -residual[i]
-        if measure <= trifle * threshold:
+        # with the tangent of before, forces were asked for elsewhere
+        if measure <= trifle * threshold and (before == 0 or made > before + 1):
             displace(equations.unknowns, y, equations.offset, equations.driven, moved, at.displacement)
             return _CONVERGED, made, first, end, threshold, energies
         energies = evaluate(equations, openings, moved, external, at)

@@ -11,6 +11,7 @@ from typing import Any
 from llvmlite import ir
 from numba import types
 from numba.core import cgutils
+from numba.core.errors import TypingError
 from numba.extending import intrinsic
 
 #: Columns of a block, and numbers of a vector.
@@ -107,6 +108,12 @@ class _Writer:
         return vectors[0]
 
 
+def _check(*arrays: Any) -> None:
+    """Raise TypingError unless arrays are of one kind of numbers, and in C order."""
+    if len({array.dtype for array in arrays}) > 1 or any(array.layout != "C" for array in arrays):
+        raise TypingError(f"arrays must be of one kind, and in C order, not {arrays}")
+
+
 def _number(value: int) -> Any:
     return ir.IntType(64)(value)
 
@@ -117,6 +124,8 @@ def forward(_context: Any, values: Any, _block: Any, _rows: Any, x: Any, _start:
 
     The values have, from the block on, the inverse (8, 8) of its triangle and its columns (8, rows) below.
     """
+
+    _check(values, x)
 
     def code(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         write = _Writer(context, builder, signature.args[0].dtype)
@@ -141,6 +150,8 @@ def forward(_context: Any, values: Any, _block: Any, _rows: Any, x: Any, _start:
 @intrinsic
 def backward(_context: Any, values: Any, _block: Any, _rows: Any, x: Any, _start: Any) -> Any:
     """The same with the transposed factor."""
+
+    _check(values, x)
 
     def code(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         write = _Writer(context, builder, signature.args[0].dtype)
@@ -184,6 +195,8 @@ def _product(*, subtract: bool) -> Any:
         _result_stride: Any,
         _rows: Any,
     ) -> Any:
+        _check(left, right, result)
+
         def code(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
             write = _Writer(context, builder, signature.args[0].dtype)
 
