@@ -1,7 +1,7 @@
 """Loops over lanes, the elements of a row that are treated together, written into what calls them.
 
-All arrays have at least n lanes. A loop over few of them runs in vector registers: the compiler tests whether they
-overlap before it begins. Each should be the last axis, or a part of it, of an array in C order, taken by
+All arrays have at least n lanes. A loop over few of them runs in vector registers: the compiler tests whether
+they overlap before it begins. Each should be the last axis, or a part of it, of an array in C order, taken by
 single indices: of others the compiler does not know that their numbers lie one after another.
 """
 
