@@ -91,15 +91,10 @@ class _Writer:
     def sums(self, vectors: list[Any]) -> Any:
         """The sum of each of eight vectors, as the numbers of one."""
         while len(vectors) > 1:
-            # numbers of neighbours take turns, as many at a time as have been summed into one vector
+            # a vector has one sum for each of those that went into it, over and over
             size = COLUMNS // len(vectors)
-            first = [k for k in range(COLUMNS) if k // size % 2 == 0]
-            one = [
-                k + turn * COLUMNS
-                for start in first[::size]
-                for turn in (0, 1)
-                for k in range(start, start + size)
-            ]
+            firsts = [k + array for k in range(0, COLUMNS, 2 * size) for array in (0, COLUMNS)]
+            one = [k for first in firsts for k in range(first, first + size)]
             other = [k + size for k in one]
             vectors = [
                 self.plus(self._shuffled(a, b, one), self._shuffled(a, b, other))
