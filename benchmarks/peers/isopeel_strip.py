@@ -1,6 +1,10 @@
 """The strip in isopeel, to the tolerance of the peers."""
 
 from collections.abc import Iterator
+from contextlib import suppress
+from dataclasses import replace
+
+import numpy as np
 
 import isopeel
 from peers.laws import HEIGHT, LENGTH
@@ -11,12 +15,19 @@ def start(degree: int, elements: tuple[int, int], angles: Iterator[float]) -> It
     """Start isopeel on its path."""
     settings = isopeel.NewtonSettings(tolerance=ENERGY_TOLERANCE / (LENGTH * HEIGHT))
     space = isopeel.row_space(f"L{degree}", elements)
-    for plain in (True, False):
-        # compile what steps call, Newton's method among it, before the first one that is timed
-        small = isopeel.row_space(f"L{degree}", (20, 2))
-        next(isopeel.trace(isopeel.strip(), small, [0.0], isopeel.NewtonSettings(plain=plain)))
+    _compile(space, settings)
     try:
         for step in isopeel.trace(isopeel.strip(), space, angles, settings):
             yield LoadStep(step.reaction, len(step.iterations), step.seconds)
     except isopeel.ConvergenceError as error:
         raise ArithmeticError(error.reason) from error
+
+
+def _compile(space: isopeel.RowSpace, settings: isopeel.NewtonSettings) -> None:
+    """Compile what steps call before the first one that is timed: by larger ones, and Newton's method."""
+    strip = isopeel.strip()
+    next(isopeel.trace(strip, space, [0.0], replace(settings, plain=True)))
+    with suppress(isopeel.ConvergenceError):
+        # until the front has passed some elements
+        for _ in isopeel.trace(strip, space, np.radians(np.arange(0.0, 96.0)), settings):
+            pass
