@@ -302,7 +302,7 @@ def lagrange(nodes: FloatArray, start: int, count: int, at: float, basis: FloatA
         basis[0, i], basis[1, i] = value, slope
 
 
-@compiled_reordered
+@compiled
 def _period(way: FloatArray, samples: FloatArray) -> float:
     """How long ago the path was last where, carried on, it meets the last state; zero where it nowhere was.
 
@@ -356,7 +356,7 @@ def _period(way: FloatArray, samples: FloatArray) -> float:
     return 0.0
 
 
-@compiled_reordered
+@compiled
 def _square(samples: FloatArray, k: int, kind: int) -> float:
     """Square of the distance of the last state from another, as it is or carried on."""
     last = samples.shape[0] - 1
