@@ -23,14 +23,17 @@ _MOST_CORRECTIONS = 12
 #: correction leaves a tenth of the error, where Newton's method squares it, and what is left turns up in
 #: reactions as far as the path's slope is known no better. At 1e-3 one step of L4 at 200 x 10 elements missed
 #: its moment by 1.4e-8 in one run of several; at this those of L1, L2 and L4 are met to 4e-9.
-_SHARE = 1e-2
+_SHARE = 1e-3
 _FORESEEN = 3e-4
+#: Of the tolerance: what a last correction may leave, as the one before tells. Where they fall slowly that is
+#: most of it: a step of L4 with the last two at 0.4 of each other missed its moment by 1.1e-8.
+_LEFT = 0.1
 #: Of what a step ends at: a last correction below this is no more than what others leave. Energies and
 #: reactions are known to second order in it, and it teaches little. So forces are not asked for once more.
 _TRIFLE = 1e-2
 #: Of the tolerance, and _SHARE of that: where Newton's method has begun, whose end squares what is left. The
 #: slope of a path that has just snapped on would correct no reaction.
-_EXACT = 1e-4
+_EXACT = 1e-3
 #: An energy residual that falls by less is a poor correction; the second one of a tangent ends it.
 _POOR = 0.5
 
@@ -93,6 +96,8 @@ class QuasiNewton:
         # what a load moves by, and what is dissipated, are known to first order only
         first_order = system.load is not None or system.problem.adhesion.irreversible
         trifle = 0.0 if first_order else _TRIFLE
+        # the tangent was made for the last step: if that has snapped on, slopes are of states before
+        last = None if self.memory is not None and self.memory.steps == 1 else last
         result = self._solve(guess, parameter, last, self._settings.tolerance, trifle)
         if result is None:
             self.forget()
@@ -244,7 +249,8 @@ def corrected(
             change[i] += residual[i]
             finite &= np.isfinite(residual[i])
         first, end = follow(rows, products, first, end, correction, change)
-        if measure <= threshold:
+        slow = made > before + 1 and measure * measure > _LEFT * threshold * measures[made - 2]
+        if measure <= threshold and not slow:
             return (_CONVERGED if finite else _NOWHERE), made, first, end, threshold, energies
     return _NOWHERE, made, first, end, threshold, energies
 
