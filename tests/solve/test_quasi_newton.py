@@ -143,6 +143,23 @@ def test_it_ends_what_newton_has_begun(tangents: list[float]) -> None:
     assert len(tangents) == made
 
 
+def test_the_step_after_a_new_tangent_ends_at_a_thousandth_of_the_tolerance() -> None:
+    system = System(strip(), row_space("N2", (60, 3)))
+    guess, limit = np.zeros(system.count), 1e-15
+    settings, far = NewtonSettings(tolerance=limit / system.energy_scale), guess - 1e3
+    method = QuasiNewton(system, settings)
+    assert method.equilibrium(guess, 0.002, far) is not None
+    memory = method.memory
+    assert memory is not None
+    assert memory.steps == 1
+    after = QuasiNewton(system, settings, memory).equilibrium(guess, 0.003, far)
+    later = QuasiNewton(system, settings, replace(memory, steps=2)).equilibrium(guess, 0.003, far)
+    assert after is not None
+    assert later is not None
+    assert after.iterations[-1] <= 1e-3 * limit < later.iterations[-1] <= limit
+    assert later.iterations == after.iterations[: len(later.iterations)]
+
+
 def test_newton_goes_on_where_its_end_fails() -> None:
     system, settings = System(strip(), row_space("N2", (60, 3))), NewtonSettings()
     start = np.zeros(system.count)

@@ -22,7 +22,7 @@ _MOST_CORRECTIONS = 12
 #: Of the tolerance, where a guess has missed more than this part of the way from the last state: the last
 #: correction leaves a tenth of the error, where Newton's method squares it, and what is left turns up in
 #: reactions as far as the path's slope is known no better. At 1e-3 one step of L4 at 200 x 10 elements missed
-#: its moment by 1.4e-8 in one run of several; at this those of L1, L2 and L4 are met to 4e-9.
+#: its moment by 1.4e-8 in one run of several; at this those of L1, L2 and L4 are met to 6e-9.
 _SHARE = 1e-3
 _FORESEEN = 3e-4
 #: Of the tolerance: what a last correction may leave, as the one before tells. Where they fall slowly that is
