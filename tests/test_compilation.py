@@ -1,11 +1,14 @@
 """What is compiled is kept, as long as no source of the package changes."""
 
 import os
+import re
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
+
+from isopeel import compilation
 
 #: A function in one file, and one in another that it calls.
 CALLER = """
@@ -35,10 +38,11 @@ print(kept, twice(1.0), compilation.is_kept(twice.py_func))
 @pytest.mark.parametrize("elsewhere", [False, True])
 def test_it_is_kept_until_another_file_of_the_package_changes(tmp_path: Path, elsewhere: bool) -> None:
     package, kept = tmp_path / "package" / "isopeel", tmp_path / "kept"
-    package.mkdir(parents=True)
+    (package / "physics").mkdir(parents=True)
     original = Path(__file__).parent.parent / "src" / "isopeel" / "compilation.py"
     (package / "__init__.py").touch()
     (package / "compilation.py").write_text(original.read_text())
+    (package / "arrays.py").touch()
     (package.parent / "caller.py").write_text(CALLER)
     environment = os.environ | {"PYTHONPATH": str(package.parent)}
     if elsewhere:
@@ -47,7 +51,7 @@ def test_it_is_kept_until_another_file_of_the_package_changes(tmp_path: Path, el
     def run(factor: int) -> list[str]:
         # as a part of the package that the other one calls
         (package.parent / "called.py").write_text(CALLED.format(factor))
-        (package / "number.py").write_text(f"FACTOR = {factor}")
+        (package / "physics" / "number.py").write_text(f"FACTOR = {factor}")
         found = subprocess.run(
             [sys.executable, "-c", RUN], check=True, capture_output=True, text=True, env=environment
         )
@@ -58,3 +62,12 @@ def test_it_is_kept_until_another_file_of_the_package_changes(tmp_path: Path, el
     # Numba alone would go on with what it kept of the caller, which has not changed
     assert run(5) == ["False", "10.0", "True"]
     assert kept.exists() == elsewhere
+
+
+def test_compiled_functions_stand_in_the_layers_whose_sources_are_watched() -> None:
+    package = Path(compilation.__file__).parent
+    compiles = re.compile(r"^from isopeel.compilation import .*compiled|^(from|import) numba", re.M)
+    files = [path for path in package.rglob("*.py") if compiles.search(path.read_text())]
+    users = {path.relative_to(package).parts[0] for path in files}
+    assert users == {"compilation.py", "physics", "assembly", "solve"}
+    assert users < set(compilation.LAYERS)
