@@ -89,7 +89,7 @@ def test_the_summary_tells_what_was_read_and_why_not() -> None:
     assert (found["theta_deg"], found["completed"], found["failure"]) == (3.0, True, None)
     for name in ("plateau", "amplitude", "slopes", "window", "onset"):
         assert found[name] is None
-    assert "98 to 101.4 deg" in found["note"]
+    assert any("98 to 101.4 deg" in note["text"] for note in found["notes"])
     # sqrt(2 E' I W) and its onset, as published, rounded
     assert found["closed_form"]["reaction"] == pytest.approx(1.6315, abs=5e-5)
     assert found["closed_form"]["onset"] == pytest.approx(53.8, abs=0.05)
@@ -110,7 +110,7 @@ def test_a_plateau_is_read_where_the_case_says(tmp_path: Path) -> None:
     _, rows = table(tmp_path / "a" / "b" / "curve.csv")
     assert found["plateau"] == pytest.approx(rows[4:, 1].mean(), rel=1e-14)  # the order of a sum
     assert (found["window"], found["traction"]) == ([2.0, 10.0], "projected")
-    assert "plateau" not in found["note"]
+    assert not any("plateau" in note["text"] for note in found["notes"])
 
 
 def test_no_equilibrium_ends_with_3_and_keeps_what_converged(capsys: pytest.CaptureFixture[str]) -> None:

@@ -296,7 +296,7 @@ def _print_table(summary: dict[str, Any], curve: Curve, place: Place, console: C
     for row in summary_rows(summary, curve.parameter_column, curve.reaction_column):
         table.add_row(*row)
     console.print(table)
-    if summary["note"]:
-        console.print(f"note: {summary['note']}", soft_wrap=True)
+    for note in summary["notes"]:
+        console.print(f"note: {note['text']}", soft_wrap=True)
     console.print(f"{units_note(summary['units'])}; for a width of L0")
     console.print(f"files in {place.folder}", soft_wrap=True)

@@ -71,7 +71,7 @@ def summary(stored: StoredStage, found: dict[str, Any]) -> str:
     else:
         cells = ((name, _units(value), _units(other)) for name, value, other in rows)
         shown = table(("", "run", theory["source"]), cells)
-    notes = [f"Note: {found['note']}."] if found["note"] else []
+    notes = [f"Note: {note['text']}." for note in found["notes"]]
     notes.append(f"{plain(units_note(found['units']))}; for a width of {plain('L0')}.")
     return shown + "".join(paragraph(note, "legend") for note in notes)
 

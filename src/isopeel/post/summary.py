@@ -13,6 +13,7 @@ from isopeel.post.fields import depth_inside
 from isopeel.post.reading import PlateauReading, onset_angle, plateau_mean, read_plateau, unreadable
 from isopeel.problem import Column, Problem
 from isopeel.results.curve import Curve
+from isopeel.results.notes import Note
 from isopeel.results.run_file import StoredRun
 from isopeel.solve.step import KINDS
 from isopeel.splines.rows import RowSpace
@@ -42,7 +43,7 @@ def find(problem: Problem, space: RowSpace, run: StoredRun, window: tuple[float,
 
 
 def summarize(title: str, run: StoredRun, found: Findings, wall_time: float) -> dict[str, Any]:
-    """Collect what a run says, as plain numbers and texts; `note` says why a value is None.
+    """Collect what a run says, as plain numbers and texts; `notes` say why a value is None, or doubted.
 
     Parameter and reaction are in the units of their columns, which `units` names, slopes per unit of the
     parameter. A jump is a step of that kind, or one that released more than a thousandth of what the energies
@@ -77,7 +78,7 @@ def summarize(title: str, run: StoredRun, found: Findings, wall_time: float) -> 
         "window": plateau and list(plateau.window),
         "onset": onset,
         "closed_form": closed_form and asdict(closed_form),
-        "note": "; ".join(_notes(run, found, onset)) or None,
+        "notes": [asdict(note) for note in _notes(run, found, onset)],
         "wall_time_s": wall_time,
         "corrections": iterations,
         "corrections_per_step": iterations / len(curve) if len(curve) else None,
@@ -161,19 +162,21 @@ def _jumps(curve: Curve) -> IntArray:
     return np.flatnonzero(jumped | (curve.released_energy > 1e-3 * varied))
 
 
-def _notes(run: StoredRun, found: Findings, onset: float | None) -> list[str]:
+def _notes(run: StoredRun, found: Findings, onset: float | None) -> list[Note]:
     window, closed_form = found.window, found.closed_form
     notes = []
     if found.inside:
-        notes.append(
+        text = (
             f"a part that does not adhere, and feels no substrate, lies up to {found.inside:.2g} L0 inside it"
         )
+        notes.append(Note("penetration", text))
     if window is None:
         if closed_form is not None:
-            notes.append("plateau, amplitude and slopes: the case names no window to read them in")
+            text = "plateau, amplitude and slopes: the case names no window to read them in"
+            notes.append(Note("reading", text))
     elif reason := unreadable(run.curve, window, closed_form.period if closed_form else None):
         covered = plateau_mean(run.curve, window) is not None
-        notes.append(f"{'' if covered else 'plateau, '}amplitude and slopes: {reason}")
+        notes.append(Note("reading", f"{'' if covered else 'plateau, '}amplitude and slopes: {reason}"))
     if onset is None and run.curve.parameter_column.unit == "degree":
-        notes.append("onset: no peeling began")
+        notes.append(Note("reading", "onset: no peeling began"))
     return notes
