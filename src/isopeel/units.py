@@ -1,14 +1,15 @@
 """Quantities with units, as text, and their values in the internal units L0 and E0."""
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import cache
+from functools import cache, lru_cache
 from math import isfinite
-from typing import Any
+from types import MappingProxyType
+from typing import Any, NamedTuple
 
 import pint
 
@@ -40,10 +41,29 @@ def measured_in(units: UnitSystem) -> Iterator[None]:
         _MEASURED_IN.reset(token)
 
 
-_NUMBER = r"[-+]?(?:(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d{1,3})?|inf|nan)"
-_FACTOR = r"(?:[^\W\d_]+(?:(?:\^|\*\*)?-?[1-9]|[²³])?|°)"
-_QUANTITY = re.compile(rf"({_NUMBER})\s*({_FACTOR}(?:(?:\s*[*/]\s*|\s+){_FACTOR})*)?")
+#: Digits are those of ASCII: a digit of another script would be a letter of no unit.
+_NUMBER = r"[-+]?(?:(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]{1,3})?|inf|nan)"
+#: 5 x 10^-3, as numbers are written in a text.
+_POWER_OF_TEN = r"\s*[x×*·]\s*10\s*(?:\^|\*\*)\s*([-+]?[0-9]{1,3})"
+_QUANTITY = re.compile(rf"({_NUMBER})(?:{_POWER_OF_TEN})?(?:(?<=[0-9.])|\s)\s*(\S.*)|({_NUMBER})", re.DOTALL)
+_SPLIT_NUMBER = re.compile(r"([0-9.]+)\s+([eE][-+]?[0-9]+)(?![0-9])")
 _LONGEST = 100  # characters
+
+_SUPERSCRIPTS = str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹⁺⁻", "0123456789+-")
+_SUPERSCRIPT_RUN = re.compile("[⁺⁻]?[⁰¹²³⁴⁵⁶⁷⁸⁹]+")
+#: Other code points of the same signs: minus, angstrom, micro and points in the middle.
+_SAME_SIGNS = str.maketrans(
+    {"\u2212": "-", "\u212b": "\u00c5", "\u03bc": "\u00b5", "\u22c5": "\u00b7", "\u2219": "\u00b7"}
+)
+_POWER = r"[-+]?[0-9]+(?:\.[0-9]+|/[1-9](?=\)))?"
+#: A name with its power, which follows ^ or ** or stands behind it as it is, or a sign between names.
+_TOKEN = re.compile(
+    rf"\s*(?:(?P<name>[^\W\d_]+|°)(?:\s*(?:\^|\*\*)\s*(?P<caret>{_POWER}|\({_POWER}\))|(?P<power>[-+]?[0-9]+))?"
+    r"|(?P<sign>\*|·|\.|/|\(|\)))"
+)
+_HIGHEST_POWER = 9
+
+_NOT_A_QUANTITY = "it is not a number and a unit"
 
 
 @dataclass(frozen=True)
@@ -58,49 +78,157 @@ class Quantity:
 
 
 def parse_quantity(text: str) -> Quantity:
-    """Read a number and a unit, such as "2 GPa", "0.03 J/m^2" or "0.1 deg".
+    """Read a number and a unit, such as "2 GPa", "0.03 J/m^2", "30 mJ m-2", "50 N·m⁻¹" or "0.1 deg".
 
+    Units are multiplied by a space, a point or an asterisk, and divided by a solidus; powers follow ^ or **
+    or stand behind the name, raised or not; those that are no whole numbers are ^0.5 or ^(1/2). What could be
+    read in two ways, such as J/m nm, is refused.
     Mass^a length^b time^c is a power product of stresses and lengths where c = -2 a: it is
-    stress^a length^(a + b). The conversion is exact until the value is rounded to a float, so that
-    "200 nm" is 200.0 to the last bit. L0 and E0 are 1 nm and 2 GPa unless `measured_in` other units. Raises
-    ValueError that says why a text is no such quantity.
+    stress^a length^(a + b). For whole powers the conversion is exact until the value is rounded to a float,
+    so that "200 nm" is 200.0 to the last bit. L0 and E0 are 1 nm and 2 GPa unless `measured_in` other units.
+    Raises ValueError that says why a text is no such quantity.
     """
-    written = _QUANTITY.fullmatch(text.strip()) if len(text) <= _LONGEST else None
-    if written is None:
-        raise ValueError("it is not a number and a unit")
-    number, unit = written.groups()
-    if unit is None:
-        raise ValueError("it has no unit")
+    number, exponent, unit = _split(text)
     if not isfinite(float(number)):
         raise ValueError("it is not finite")
-    registry = _registry()
-    try:
-        units = registry.parse_units(unit)
-        factor, base = registry.get_base_units(units)
-    except pint.UndefinedUnitError as error:
-        raise ValueError(f"{unit!r} is not a known unit") from error
-    parts = _parts(units)
+    powers = _powers(unit)
+    factors = {name: _factor(name) for name in powers}
+    angle = any(factor.radians for factor in factors.values())
     # radians have no dimension, so that an angle would pass unseen in a product
-    if len(parts) > 1 and any("radian" in _parts(registry.get_base_units(part)[1]) for part in parts):
+    if angle and [power * factors[name].radians for name, power in powers.items()] != [Fraction(1)]:
         raise ValueError(f"{unit!r} mixes an angle with other units")
-    powers = {name: Fraction(power) for name, power in units.dimensionality.items()}
-    mass, length, time = (powers.pop(f"[{name}]", Fraction(0)) for name in ("mass", "length", "time"))
-    angle = base == registry.Unit("radian")
-    # pure numbers need no unit, and some of their units, such as dB, are not even factors
-    if powers or time != -2 * mass or not (angle or mass or length):
-        raise ValueError(f"{unit!r} is not made of stresses and lengths, nor an angle")
+    dimension: dict[str, Fraction] = {}
+    for name, power in powers.items():
+        for base, of_unit in factors[name].dimension.items():
+            dimension[base] = dimension.get(base, Fraction(0)) + power * of_unit
+    mass, length, time = (dimension.pop(base, Fraction(0)) for base in ("[mass]", "[length]", "[time]"))
+    if any(dimension.values()) or time != -2 * mass or not (angle or mass or length):
+        raise ValueError(_of_another_kind(unit))
     system = _MEASURED_IN.get()
-    exact = Fraction(number) * factor
-    internal = (
-        registry.get_base_units("degree")[0]
-        if angle
-        else system.stress**mass * system.length ** (length + mass)
-    )
+    exact = Fraction(number) * Fraction(10) ** exponent
     try:
-        value = float(exact / internal)
+        for name, power in powers.items():
+            exact *= _raised(factors[name].size, power)
+        if angle:
+            value = float(exact / _factor("degree").size)
+        else:
+            value = float(exact / (_raised(system.stress, mass) * _raised(system.length, length + mass)))
     except OverflowError as error:
         raise ValueError("it is not finite") from error
     return Quantity(value, mass, length + mass, angle, exact)
+
+
+def _split(text: str) -> tuple[str, int, str]:
+    """Return the number, a power of ten that multiplies it, and the unit of a quantity."""
+    if len(text) > _LONGEST:
+        raise ValueError(_NOT_A_QUANTITY)
+    plain = _SUPERSCRIPT_RUN.sub(lambda run: "^" + run[0].translate(_SUPERSCRIPTS), text.strip())
+    plain = plain.translate(_SAME_SIGNS)
+    apart = _SPLIT_NUMBER.match(plain.lstrip("+-"))
+    if apart is not None:
+        # e is the charge of an electron, too
+        raise ValueError(f"there is a space in its number; write {apart[1]}{apart[2]}")
+    written = _QUANTITY.fullmatch(plain)
+    if written is None:
+        raise ValueError(_NOT_A_QUANTITY)
+    number, exponent, unit, alone = written.groups()
+    if alone is not None:
+        raise ValueError("it has no unit")
+    return number, int(exponent or 0), unit
+
+
+def _powers(unit: str) -> Mapping[str, Fraction]:
+    """Return the powers of the names in a product of units. Raises ValueError where it cannot be read."""
+    tokens, end = [], 0
+    while end < len(unit):
+        found = _TOKEN.match(unit, end)
+        if found is None:
+            raise ValueError(_NOT_A_QUANTITY)
+        tokens.append(found)
+        end = found.end()
+    powers: dict[str, Fraction] = {}
+    left = _product(tokens, 0, 1, powers)
+    if left != len(tokens):
+        raise ValueError(_NOT_A_QUANTITY)
+    return powers
+
+
+def _product(tokens: list[re.Match[str]], place: int, sign: int, powers: dict[str, Fraction]) -> int:
+    """Add the powers of a product that begins at a place to others, and return the place behind it."""
+    direction, divided, expected = sign, False, True
+    while place < len(tokens):
+        token = tokens[place]
+        match token["sign"]:
+            case ")":
+                break
+            case "*" | "·" | "." | "/" as between:
+                if expected:
+                    raise ValueError(_NOT_A_QUANTITY)
+                expected, direction = True, -sign if between == "/" else sign
+                if between != "/" and divided:
+                    raise ValueError(_two_ways(token.string))
+                divided = divided or between == "/"
+                place += 1
+                continue
+        if not expected:
+            # a space multiplies
+            direction = sign
+            if divided:
+                raise ValueError(_two_ways(token.string))
+        if token["sign"] == "(":
+            place = _product(tokens, place + 1, direction, powers)
+            if place == len(tokens):
+                raise ValueError(_NOT_A_QUANTITY)
+        else:
+            power = Fraction((token["caret"] or token["power"] or "1").strip("()"))
+            if not 0 < abs(power) <= _HIGHEST_POWER:
+                raise ValueError(_NOT_A_QUANTITY)
+            powers[token["name"]] = powers.get(token["name"], Fraction(0)) + direction * power
+        expected = False
+        place += 1
+    if expected:
+        raise ValueError(_NOT_A_QUANTITY)
+    return place
+
+
+def _two_ways(unit: str) -> str:
+    return f"{unit!r} can be read in two ways; put what it is divided by in brackets, as in 'N/(m mm)'"
+
+
+def _raised(size: Fraction, power: Fraction) -> Fraction:
+    """A size to a power: exactly where that is a whole number, else to the round-off of floats."""
+    return size**power.numerator if power.denominator == 1 else Fraction(float(size) ** float(power))
+
+
+class _Factor(NamedTuple):
+    """How large a unit is in SI units, its dimension in base quantities, and its power of radians."""
+
+    size: Fraction
+    dimension: Mapping[str, int]
+    radians: int
+
+
+@lru_cache(maxsize=1000)
+def _factor(name: str) -> _Factor:
+    """Look a unit up. Raises ValueError where there is none of this name, or it is no factor."""
+    registry = _registry()
+    try:
+        known = "degree" if name == "°" else registry.get_name(name)
+        unit = pint.util.UnitsContainer({known: 1}, non_int_type=Fraction)
+        size, base = registry.get_base_units(unit)
+    except pint.PintError as error:
+        raise ValueError(f"{name!r} is not a known unit") from error
+    radians = Fraction(dict(registry.Quantity(1, base).unit_items()).get("radian", 0))
+    dimension = {str(key): Fraction(power) for key, power in registry.get_dimensionality(unit).items()}
+    # a pure number, such as a percent or a decibel, which is not even a factor, would change a length unseen
+    if any(power.denominator != 1 for power in (radians, *dimension.values())) or not (radians or dimension):
+        raise ValueError(_of_another_kind(name))
+    powers = {key: int(power) for key, power in dimension.items()}
+    return _Factor(Fraction(size), MappingProxyType(powers), int(radians))
+
+
+def _of_another_kind(unit: str) -> str:
+    return f"{unit!r} is not made of stresses and lengths, nor an angle"
 
 
 #: SI units of a power product of a stress and a length, and how many of it in pascals and metres.
@@ -116,11 +244,6 @@ def shown(value: float, units: UnitSystem, stress: int = 0, length: int = 0) -> 
         return f"{si / size:.5g} {name}"
     compact = _registry().Quantity(si, _SINGLE[stress, length]).to_compact()
     return f"{compact.magnitude:.5g} {compact.units:~}"
-
-
-def _parts(units: Any) -> dict[str, Any]:
-    """Names of units in a product, and their powers."""
-    return dict(_registry().Quantity(1, units).unit_items())
 
 
 @cache
