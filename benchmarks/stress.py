@@ -81,6 +81,7 @@ length = "{0.75 * LENGTH:g} nm"
 [discretization]
 space = "{self.space}"
 mesh = "{self.mesh}"
+across_degree = 1
 
 [drive]
 to = "{to_deg!r} deg"

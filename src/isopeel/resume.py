@@ -34,9 +34,9 @@ def _found(folder: Path, to: str | None, control: str | None) -> tuple[Case, dic
     files = run_files(folder)
     # the stage that was begun last has the case as it was asked for last
     newest = files[-1]
-    text = read_run(newest).case_text
+    run = read_run(newest)
     try:
-        case = Case.parse(text, str(newest))
+        case = Case.of_run(run.case_text, str(newest), run.attributes.get("dofs"))
     except InputError as error:
         raise InputError("DIR", str(folder), f"the case in it cannot be run any more: {error}") from error
     case = case.overridden(to=to, control=control)

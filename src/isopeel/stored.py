@@ -36,7 +36,7 @@ def stored_stages(folder: Path) -> tuple[StoredStage, ...]:
 def _stored_stage(file: Path) -> StoredStage:
     run = read_run(file)
     try:
-        case = Case.parse(run.case_text, str(file))
+        case = Case.of_run(run.case_text, str(file), run.attributes.get("dofs"))
         stages, space = case.stages(), case.space()
     except InputError as error:
         raise InputError(

@@ -94,6 +94,20 @@ class Case(Section):
         return cls._checked(document, folder)
 
     @classmethod
+    def of_run(cls, text: str, source: str, dofs: object) -> Self:
+        """Read the text that a run holds, whose space has a number of degrees of freedom.
+
+        Runs from before degree 2 across was the default, and whose text names none, were linear across.
+        Raises as `parse` does.
+        """
+        case = cls.parse(text, source)
+        if dofs != 2 * case.space().size and "across_degree" not in case.discretization.model_fields_set:
+            table = {**case._document.get("discretization", {}), "across_degree": 1}
+            linear = cls._checked({**case._document, "discretization": table})
+            return linear if dofs == 2 * linear.space().size else case
+        return case
+
+    @classmethod
     def _checked(cls, document: dict[str, Any], folder: Path = Path()) -> Self:
         try:
             with measured_in(_units(document)):

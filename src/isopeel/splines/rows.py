@@ -184,6 +184,7 @@ def row_space(
 ) -> RowSpace:
     """Build the space of a name (see `splines.names`) on a mesh (elements along xi, along eta).
 
+    `across_degree` is the degree along eta: here 1, as in the published study, in case files 2 by default.
     `grading` is, along xi and eta, the size of the last element over that of the first, with a constant
     ratio of neighbours in between; 1 is uniform. Raises InputError for a name or a mesh that makes no sense.
     """
