@@ -19,6 +19,7 @@ from isopeel.errors import InputError
 from isopeel.folder import FILES, Place, alone_in, check_folder, places
 from isopeel.interrupts import Interrupts
 from isopeel.post.figures import reaction_figure, save, shapes_figure
+from isopeel.post.mesh_error import mesh_changes
 from isopeel.post.summary import find, short_unit, summarize, summary_rows, units_note
 from isopeel.problem import Column
 from isopeel.progress import progress
@@ -81,7 +82,7 @@ def go_through(
             if base is None and found is not None and found.base is not None:
                 base = State(0.0, found.base)
             if found is not None and is_complete(found, stage):
-                run = _complete(stage, space, found, place, console)
+                run = _complete(case, stage, space, found, place, console)
             elif found is not None and found.failure is not None:
                 run = found
             else:
@@ -193,7 +194,7 @@ def _run_stage(
                 writer.curve.write_csv(out / "curve.csv")
         run = replace(read_run(place.run_file), ending=writer.ending)
         try:
-            summary = _write_results(stage, space, run, place, perf_counter() - began)
+            summary = _write_results(case, stage, space, run, place, perf_counter() - began)
         except KeyboardInterrupt:
             return replace(run, ending="interrupted")
     if run.ending != "interrupted":
@@ -201,14 +202,16 @@ def _run_stage(
     return run
 
 
-def _complete(stage: Stage, space: RowSpace, run: StoredRun, place: Place, console: Console) -> StoredRun:
+def _complete(
+    case: Case, stage: Stage, space: RowSpace, run: StoredRun, place: Place, console: Console
+) -> StoredRun:
     """Say that a stage is complete, and make the files that it lacks."""
     column = run.curve.parameter_column
     reached = f"{run.curve.parameter[-1]:g} {short_unit(column)}"
     console.print(f"{place.title} is complete: {len(run.curve)} steps, to {reached}", soft_wrap=True)
     if not all((place.folder / name).exists() for name in FILES):
         run.curve.write_csv(place.folder / "curve.csv")
-        _write_results(stage, space, run, place, float(run.curve.seconds.sum()))
+        _write_results(case, stage, space, run, place, float(run.curve.seconds.sum()))
     return run
 
 
@@ -264,6 +267,7 @@ def _follow(
 
 
 def _write_results(
+    case: Case,
     stage: Stage,
     space: RowSpace,
     run: StoredRun,
@@ -273,7 +277,10 @@ def _write_results(
     """Write the summary and, unless the run was interrupted, the figures; return the former."""
     out = place.folder
     found = find(stage.problem, space, run, stage.window)
-    summary = summarize(place.title, run, found, wall_time)
+    # a finer mesh takes longer than one who pressed Ctrl-C should wait
+    points = case.discretization.contact_points
+    changes = [] if run.ending == "interrupted" else mesh_changes(stage.problem, space, run, points)
+    summary = summarize(place.title, run, found, wall_time, changes)
     text = json.dumps(summary, indent=2, allow_nan=False)
     with replacing(out / "summary.json") as part:
         part.write_text(text + "\n", encoding="utf-8")

@@ -17,6 +17,7 @@ from isopeel.folder import REPORT
 from isopeel.page import markup
 from isopeel.page.content import Content, column_words, stage_content
 from isopeel.page.packing import packed
+from isopeel.post.mesh_error import mesh_changes
 from isopeel.post.style import BLUE, FIELD_MAP, SHADE, SKY, VERMILION
 from isopeel.post.summary import find, summarize
 from isopeel.results.files import replacing
@@ -85,6 +86,8 @@ def _section(name: str, stored: StoredStage, several: bool, most_bytes: int) -> 
     if not all(np.isfinite(values).all() for values in (run.curve.parameter, run.curve.reaction)):
         raise InputError("DIR", str(stored.folder), "its curve holds what is no number")
     found = find(stage.problem, stored.space, run, stage.window)
+    points = stored.case.discretization.contact_points
+    changes = mesh_changes(stage.problem, stored.space, run, points)
     content = stage_content(stored, found, most_bytes)
     seconds = float(run.curve.seconds.sum())
     section = _template("stage.html").substitute(
@@ -97,7 +100,7 @@ def _section(name: str, stored: StoredStage, several: bool, most_bytes: int) -> 
         curve_legend=markup.curve_legend(stored, found.plateau is not None),
         adheres_to=content["substrate"]["words"],
         damage="(the law without its damage)" if stage.problem.adhesion.irreversible else "",
-        summary=markup.summary(stored, summarize(stored.title, run, found, seconds)),
+        summary=markup.summary(stored, summarize(stored.title, run, found, seconds, changes)),
         table=markup.states_table(stored, len(content["states"])),
     )
     return section, content

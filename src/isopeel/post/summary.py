@@ -1,6 +1,6 @@
 """The summary of a run: what was read from it, for a JSON file."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from math import isfinite
 from typing import Any
@@ -10,6 +10,7 @@ import numpy as np
 from isopeel.arrays import IntArray
 from isopeel.post.closed_form import Expected, expected
 from isopeel.post.fields import depth_inside
+from isopeel.post.mesh_error import MeshChange
 from isopeel.post.reading import PlateauReading, onset_angle, plateau_mean, read_plateau, unreadable
 from isopeel.problem import Column, Problem
 from isopeel.results.curve import Curve
@@ -42,12 +43,15 @@ def find(problem: Problem, space: RowSpace, run: StoredRun, window: tuple[float,
     return Findings(window, plateau, closed_form, depth_inside(problem, space, run.fields))
 
 
-def summarize(title: str, run: StoredRun, found: Findings, wall_time: float) -> dict[str, Any]:
+def summarize(
+    title: str, run: StoredRun, found: Findings, wall_time: float, changes: Sequence[MeshChange]
+) -> dict[str, Any]:
     """Collect what a run says, as plain numbers and texts; `notes` say why a value is None, or doubted.
 
     Parameter and reaction are in the units of their columns, which `units` names, slopes per unit of the
     parameter. A jump is a step of that kind, or one that released more than a thousandth of what the energies
-    varied by. `wall_time` (seconds) is that of the whole run, with its compilation.
+    varied by. `wall_time` (seconds) is that of the whole run, with its compilation. `changes` are those on a
+    finer space, by `mesh_changes`.
     """
     curve, attributes, failure = run.curve, run.attributes, run.failure
     window, plateau, closed_form = found.window, found.plateau, found.closed_form
@@ -78,7 +82,8 @@ def summarize(title: str, run: StoredRun, found: Findings, wall_time: float) -> 
         "window": plateau and list(plateau.window),
         "onset": onset,
         "closed_form": closed_form and asdict(closed_form),
-        "notes": [asdict(note) for note in _notes(run, found, onset)],
+        "notes": [asdict(note) for note in [*_notes(run, found, onset), *_mesh_notes(run, changes)]],
+        "finer_mesh": [_finer(change, parameter, reaction) for change in changes],
         "wall_time_s": wall_time,
         "corrections": iterations,
         "corrections_per_step": iterations / len(curve) if len(curve) else None,
@@ -133,6 +138,10 @@ def summary_rows(
     if summary["jumps"]:
         released = sum(jump["released_energy"] for jump in summary["jumps"])
         rows.append(("jumps", f"{len(summary['jumps'])}, releasing {released:.4g} E0 L0^3", ""))
+    for change in summary["finer_mesh"]:
+        relative = change["relative_change"]
+        told = "no equilibrium near it" if relative is None else f"{reaction.name} changes by {relative:.2%}"
+        rows.append(("half the elements' length", f"{told}, at {change[parameter.name]:g} {unit}", ""))
     per_step = _shown(summary["corrections_per_step"], ".2f", "per step")
     rows.append(("corrections", f"{summary['corrections']}, {per_step}", ""))
     rows.append(("time", f"{summary['wall_time_s']:.1f} s", ""))
@@ -180,3 +189,34 @@ def _notes(run: StoredRun, found: Findings, onset: float | None) -> list[Note]:
     if onset is None and run.curve.parameter_column.unit == "degree":
         notes.append(Note("reading", "onset: no peeling began"))
     return notes
+
+
+#: Change of a reaction on a finer space that is worth a note. For an error that falls with the element size
+#: or faster the error itself is at most twice that: 3 %.
+MESH_CHANGE = 0.015
+
+
+def _mesh_notes(run: StoredRun, changes: Sequence[MeshChange]) -> list[Note]:
+    parameter, reaction = run.curve.parameter_column, run.curve.reaction_column
+    length, height = str(run.attributes["mesh"]).split("x")
+    notes = []
+    for change in changes:
+        if change.relative > MESH_CHANGE:
+            at = f"{reaction.name} at {change.parameter:g} {short_unit(parameter)}"
+            seen = (
+                "has no equilibrium near it on elements of half the length"
+                if change.finer is None
+                else f"changes by {100 * change.relative:.2g} % on elements of half the length"
+            )
+            text = f"the mesh is too coarse: the {at} {seen}; try --mesh {2 * int(length)}x{height}"
+            notes.append(Note("resolution", text))
+    return notes
+
+
+def _finer(change: MeshChange, parameter: Column, reaction: Column) -> dict[str, float | None]:
+    return {
+        parameter.name: change.parameter,
+        reaction.name: change.reaction,
+        "on_finer_mesh": change.finer,
+        "relative_change": change.relative if isfinite(change.relative) else None,
+    }

@@ -1,0 +1,130 @@
+"""How much a reaction changes on a finer space: the discretization error of a state, measured.
+
+A stored state is transferred to the space with elements of half the length and, of few elements across the
+height, one degree more there; the equilibrium is found there at the same parameter. For an error that falls
+as h^p the change is 1 - 2^-p of it, so half of it at least where p >= 1. It can be less where elements are
+larger than the process zone: the front then sticks between them, on the finer space too, and only
+`post.resolution` shows it.
+"""
+
+from collections.abc import Mapping
+from typing import NamedTuple
+
+import numpy as np
+
+from isopeel.arrays import FloatArray
+from isopeel.assembly.system import System
+from isopeel.errors import InputError
+from isopeel.problem import Problem
+from isopeel.results.run_file import StoredRun
+from isopeel.solve.linear import SingularError
+from isopeel.solve.newton import ConvergenceError, NewtonResult, NewtonSettings
+from isopeel.solve.path import Path
+from isopeel.solve.step import State
+from isopeel.splines.finer import finer, transferred
+from isopeel.splines.rows import RowSpace
+
+#: Of the largest reaction: states with less are not looked at, as the error of so little means little.
+_LEAST = 0.05
+#: Times the last reaction: a largest one up to here is that of a plateau, of which one state tells enough.
+_STEADY = 1.2
+#: Unknowns of the finer space, at most: beyond it a state takes longer than a user should wait.
+_MOST_UNKNOWNS = 200_000
+
+
+class MeshChange(NamedTuple):
+    """The reaction of a stored state, and that of its equilibrium on the finer space; in the curve's units.
+
+    `finer` is None where no equilibrium was found there.
+    """
+
+    parameter: float
+    reaction: float
+    finer: float | None
+
+    @property
+    def relative(self) -> float:
+        """Change over the reaction on the finer space, or over that of the run where the latter is less."""
+        if self.finer is None:
+            return np.inf
+        return abs(self.finer - self.reaction) / max(abs(self.finer), abs(self.reaction))
+
+
+def mesh_changes(
+    problem: Problem, space: RowSpace, run: StoredRun, contact_points: int | None = None
+) -> list[MeshChange]:
+    """Reactions on a finer space, of the last stored state and of the one next before the largest reaction.
+
+    States that carry next to nothing are left out, and all where the finer space would be too large, or where
+    a file holds what is no number. The damage of an irreversible joint is that of the stored states so far.
+    """
+    refined = finer(space)
+    finite = all(np.isfinite(displacement).all() for displacement in run.fields.values())
+    if 2 * refined.size > _MOST_UNKNOWNS or not run.fields or not finite:
+        return []
+    weighted = space.weighted(problem.body.shape)
+    target = refined.weighted(problem.body.shape)
+    base = None if run.base is None else transferred(weighted, run.base, target)
+    try:
+        system = System(problem, refined, contact_points, base)
+    except InputError:
+        # the memory does not suffice for it
+        return []
+    looked_at = _looked_at(run)
+    stored = {
+        at: transferred(weighted, u, target)
+        for at, u in run.fields.items()
+        if problem.adhesion.irreversible or at in looked_at
+    }
+    changes = (_change(system, problem, run, stored, parameter) for parameter in looked_at)
+    return [change for change in changes if change is not None]
+
+
+def _looked_at(run: StoredRun) -> list[float]:
+    """Parameters of the stored states to look at."""
+    curve, stored = run.curve, list(run.fields)
+    size = np.abs(curve.reaction)
+    strongest = int(np.argmax(size))
+    if size[strongest] <= _STEADY * size[-1]:
+        return stored[-1:]
+    # the state of the largest reaction may lie at a limit point, which the finer space has a little elsewhere
+    at = abs(float(curve.parameter[strongest]))
+    before = [parameter for parameter in stored if abs(parameter) < at]
+    return list(dict.fromkeys([*before[-1:], stored[-1]]))
+
+
+def _change(
+    system: System, problem: Problem, run: StoredRun, stored: Mapping[float, FloatArray], shown: float
+) -> MeshChange | None:
+    curve, drive = run.curve, problem.drive
+    (steps,) = np.nonzero(curve.parameter == shown)
+    if not len(steps):
+        return None
+    reaction = float(curve.reaction[steps[-1]])
+    if abs(reaction) <= _LEAST * np.abs(curve.reaction).max():
+        return None
+    parameter = shown / drive.parameter_column.factor
+    system.openings = np.zeros(system.openings.shape)
+    for at, displacement in stored.items():
+        system.accept(displacement)
+        if at == shown:
+            break
+    found = _equilibrium(system, State(parameter, stored[shown]))
+    if found is None:
+        return MeshChange(shown, reaction, None)
+    refined = system.reaction(found.equilibrium, found.displacement, found.load, parameter)
+    return MeshChange(shown, reaction, float(refined * drive.reaction_column.factor))
+
+
+def _equilibrium(system: System, start: State) -> NewtonResult | None:
+    """The equilibrium near a start, or the one that falling energy leads to."""
+    path = Path(system, NewtonSettings(), [start])
+    try:
+        return path.equilibrium(start.parameter).result
+    except (ConvergenceError, SingularError):
+        if not path.has_energy:
+            return None
+    try:
+        return path.landed(path.guesses(start.parameter), start.parameter).result
+    except (ConvergenceError, SingularError):
+        return None

@@ -1,0 +1,99 @@
+"""The reaction on a finer space measures the discretization error of a state."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from isopeel.arrays import FloatArray
+from isopeel.case import Case
+from isopeel.post.mesh_error import MeshChange, mesh_changes
+from isopeel.post.summary import MESH_CHANGE
+from isopeel.results.curve import Curve
+from isopeel.results.run_file import StoredRun
+from isopeel.solve.newton import NewtonSettings
+from isopeel.solve.trace import trace
+from isopeel.splines.finer import finer, transferred
+from isopeel.splines.rows import RowSpace, row_space
+
+#: A double cantilever of stiff arms by a moment on each: M = sqrt(G E' I), whatever the crack's length.
+CASE = """
+name = "arms"
+units = {{ length = "1 mm", stress = "1 MPa" }}
+held = {{ left = "xy" }}
+body = {{ length = "60 mm", height = "2 mm" }}
+material = {{ law = "neo-hooke", youngs_modulus = "100 GPa", poissons_ratio = {nu} }}
+discretization = {{ space = "{space}", mesh = "{mesh}", across_degree = {across} }}
+drive = {{ kind = "rotation", to = "3 deg", step = "0.25 deg" }}
+[adhesion]
+law = "exponential"
+strength = "{strength} MPa"
+work_of_adhesion = "0.3 N/mm"
+length = "50 mm"
+"""
+
+
+def _field(space: RowSpace, u: FloatArray, xi: FloatArray, eta: FloatArray) -> FloatArray:
+    parts = np.split(u, space.offsets[1:-1])
+    rows = zip(space.across.collocation(eta).toarray().T, space.rows, parts, strict=True)
+    values: FloatArray = sum(m[:, None] * (row.collocation(xi) @ part) for m, row, part in rows)
+    return values
+
+
+@pytest.mark.parametrize("name", ["L1", "N2.1", "L1+N3", "N2+L4@2"])
+@pytest.mark.parametrize("elements", [(7, 2), (5, 6)])
+def test_a_finer_space_has_the_old_field_along_the_contact(name: str, elements: tuple[int, int]) -> None:
+    space = row_space(name, elements, 2, (3.0, 1.0))
+    refined = finer(space)
+    u = np.random.default_rng(1).standard_normal((space.size, 2))
+    xi = np.linspace(0.0, 1.0, 29)
+    eta = np.zeros(29) if elements[1] < 5 else np.linspace(0.0, 1.0, 29)[::-1]
+    assert refined.elements == (2 * elements[0], elements[1])
+    found = _field(refined, transferred(space, u, refined), xi, eta)
+    # to the round-off of the interpolation, which is well conditioned
+    np.testing.assert_allclose(found, _field(space, u, xi, eta), atol=1e-10)
+
+
+def test_a_finer_space_keeps_lines_of_reduced_continuity() -> None:
+    refined = finer(row_space("L2", (3, 2), 2))
+    assert set(refined.rows[0].continuities) == {0}
+    assert refined.across.degree == 3
+    assert set(refined.across.continuities) == {2}
+
+
+def _changes(**values: Any) -> tuple[list[MeshChange], Curve]:
+    usual = {"strength": 10, "space": "N2.1", "mesh": "60x2", "nu": 0.2, "across": 2}
+    case = Case.parse(CASE.format(**{**usual, **values}))
+    stage = case.stages()[0]
+    steps = list(trace(stage.problem, case.space(), stage.parameters, NewtonSettings(control=stage.control)))
+    curve = Curve.of(steps, stage.problem.drive)
+    fields = {at: step.displacement for at, step in zip(curve.parameter.tolist(), steps, strict=True)}
+    run = StoredRun(case.text, curve, {at: fields[at] for at in (0.0, 1.0, 2.0, 3.0)}, {}, "completed")
+    return mesh_changes(stage.problem, case.space(), run), curve
+
+
+#: sqrt(2 E' I W) of the strip above, in N mm per mm.
+PLATEAU = np.sqrt(2 * 100e3 / 0.96 * 8 / 12 * 0.3)
+
+
+def test_a_resolved_plateau_hardly_changes() -> None:
+    (change,), curve = _changes()
+    assert curve.reaction[-1] == pytest.approx(PLATEAU, rel=0.005)  # beam theory of a slender strip
+    assert change.relative < 0.002
+
+
+@pytest.mark.parametrize(
+    "values",
+    [
+        {"mesh": "12x2", "strength": 400},  # a process zone within an element
+        {"mesh": "40x2", "space": "L1", "across": 1},  # shear and bending lock
+        {"nu": 0.499, "across": 1},  # volume locks
+        {"mesh": "20x1", "space": "L2", "strength": 400},
+    ],
+)
+def test_a_wrong_plateau_changes_by_more_than_is_worth_a_note(values: dict[str, Any]) -> None:
+    changes, curve = _changes(**values)
+    stiffness = 100e3 / (1 - float(values.get("nu", 0.2)) ** 2) * 8 / 12
+    error = abs(curve.reaction[-1] / np.sqrt(2 * stiffness * 0.3) - 1)
+    assert error > 0.03
+    assert max(change.relative for change in changes) > 2 * MESH_CHANGE
