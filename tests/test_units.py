@@ -45,6 +45,8 @@ def test_radians_agree_with_pi() -> None:
     ("text", "why"),
     [
         ("2", "it has no unit"),
+        ("2.0", "it has no unit"),
+        ("-2.5e-3 ", "it has no unit"),
         ("2 GPaa", "'GPaa' is not a known unit"),
         ("3 s", "'s' is not made of"),
         ("10 deg nm", "mixes an angle"),

@@ -10,7 +10,7 @@ from isopeel.case import Case, Stage
 from isopeel.errors import InputError
 from isopeel.folder import alone_in, places, run_files
 from isopeel.results.run_file import StoredRun, read_run
-from isopeel.run import Result, go_through
+from isopeel.run import Result, check_later_stages, go_through
 from isopeel.solve.step import KINDS
 
 
@@ -24,6 +24,7 @@ def resume_case(folder: Path, console: Console, to: str | None = None, control: 
     run_files(folder)  # nothing is written to a folder of something else
     with alone_in(folder, "DIR"):
         case, stored = _found(folder, to, control)
+        check_later_stages(case)
         if control is not None:
             stored = {number: replace(run, failure=None) for number, run in stored.items()}
         return go_through(case, folder, console, stored)

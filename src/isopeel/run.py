@@ -30,7 +30,7 @@ from isopeel.results.run_file import Failure, StoredRun, read_run, run_attribute
 from isopeel.results.run_writer import RunWriter
 from isopeel.solve.newton import ConvergenceError, NewtonSettings
 from isopeel.solve.step import State, Step
-from isopeel.solve.trace import trace
+from isopeel.solve.trace import check_stage, trace
 from isopeel.splines.rows import RowSpace
 
 
@@ -50,12 +50,28 @@ def run_case(case: Case, out: Path, console: Console) -> Result:
     written, another process runs in it or the memory does not suffice, OSError where a file cannot be
     written, and KeyboardInterrupt where there is no step yet; an earlier run stays until there is one.
     """
-    # the first stage is checked before any folder is made
+    # the stages are checked before any folder is made
+    check_later_stages(case)
     steps = _steps(case, case.stages()[0], case.space(), None, None)
     for place in places(case.name, [stage.name for stage in case.stages()], out):
         check_folder(place.folder)
     with alone_in(out, "--out"):
         return go_through(case, out, console, {}, steps)
+
+
+def check_later_stages(case: Case) -> None:
+    """Check the stages after the first one, as far as that is possible before they begin.
+
+    Raises InputError that names the stage: it would be told after hours otherwise.
+    """
+    space = case.space()
+    for number, stage in enumerate(case.stages()[1:], start=2):
+        try:
+            check_stage(stage.problem, space, NewtonSettings(control=stage.control))
+        except InputError as error:
+            field = error.field.replace("drive.", f"drive.{number}.", 1)
+            raise InputError(field, error.value, f"in stage {number}, {error.allowed}") from error
+        _check_memory(stage, space)
 
 
 def go_through(

@@ -42,10 +42,12 @@ def measured_in(units: UnitSystem) -> Iterator[None]:
 
 
 #: Digits are those of ASCII: a digit of another script would be a letter of no unit.
-_NUMBER = r"[-+]?(?:(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]{1,3})?|inf|nan)"
+_NUMBER = r"(?>[-+]?(?:(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]{1,3})?|inf|nan))"
 #: 5 x 10^-3, as numbers are written in a text.
 _POWER_OF_TEN = r"\s*[x×*·]\s*10\s*(?:\^|\*\*)\s*([-+]?[0-9]{1,3})"
-_QUANTITY = re.compile(rf"({_NUMBER})(?:{_POWER_OF_TEN})?(?:(?<=[0-9.])|\s)\s*(\S.*)|({_NUMBER})", re.DOTALL)
+_QUANTITY = re.compile(
+    rf"({_NUMBER})(?:{_POWER_OF_TEN})?(?:(?<=[0-9.])|\s)\s*([^\s0-9.].*)|({_NUMBER})", re.DOTALL
+)
 _SPLIT_NUMBER = re.compile(r"([0-9.]+)\s+([eE][-+]?[0-9]+)(?![0-9])")
 _LONGEST = 100  # characters
 

@@ -121,7 +121,8 @@ def constrain(
     (size, 2) are the coefficients of the state that the drive begins with, by default those of the body as
     it is.
 
-    Raises InputError where a held component belongs to a driven side that must be free to move along it.
+    Raises InputError where a held component belongs to a driven side that must be free to move along it, or
+    where nothing of the body is left to move.
     """
     drive = problem.drive
     driven = space.side_functions(drive.side)
@@ -140,6 +141,11 @@ def constrain(
                 raise InputError("held", fixed.side, f"it meets the side {drive.side}, which the drive moves")
             groups[held, component] = HELD
             offset[held, component] = u0[held, component]
+    if (groups == HELD).all():
+        allowed = (
+            "on this mesh all of the body is held or moved by the drive; refine the mesh or hold less of it"
+        )
+        raise InputError("held", [fixed.side for fixed in problem.fixed], allowed)
     numberings = [_number(groups, space.greville, axis) for axis in (0, 1)]
     unknowns = min(numberings, key=lambda numbering: half_bandwidth(numbering, elements))
     control_points = space.interpolate(problem.body.shape.evaluate) + u0

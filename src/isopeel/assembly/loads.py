@@ -8,8 +8,9 @@ import numpy as np
 from isopeel.arrays import FloatArray, IntArray
 from isopeel.assembly.constraints import HELD, Constraints
 from isopeel.assembly.tables import side_table
+from isopeel.errors import InputError
 from isopeel.problem import Drive, Load
-from isopeel.splines.nurbs import NurbsSurface
+from isopeel.splines.nurbs import NurbsSurface, Side
 from isopeel.splines.rows import RowSpace
 
 
@@ -37,7 +38,10 @@ class AssembledLoad:
         constraints: Constraints,
         base: FloatArray | None = None,
     ) -> Self | None:
-        """Integrate the load of a drive that begins with a base state (size, 2); None where it has none."""
+        """Integrate the load of a drive that begins with a base state (size, 2); None where it has none.
+
+        Raises InputError where all that is loaded is held along a component of the load.
+        """
         load = drive.load
         if load is None:
             return None
@@ -45,6 +49,7 @@ class AssembledLoad:
         weights = side.weights / side.weights.sum()
         mean = np.zeros((space.size, 2))
         np.add.at(mean, side.functions, np.einsum("eq,eqa,i->eai", weights, side.values, load.direction))
+        _check_free(drive.side, load, mean, constraints)
         elements = len(side.functions) if load.follows else 0
         # the boundary runs anticlockwise, with the outward normal to its right
         tangents = np.stack([-side.normals[..., 1], side.normals[..., 0]], axis=-1)
@@ -78,3 +83,16 @@ class AssembledLoad:
         inside = (rows != HELD) & (columns != HELD)
         i, j = rows[inside], columns[inside]
         np.add.at(band, (j, diagonal + i - j), -size * self.blocks[inside])
+
+
+def _check_free(side: Side, load: Load, pattern: FloatArray, constraints: Constraints) -> None:
+    """Raise InputError where a component of a load, of a pattern (size, 2), would press on a support alone.
+
+    Its displacement along that component is zero whatever the force, so that one does not follow from the
+    other. Where a part of the side is held, such as a corner that it shares with another one, the rest moves.
+    """
+    for component, name in enumerate("xy"):
+        loaded = pattern[:, component] != 0
+        if load.direction[component] and (constraints.unknowns[loaded, component] == HELD).all():
+            allowed = f"the drive loads the side {side} along {name}, and all of it is held along {name}"
+            raise InputError("held", side, f"{allowed}; hold another side, or load this one across")

@@ -34,7 +34,7 @@ from isopeel.case.sections import (
     fields_every_of,
     window_of,
 )
-from isopeel.case.stages import Stage
+from isopeel.case.stages import Stage, check_number, check_work
 from isopeel.case.values import Section
 from isopeel.errors import InputError
 from isopeel.physics.substrates import Flat
@@ -69,6 +69,7 @@ class Case(Section):
     discretization: DiscretizationSection = DiscretizationSection()
     drive: Annotated[
         tuple[DriveSection, ...],
+        BeforeValidator(check_number),
         BeforeValidator(lambda written: [written] if isinstance(written, Mapping) else written),
         Field(
             default={},
@@ -118,6 +119,12 @@ class Case(Section):
         files = {key: str(value) for key, value in case.body if isinstance(value, Path)}
         case._document = document | {"body": document["body"] | files}
         return case
+
+    @field_validator("drive", mode="after")
+    @classmethod
+    def _of_bounded_work(cls, stages: tuple[DriveSection, ...]) -> tuple[DriveSection, ...]:
+        check_work([stage.steps().count for stage in stages])
+        return stages
 
     @field_validator("reading", "output", mode="before")
     @classmethod
@@ -186,6 +193,8 @@ class Case(Section):
                 blamed = [f"{place}.{key}"]
                 if key == "to" and step is None:
                     blamed.append(f"{place}.step")  # which was good until the way became longer
+                if key in ("to", "step"):
+                    blamed.append("drive")  # of all stages together
                 if error.field in blamed:
                     option = "control" if key == "path_control" else key.replace("_", "-")
                     raise InputError(f"--{option}", value, error.allowed) from error

@@ -44,7 +44,8 @@ def written(document: Mapping[str, Any], field: str, value: object) -> object:
             found = found[int(key) - 1] if key.isdigit() else None
         else:
             found = found.get(key) if isinstance(found, Mapping) else None
-    return value if found is None or isinstance(found, Mapping) else found
+    tables = isinstance(found, list) and any(isinstance(one, Mapping) for one in found)
+    return value if found is None or tables or isinstance(found, Mapping) else found
 
 
 def _numbered(field: str, place: tuple[int | str, ...], document: Mapping[str, Any]) -> str:

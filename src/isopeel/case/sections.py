@@ -7,7 +7,7 @@ from pydantic import BeforeValidator, Field, model_validator
 
 from isopeel.arrays import FloatArray
 from isopeel.case.kinds import KindSection
-from isopeel.case.stages import stage_parameters
+from isopeel.case.stages import Steps, stage_parameters, stage_steps
 from isopeel.case.values import (
     LARGEST,
     SMALLEST,
@@ -180,7 +180,7 @@ class DriveSection(KindSection):
         for key in ("to", "step"):
             if not self.dimension.angle and key not in self.model_fields_set:
                 raise InputError(f"drive.{key}", None, f"the key is missing; {self.dimension.needed}")
-        self.parameters()
+        self.steps()
         return self
 
     @property
@@ -201,7 +201,11 @@ class DriveSection(KindSection):
     @property
     def usual_fields_every(self) -> float:
         """Distance of fields where nothing is said: 10 degrees, or a tenth of the way."""
-        return 10.0 if self.dimension.angle else float(abs(self.parameters()[-1]) / 10)
+        return 10.0 if self.dimension.angle else abs(self.steps().last) / 10
+
+    def steps(self) -> Steps:
+        """How far the stage goes, and in which steps."""
+        return stage_steps(self.dimension, self.to, self.step)
 
     def parameters(self) -> FloatArray:
         """Parameters of the steps, in radians, or in L0 and E0."""

@@ -1,8 +1,10 @@
 """The stages of a case: one problem after the other, each followed along its own parameter."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from decimal import Decimal
 from fractions import Fraction
+from typing import NamedTuple
 
 import numpy as np
 
@@ -16,6 +18,11 @@ from isopeel.units import UnitSystem, parse_quantity, shown
 
 #: More steps than this are a slip of the pen: a thousandth of a degree up to 100 degrees.
 MOST_STEPS = 100_000
+#: Of all stages. A step takes some milliseconds on a small mesh, so that this is half an hour there and some
+#: days on a large one; the table of a run is held in memory, and drawn.
+MOST_STEPS_IN_ALL = 200_000
+#: Fifty cycles of loading and unloading: each stage has a folder, figures and a start of its own.
+MOST_STAGES = 100
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,11 +41,16 @@ class Stage:
     window: tuple[float, float] | None
 
 
-def stage_parameters(dimension: Dimension, to: object, step: object) -> FloatArray:
-    """Parameters of the steps: 0, the multiples of the step, and the last parameter.
+class Steps(NamedTuple):
+    """How far a stage goes, in degrees or in L0 and E0, and the size and the number of its steps."""
 
-    Both are written with their units; angles come in radians, all else in L0 and E0. Raises InputError.
-    """
+    last: float
+    size: float
+    count: int
+
+
+def stage_steps(dimension: Dimension, to: object, step: object) -> Steps:
+    """Read how far a stage goes, and in which steps; both are written with their units. Raises InputError."""
     last, size = _read(dimension, "to", to), _read(dimension, "step", step)
     if dimension.angle and not 0 < last <= 180:
         raise InputError("drive.to", to, "it must be above 0 and at most 180 degrees")
@@ -51,11 +63,35 @@ def stage_parameters(dimension: Dimension, to: object, step: object) -> FloatArr
         allowed = f"at most {MOST_STEPS} steps are made, so a step of at least {least} is needed"
         raise InputError("drive.step", step, allowed)
     # a last step of round-off size would be none at all
-    full_steps = int(np.ceil(abs(last) / size * (1 - 1e-12)))
+    return Steps(last, size, int(np.ceil(abs(last) / size * (1 - 1e-12))))
+
+
+def stage_parameters(dimension: Dimension, to: object, step: object) -> FloatArray:
+    """Parameters of the steps: 0, the multiples of the step, and the last parameter.
+
+    Angles come in radians, all else in L0 and E0. Raises InputError as `stage_steps` does.
+    """
+    last, size, count = stage_steps(dimension, to, step)
     # multiples of what was written, 0.3 and not 0.30000000000000004
     written = Decimal(repr(size if last > 0 else -size))
-    parameters = np.array([0.0, *(float(k * written) for k in range(1, full_steps)), last])
+    parameters = np.array([0.0, *(float(k * written) for k in range(1, count)), last])
     return np.radians(parameters) if dimension.angle else parameters
+
+
+def check_work(counts: Sequence[int]) -> None:
+    """Raise InputError where stages of these numbers of steps are more work than any run is meant for."""
+    if sum(counts) > MOST_STEPS_IN_ALL:
+        told = f"{len(counts)} stages of {sum(counts)} steps in all"
+        allowed = f"at most {MOST_STEPS_IN_ALL} steps are made; take larger steps or fewer stages"
+        raise InputError("drive", told, allowed)
+
+
+def check_number(stages: object) -> object:
+    """Raise InputError where there are too many stages for each of them to be read."""
+    if isinstance(stages, list) and len(stages) > MOST_STAGES:
+        allowed = f"at most {MOST_STAGES} stages are run one after the other"
+        raise InputError("drive", f"{len(stages)} stages", allowed)
+    return stages
 
 
 def _least_step(dimension: Dimension, to: object) -> str:

@@ -3,6 +3,8 @@
 from collections.abc import Iterable, Iterator, Sequence
 
 from isopeel.arrays import frozen
+from isopeel.assembly.constraints import constrain
+from isopeel.assembly.loads import AssembledLoad
 from isopeel.assembly.system import System
 from isopeel.errors import InputError
 from isopeel.problem import Problem
@@ -56,7 +58,26 @@ def trace(
     if base is not None and not start:
         start = [base._replace(parameter=0.0, past=(), memory=None)]
     settings = settings or NewtonSettings()
-    if settings.control == "jump" and system.storage != "symmetric":
+    _check_control(problem, settings)
+    return controlled(Path(system, settings, start), parameters, passed)
+
+
+def check_stage(problem: Problem, space: RowSpace, settings: NewtonSettings) -> None:
+    """Check what can be known of a stage before the state that it begins with: a stage after another.
+
+    Raises InputError where what is held meets what the drive moves or loads, nothing is left to move, or the
+    path control needs an energy that the forces do not have. Whether adhesion holds the body, and where the
+    substrate is, depends on that state.
+    """
+    constraints = constrain(problem, space, [])
+    AssembledLoad.of(problem.drive, problem.body.shape, space, constraints)
+    _check_control(problem, settings)
+
+
+def _check_control(problem: Problem, settings: NewtonSettings) -> None:
+    load = problem.drive.load
+    if settings.control == "jump" and (
+        problem.adhesion.traction == "projected" or (load is not None and load.follows)
+    ):
         allowed = "projected and following forces have no energy that could fall; take continuation"
         raise InputError("drive.path_control", "jump", allowed)
-    return controlled(Path(system, settings, start), parameters, passed)
