@@ -47,7 +47,7 @@ def test_sections_with_defaults_may_be_left_out() -> None:
     case = Case.parse(STRIP[:start].replace('traction = "reference"', ""))
     full = load_case("strip")
     # the published strip is linear across, which is no default
-    usual = full.discretization.model_copy(update={"across_degree": 2})
+    usual = full.discretization.model_copy(update={"across_degree": None})
     assert (case.discretization, case.drive, case.adhesion) == (
         usual,
         full.drive,

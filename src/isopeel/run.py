@@ -148,7 +148,7 @@ def _steps(
             contact_points=case.discretization.contact_points,
         )
     except InputError as error:
-        chosen = error.field in ("mesh", "contact_points")
+        chosen = error.field in ("mesh", "contact_points", "space", "across_degree")
         field = f"discretization.{error.field}" if chosen else error.field
         raise InputError(field, error.value, error.allowed) from error
     _check_memory(stage, space)

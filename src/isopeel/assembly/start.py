@@ -9,7 +9,8 @@ from isopeel.assembly.tables import SideTable
 from isopeel.errors import InputError
 from isopeel.physics.batch import evaluate_law, evaluate_substrate
 from isopeel.problem import Problem
-from isopeel.splines.rows import RowSpace
+from isopeel.splines.nurbs import NurbsSurface
+from isopeel.splines.rows import RIGID, RowSpace
 
 #: Motions are told apart from none by more than this share of the body's own size.
 _ROUND_OFF = 1e-9
@@ -26,8 +27,9 @@ def check_start(
     """Return the substrate's tangents (E, Q, 2) at the points of the adhesive force, where all is well.
 
     Raises InputError where the body overlaps the substrate, where a point of it has no one closest point
-    there, or where it can move as a whole without a force.
+    there, where it can move as a whole without a force, or cannot without strain.
     """
+    check_rigid(space, problem.body.shape)
     adhesion = problem.adhesion
     substrate, law = adhesion.substrate, adhesion.law
     positions = side.positions
@@ -60,6 +62,26 @@ def check_start(
             "held", free, "nothing holds the body against it; hold a side, or let it adhere there"
         )
     return frozen(tangent if base is None else _tangents(problem, side))
+
+
+def check_rigid(space: RowSpace, shape: NurbsSurface) -> None:
+    """Raise InputError where a space cannot turn a shape rigidly: a rotation would strain the body."""
+    lowest = min(row.degree for row in space.rows)
+    for field, value, misfit, degree, needed in zip(
+        ("space", "across_degree"),
+        (space.name, space.across.degree),
+        space.misfit(shape),
+        (lowest, space.across.degree),
+        (space_.degree for space_ in shape.spaces),
+        strict=True,
+    ):
+        if misfit <= RIGID:
+            continue
+        means = "the shape's lines of reduced continuity, which `row_space` takes over from its `shape`"
+        if degree < needed:
+            means = f"degree {needed}" + (f" in all rows, such as 'N{needed}'" if field == "space" else "")
+        allowed = f"turning the body would strain it, as its shape is not in the space; take {means}"
+        raise InputError(field, value, allowed)
 
 
 def _tangents(problem: Problem, side: SideTable) -> FloatArray:

@@ -136,12 +136,14 @@ class HeldSection(Section):
         )
 
 
+#: Highest degree across the height.
+HIGHEST_ACROSS = 8
+
+
 class DiscretizationSection(Section):
     """The spline space, its elements along the length and the height, and the adhesive force's points.
 
-    A body that bends shortens and lifts by squares of the height, which a space of degree 2 across contains
-    and a linear one does not: linear elements across are too stiff in bending, by (1 - nu)^2/(1 - 2 nu) where
-    there is one of them. So degree 2 is the default, and the published strip asks for its 1.
+    Without a degree across it is `case.usual_across_degree`: linear elements are too stiff in bending.
     """
 
     space: Annotated[str, Field(description="the name of a space is needed, such as 'N2.1'")] = "N2.1"
@@ -153,8 +155,14 @@ class DiscretizationSection(Section):
         Field(strict=True, ge=1, description="a number of Gauss points on an element is needed"),
     ] = None
     across_degree: Annotated[
-        int, Field(strict=True, ge=1, le=8, description="a degree across the height is needed, from 1 to 8")
-    ] = 2
+        int | None,
+        Field(
+            strict=True,
+            ge=1,
+            le=HIGHEST_ACROSS,
+            description=f"a degree across the height is needed, from 1 to {HIGHEST_ACROSS}",
+        ),
+    ] = None
     grading: Annotated[
         tuple[NumberKey, NumberKey], BeforeValidator(list_of(2, _RATIOS)), Field(description=_RATIOS)
     ] = (1.0, 1.0)

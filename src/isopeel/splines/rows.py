@@ -17,6 +17,9 @@ from isopeel.splines.space import SplineSpace
 FINEST_MESH = (100_000, 1_000)
 #: Largest ratio of the sizes of the first and the last element: beyond it the finest mesh meets round-off.
 STRONGEST_GRADING = 1e6
+#: Of its extent, what a shape may lie outside of a space that turns it rigidly: round-off, amplified by
+#: interpolation. A strain of this size makes no stress that an adhesion of use would notice.
+RIGID = 1e-9
 
 
 #: Function of xi (n,) and eta (n,) with values (n, ...).
@@ -98,6 +101,33 @@ class RowSpace:
             return replace(self, weights=None)
         weights = self._interpolate(shape.weight_function)
         return replace(self, weights=tuple(np.split(weights, self.offsets[1:-1])))
+
+    def misfit(self, shape: NurbsSurface) -> tuple[float, float]:
+        """How far the space is from containing a shape on the same square: along xi, and along eta.
+
+        Both are zero, to round-off, where it contains the shape, and with it all rigid motions of the shape,
+        which are linear in the position. Errors of the shape's interpolation at Gauss points of the elements,
+        relative to the extent of its control points. What is interpolated are the homogeneous coordinates:
+        curves along eta through the shape's control points, and along xi what each row has to be then.
+        """
+        points = shape.control_points - shape.control_points[0, 0]
+        extent = float(np.abs(points).max())
+        homogeneous = np.concatenate(
+            [points * shape.weights[..., None] / extent, shape.weights[..., None]], 2
+        )
+        homogeneous /= shape.weights.min()
+        along, across = shape.spaces
+        columns = homogeneous.swapaxes(0, 1).reshape(across.size, -1)
+        rows = self.across.interpolate(across.collocation(self.across.greville) @ columns)
+        error_across = _error(self.across, rows, across, columns)
+        curves = rows.reshape(-1, along.size, homogeneous.shape[2])
+        errors_along = [0.0]
+        for row in dict.fromkeys(self.rows):
+            chosen = [j for j, other in enumerate(self.rows) if other == row]
+            wanted = curves[chosen].transpose(1, 0, 2).reshape(along.size, -1)
+            values = along.collocation(row.greville) @ wanted
+            errors_along.append(_error(row, row.interpolate(values), along, wanted))
+        return max(errors_along), error_across
 
     def interpolate(self, function: SurfaceFunction) -> FloatArray:
         """Coefficients (size, ...) of the field that equals a function at the Greville points.
@@ -181,12 +211,16 @@ def row_space(
     elements: tuple[int, int],
     across_degree: int = 1,
     grading: tuple[float, float] = (1.0, 1.0),
+    shape: NurbsSurface | None = None,
 ) -> RowSpace:
     """Build the space of a name (see `splines.names`) on a mesh (elements along xi, along eta).
 
     `across_degree` is the degree along eta: here 1, as in the published study, in case files 2 by default.
     `grading` is, along xi and eta, the size of the last element over that of the first, with a constant
-    ratio of neighbours in between; 1 is uniform. Raises InputError for a name or a mesh that makes no sense.
+    ratio of neighbours in between; 1 is uniform. Where the space cannot turn a `shape` on the same square
+    rigidly, it takes over the shape's lines of reduced continuity, along the direction that needs it:
+    breakpoints move to them where they are near, and are added where they are not.
+    Raises InputError for a name or a mesh that makes no sense.
     """
     parsed = parse_space_name(name)
     for count, finest, direction in zip(elements, FINEST_MESH, ("length", "height"), strict=True):
@@ -202,8 +236,52 @@ def row_space(
         raise InputError("space", name, f"this mesh has {across.size} rows, so at most @{across.size}")
     bulk = SplineSpace.on(parsed.bulk.degree, parsed.bulk.continuity, along)
     contact = SplineSpace.on(parsed.contact.degree, parsed.contact.continuity, along)
-    upper = across.size - parsed.contact_rows
-    return RowSpace(str(parsed), across, (contact,) * parsed.contact_rows + (bulk,) * upper)
+
+    def rows(across: SplineSpace, contact: SplineSpace, bulk: SplineSpace) -> RowSpace:
+        upper = across.size - parsed.contact_rows
+        return RowSpace(str(parsed), across, (contact,) * parsed.contact_rows + (bulk,) * upper)
+
+    space = rows(across, contact, bulk)
+    if shape is None:
+        return space
+    misfits = space.misfit(shape)
+    if misfits[0] > RIGID:
+        contact, bulk = (with_lines_of(one, shape.spaces[0]) for one in (contact, bulk))
+    if misfits[1] > RIGID:
+        across = with_lines_of(across, shape.spaces[1])
+    return rows(across, contact, bulk)
+
+
+def with_lines_of(space: SplineSpace, other: SplineSpace) -> SplineSpace:
+    """Return a space that is nowhere smoother than another one on the same interval.
+
+    A knot of the other space becomes a breakpoint: the nearest one is moved to it where that is no further
+    than a third of the elements beside it, so that no element becomes a sliver, and otherwise it is added.
+    """
+    places, repeats = space.breakpoints.copy(), space.multiplicities.copy()
+    taken = np.zeros(places.size, dtype=bool)
+    taken[[0, -1]] = True
+    for knot, multiplicity in zip(other.breakpoints[1:-1], other.multiplicities[1:-1], strict=True):
+        needed = max(1, space.degree - (other.degree - int(multiplicity)))
+        at = int(np.argmin(np.abs(places - knot)))
+        beside = np.diff(places)[max(at - 1, 0) : at + 1].min()
+        if not taken[at] and abs(places[at] - knot) <= beside / 3:
+            places[at], repeats[at], taken[at] = knot, max(repeats[at], needed), True
+            continue
+        at = int(np.searchsorted(places, knot))
+        places, repeats, taken = (
+            np.insert(array, at, value) for array, value in ((places, knot), (repeats, needed), (taken, True))
+        )
+    return SplineSpace(space.degree, np.repeat(places, repeats))
+
+
+def _error(space: SplineSpace, coefficients: FloatArray, other: SplineSpace, wanted: FloatArray) -> float:
+    """Largest difference of splines (size, n) of two spaces, at Gauss points of the first one's elements."""
+    nodes, _ = np.polynomial.legendre.leggauss(space.degree + 1)
+    starts, sizes = space.breakpoints[:-1, None], np.diff(space.breakpoints)[:, None]
+    points = (starts + sizes * (nodes + 1) / 2).ravel()
+    difference = space.collocation(points) @ coefficients - other.collocation(points) @ wanted
+    return float(np.abs(difference).max())
 
 
 def _graded(elements: int, grading: float) -> FloatArray:
