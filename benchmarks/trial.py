@@ -1,0 +1,142 @@
+"""Random cases with a known answer: how many are right, wrong with a note, or wrong and silent."""
+
+import csv
+import sys
+import time
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.console import Console
+from rich.progress import Progress
+
+import machine
+from isopeel.case import shipped_cases
+from isopeel.processes import cores
+from printing import wide_console
+from trials.case import Trial
+from trials.drawing import trial as drawn_trial
+from trials.running import Attempt, Outcome, Shipped
+from trials.tables import Found, counts, gains, listed
+from trials.verdict import Verdict, deviation, verdict, warned_by_default
+from trials.workers import Lost, run_all
+
+LIMIT = 60.0  # seconds of the processor
+_COLUMNS = (
+    *("seed", "number", "family", "kind", "verdict", "ending", "value", "right", "deviation", "element"),
+    *("steps", "seconds", "gain", "doubts", "cause"),
+)
+
+
+def outcomes(trials: Sequence[Trial], processes: int, limit: float, bar: Progress) -> Found:
+    """Run trials; those that take longer than the limit are ended."""
+    task = bar.add_task("cases", total=len(trials))
+    done = run_all([Attempt(trial) for trial in trials], processes, limit, lambda *_: bar.advance(task))
+    return [(trial, _outcome(one, limit)) for trial, one in zip(trials, done, strict=True)]
+
+
+def _outcome(done: object, limit: float) -> Outcome:
+    if isinstance(done, Outcome):
+        return done
+    if isinstance(done, Lost) and done.out_of_time:
+        return Outcome("too slow", cause=f"not finished after {limit:g} s", seconds=limit)
+    return Outcome("crashed", cause="the process was lost", seconds=0.0)
+
+
+def write(path: Path, found: Found) -> None:
+    """Write one line per case."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with path.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file)
+        writer.writerow(_COLUMNS)
+        for trial, outcome in found:
+            drawn, gain = trial.drawn, outcome.gain and outcome.gain.share
+            writer.writerow(
+                [
+                    *(trial.seed, trial.number, trial.family, drawn.kind, verdict(trial, outcome).value),
+                    *(outcome.ending, outcome.value, drawn.answer.value, deviation(trial, outcome)),
+                    *(drawn.element, outcome.steps, outcome.seconds, gain),
+                    *(" | ".join(outcome.doubts), outcome.cause),
+                ]
+            )
+
+
+def report(found: Found, console: Console, *, everything: bool) -> None:
+    """Print the tables."""
+    console.print(counts(found))
+    for line in listed(found, everything=everything):
+        console.print(line, soft_wrap=True)
+    table = gains(found)
+    if table.row_count:
+        console.print(table)
+    warned, default = warned_by_default(found)
+    close = sum(verdict(*one) is Verdict.WARNED_CLOSE for one in found)
+    total = len(found)
+    console.print(
+        f"on the default mesh {warned} of {default} cases carry a note or fail ({_percent(warned, default)})"
+    )
+    console.print(f"right within 1 % but warned: {close} of {total} ({_percent(close, total)})")
+    console.print(f"steps that gain energy without work: in {table.row_count} of {total} cases")
+
+
+def _percent(part: int, whole: int) -> str:
+    return f"{100 * part / max(whole, 1):.1f} %"
+
+
+def run_shipped(processes: int, console: Console) -> None:
+    """Run the shipped cases, and print what energy each gained without work."""
+    names = shipped_cases()
+    done = run_all([Shipped(name) for name in names], processes, 600.0, lambda *_: None)
+    for name, one in zip(names, done, strict=True):
+        outcome = _outcome(one, 600.0)
+        gain = "-" if outcome.gain is None else f"{outcome.gain.share:.1e} at {outcome.gain.parameter:.5g}"
+        console.print(
+            f"{name}: {outcome.ending}, {outcome.steps} steps, largest gain of energy {gain} of W A"
+        )
+
+
+def main(
+    seed: Annotated[list[int] | None, typer.Option(help="Of the draw, 1 when left out; repeatable.")] = None,
+    count: Annotated[int, typer.Option(min=1, help="Cases of each seed.")] = 500,
+    only: Annotated[
+        list[int] | None, typer.Option(help="Numbers of cases, printed as TOML; repeatable.")
+    ] = None,
+    family: Annotated[list[str] | None, typer.Option(help="Families; all when left out; repeatable.")] = None,
+    processes: Annotated[int | None, typer.Option(min=1, help="All cores when left out.")] = None,
+    limit: Annotated[float, typer.Option(min=1, help="Seconds of the processor for a case.")] = LIMIT,
+    out: Annotated[Path, typer.Option(help="Table of every case.")] = Path("out/trial.csv"),
+    everything: Annotated[bool, typer.Option("--all", help="List every case.")] = False,
+    shipped: Annotated[
+        bool, typer.Option("--shipped", help="Check the energy of the shipped cases too.")
+    ] = False,
+) -> None:
+    """Draw cases at random whose answer is known, run them as a user would, and count what is right."""
+    seeds, console, began = seed or [1], wide_console(), time.perf_counter()
+    trials = [drawn_trial(one, number) for one in seeds for number in only or range(count)]
+    trials = [trial for trial in trials if not family or trial.family in family]
+    if only:
+        for trial in trials:
+            print(trial.text)
+            for name, text in trial.drawn.files.items():
+                print(f"# {name}\n# {text}\n")
+    with Progress(console=Console(stderr=True), transient=True) as bar:
+        found = outcomes(trials, processes or cores(), limit, bar)
+    write(out, found)
+    for one in seeds:
+        console.print(f"seed {one}")
+        report([pair for pair in found if pair[0].seed == one], console, everything=everything or bool(only))
+    if shipped:
+        run_shipped(processes or cores(), console)
+    console.print(
+        f"seeds {', '.join(map(str, seeds))}: {len(trials)} cases in {time.perf_counter() - began:.0f} s"
+    )
+    console.print(f"every case in {out}", soft_wrap=True)
+    console.print(machine.description(), soft_wrap=True)
+
+
+if __name__ == "__main__":
+    try:
+        typer.run(main)
+    except (ValueError, OSError) as error:
+        sys.exit(f"trial: {error}")

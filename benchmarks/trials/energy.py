@@ -1,0 +1,104 @@
+"""Whether a path gained energy that its drive did not give.
+
+Between two steps of a path the energies of body and joint grow by the work of the drive. That is an
+integral over the reaction, which is known at the steps only: the trapezoidal rule gives it, and the cubic
+through two more steps says how far to trust that. What energies grow by beyond the work and this error has
+come from nowhere.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from isopeel.arrays import FloatArray
+from isopeel.problem import Problem
+from isopeel.results.run_file import StoredRun
+from isopeel.solve.step import KINDS
+
+#: What may be gained, of the work of adhesion times the adhering length.
+ALLOWED = 1e-6
+
+
+@dataclass(frozen=True)
+class Gain:
+    """The largest gain of energy in a step beyond the work, over W times the adhering length, and where."""
+
+    share: float
+    parameter: float
+
+    @property
+    def forbidden(self) -> bool:
+        """Whether it is larger than allowed."""
+        return self.share > ALLOWED
+
+
+def largest_gain(run: StoredRun, problem: Problem) -> Gain:
+    """The largest gain in a step of a stored run."""
+    curve = run.curve
+    if len(curve) < 2:
+        return Gain(0.0, 0.0)
+    parameter = curve.parameter / curve.parameter_column.factor
+    reaction = curve.reaction / curve.reaction_column.factor
+    load = problem.drive.load
+    # a dead load of a known size works on the displacement that is found
+    along, force = (reaction, parameter) if load and load.control == "force" else (parameter, reaction)
+    energy = curve.stored_energy + curve.adhesive_energy + curve.dissipated_energy
+    work, error = works(along, force, jumped=curve.kind == KINDS.index("jump"))
+    gained = np.diff(energy) - work - error
+    side = problem.body.shape.boundary(problem.adhesion.side)
+    adhering = side.length() * (problem.adhesion.end - problem.adhesion.start)
+    # differences of energies are known to round-off of these
+    rounding = 1e-13 * (np.abs(curve.stored_energy) + np.abs(curve.adhesive_energy)).max()
+    allowed = problem.adhesion.law.work_of_adhesion * adhering
+    at = int(np.argmax(gained))
+    return Gain(max(float(gained[at] - rounding), 0.0) / allowed, float(curve.parameter[at + 1]))
+
+
+def works(along: FloatArray, force: FloatArray, *, jumped: np.ndarray) -> tuple[FloatArray, FloatArray]:
+    """Work (n - 1,) of a force (n,) along displacements (n,) between each two, and its estimated error.
+
+    The error is that of a smooth curve, by the cubic through the steps around, and that of one with a kink
+    between two steps, where the straight lines from before and after it meet. Where a step `jumped` (n,), the
+    force fell at an unknown place of it: it may have worked at the larger of both sizes all the way.
+    """
+    steps = np.diff(along)
+    work = 0.5 * steps * (force[1:] + force[:-1])
+    error = np.array(
+        [_smooth(along, force, k, work[k]) + _kinked(along, force, k) for k in range(len(steps))]
+    )
+    larger = np.maximum(steps * force[1:], steps * force[:-1]) - work
+    return work, np.where(jumped[1:], np.maximum(error, larger), error)
+
+
+def _smooth(along: FloatArray, force: FloatArray, k: int, work: float) -> float:
+    """Difference of the trapezoidal rule to the cubic through the steps around, three at the ends."""
+    start, step = max(k - 1, 0), abs(along[k + 1] - along[k])
+    around = slice(start, min(k + 3, len(along)))
+    x = along[around] - along[k]
+    if step == 0 or len(np.unique(x)) < len(x):
+        return 0.0
+    # in units of the step, so that the matrix is well conditioned
+    coefficients = np.polynomial.polynomial.polyfit(x / step, force[around], len(x) - 1)
+    integral = np.polynomial.polynomial.polyint(coefficients)
+    ends = np.polynomial.polynomial.polyval(np.array([0.0, (along[k + 1] - along[k]) / step]), integral)
+    return float(abs(step * (ends[1] - ends[0]) - work))
+
+
+def _kinked(along: FloatArray, force: FloatArray, k: int) -> float:
+    """Area between the chord of a step and the straight lines that lead to it from before and after."""
+    slopes = [
+        (force[j + 1] - force[j]) / (along[j + 1] - along[j])
+        if 0 <= j < len(along) - 1 and along[j + 1] != along[j]
+        else None
+        for j in (k - 1, k, k + 1)
+    ]
+    before, chord, after = slopes
+    if chord is None:
+        return 0.0
+    rises = [abs(slope - chord) for slope in (before, after) if slope is not None]
+    step = abs(along[k + 1] - along[k])
+    if len(rises) < 2:
+        # where the curve begins or ends, the line may go on all the way
+        return float(0.5 * step**2 * max(rises, default=0.0))
+    # two lines that meet are this high above the chord; the same of lines that do not, for good measure
+    return float(0.5 * step**2 * rises[0] * rises[1] / (rises[0] + rises[1] or 1.0))

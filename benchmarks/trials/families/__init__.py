@@ -1,0 +1,1 @@
+"""Families of cases with a known answer; one file each."""

@@ -1,0 +1,136 @@
+"""Running one case as `isopeel run` does, and what comes of it."""
+
+import json
+import re
+import time
+import traceback
+from dataclasses import dataclass
+from fractions import Fraction
+from io import StringIO
+from math import nan
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any, Literal, TypeAlias
+
+from rich.console import Console
+
+from isopeel.case import load_case
+from isopeel.errors import InputError
+from isopeel.folder import places
+from isopeel.results.run_file import StoredRun, read_run
+from isopeel.run import run_case
+from isopeel.units import parse_quantity
+from trials.case import Reading, Trial
+from trials.energy import Gain, largest_gain
+
+#: How a case ended: to its last step, before it with a cause, refused as bad input, by an error that nobody
+#: foresaw, or stopped for lack of time.
+Ending: TypeAlias = Literal["completed", "not converged", "refused", "crashed", "too slow"]
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What came of a case: its ending, the value that a user reads (SI per width), and the doubts noted."""
+
+    ending: Ending
+    value: float = nan
+    doubts: tuple[str, ...] = ()
+    cause: str = ""
+    steps: int = 0
+    seconds: float = 0.0
+    gain: Gain | None = None
+
+
+@dataclass(frozen=True)
+class Attempt:
+    """The task of running a trial in a folder of its own."""
+
+    trial: Trial
+
+    def __call__(self) -> Outcome:
+        """Run it."""
+        with TemporaryDirectory(prefix="isopeel-trial-") as folder:
+            return run_text(
+                self.trial.text, dict(self.trial.drawn.files), Path(folder), self.trial.drawn.answer.reading
+            )
+
+
+@dataclass(frozen=True)
+class Shipped:
+    """The task of running a shipped case, for its energies."""
+
+    name: str
+
+    def __call__(self) -> Outcome:
+        """Run it."""
+        with TemporaryDirectory(prefix="isopeel-trial-") as folder:
+            return _run(self.name, Path(folder) / "out", "largest")
+
+
+def run_text(text: str, files: dict[str, str], folder: Path, reading: Reading) -> Outcome:
+    """Run a case file with others beside it, all in a folder."""
+    for name, content in {**files, "case.toml": text}.items():
+        (folder / name).write_text(content, encoding="utf-8")
+    return _run(folder / "case.toml", folder / "out", reading)
+
+
+def _run(source: str | Path, out: Path, reading: Reading) -> Outcome:
+    began = time.perf_counter()
+    try:
+        case = load_case(source)
+        result = run_case(case, out, Console(file=StringIO()))
+        summary = json.loads((result.folder / "summary.json").read_text("utf-8"))
+        stages = case.stages()
+        paths = [place.run_file for place in places(case.name, [stage.name for stage in stages], out)]
+        runs = [read_run(path) for path in paths if path.exists()]
+        gains = [largest_gain(run, stage.problem) for run, stage in zip(runs, stages, strict=False)]
+    except InputError as error:
+        return Outcome("refused", cause=f"{error}", seconds=time.perf_counter() - began)
+    except Exception:
+        return Outcome("crashed", cause=traceback.format_exc(), seconds=time.perf_counter() - began)
+    failure = summary["failure"]
+    return Outcome(
+        "completed" if summary["completed"] else "not converged",
+        read(summary, result.run, reading),
+        tuple(
+            f"{note['subject']}: {note['text']}" for note in summary["notes"] if note["subject"] != "reading"
+        ),
+        f"{failure['cause']}: {failure['reason']}" if failure else "",
+        sum(len(run.curve) for run in runs),
+        time.perf_counter() - began,
+        max(gains, key=lambda gain: gain.share),
+    )
+
+
+def read(summary: dict[str, Any], run: StoredRun, reading: Reading) -> float:
+    """The value in SI units that a user takes from a summary, or from the curve where that has none."""
+    curve = run.curve
+    column = curve.reaction_column
+    unit = unit_of(column.unit, summary["units"], moment=column.name == "moment")
+    if reading == "plateau":
+        value = summary["plateau"]
+    elif reading == "largest":
+        value = abs(summary["peak"][column.name]) if summary["peak"] else None
+    elif reading in ("pull-off", "push"):
+        sign = 1 if reading == "pull-off" else -1
+        value = float((sign * curve.reaction).max()) if len(curve) else None
+    else:
+        found = summary.get("buckling")
+        value = found if found is not None else summary["peak"] and abs(summary["peak"][column.name])
+    return nan if value is None else float(value) * unit
+
+
+def unit_of(written: str, units: dict[str, Any], *, moment: bool) -> float:
+    """SI units per width in the unit of a reaction, such as E0 L0, N/m, or E0 L0^3 for a width of L0."""
+    length, size, powers = float(parse_quantity(units["L0"]).exact), 1.0, Fraction(0)
+    for name, dimension, power in re.findall(r"((E0|L0)(?:\^(\d))?)", written):
+        size *= float(parse_quantity(units[dimension]).exact) ** int(power or 1)
+        powers += int(power or 1) if dimension == "L0" else 0
+        written = written.replace(name, "", 1)
+    if written.strip():
+        quantity = parse_quantity(f"1 {written.strip()}")
+        size, powers = size * float(quantity.exact), powers + quantity.length
+    extra = powers - (2 if moment else 1)
+    if extra not in (0, 1):
+        raise ValueError(f"a reaction cannot have the unit {written!r}")
+    return size / length ** int(extra)
