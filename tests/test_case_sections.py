@@ -224,7 +224,7 @@ BAD_TABLES = [
     ("body", 'shape = "cube"', "body.shape", "shapes is needed: curved-strip"),
     ("body", 'shape = "tapered-strip"\nlength = "9 nm"', "body.height", "missing; a length is needed"),
     ("body", 'shape = "half-cylinder"\nradius = "1 MPa"', "body.radius", "a length is needed"),
-    ("body", 'shape = "half-cylinder"\nlength = "1 nm"', "body.length", "here the keys are shape, radius"),
+    ("body", 'shape = "half-cylinder"\nlength = "1 nm"', "body.length", "here the keys are width, shape"),
     ("body", 'shape = "patch"\nfile = 3', "body.file", "the path of a file"),
     ("body", 'shape = "patch"\nfile = "none.json"', "body.file", ""),
     ("substrate", 'kind = "sphere"', "substrate.kind", "kinds is needed: circle, flat"),

@@ -39,7 +39,12 @@ def table(path: Path) -> tuple[list[str], np.ndarray[Any, np.dtype[np.float64]]]
     kind = heading.index("kind")  # the only column of words
     for row in (heading, *rows):
         assert row.pop(kind) in ("kind", *KINDS)
-    return heading, np.array(rows, dtype=np.float64).reshape(len(rows), len(heading))
+    values = [[cell or "nan" for cell in row] for row in rows]  # what was not measured is left empty
+    return heading, np.array(values, dtype=np.float64).reshape(len(rows), len(heading))
+
+
+#: Moment per width of E0 L0^3 for a width of L0, 2 GPa nm^2, and an energy likewise.
+SI = 2e9 * 1e-18
 
 
 def summary(folder: Path) -> dict[str, Any]:
@@ -62,13 +67,13 @@ def test_a_run_leaves_its_files(capsys: pytest.CaptureFixture[str]) -> None:
     out = Path("out/strip")
     assert {path.name for path in out.iterdir()} == FILES
     heading, rows = table(out / "curve.csv")
-    assert heading[:3] == ["theta_deg", "moment", "iterations"]
+    assert heading[:4] == ["theta [deg]", "moment [N m/m]", "iterations", "stored_energy [J/m]"]
     assert rows[:, 0].tolist() == [0, 1, 2, 3]
     stored = isopeel.read_run(out / "run.h5")
     curve = stored.curve
     same = (curve.parameter, curve.reaction, curve.iterations, curve.stored_energy, curve.adhesive_energy)
-    # both files hold all digits
-    assert np.array_equal(rows[:, :5], np.stack(same, axis=1))
+    # both files hold all digits, the table in SI units
+    assert rows[:, :5] == pytest.approx(np.stack(same, axis=1) * [1, SI, 1, SI, SI], rel=1e-15)
     # the moment's work, by the trapezoidal rule on a curve that is straight to 3e-4, is the energy gained
     energy = curve.stored_energy + curve.adhesive_energy
     work = trapezoid(curve.reaction, np.radians(curve.parameter))
@@ -89,7 +94,7 @@ def test_the_summary_tells_what_was_read_and_why_not() -> None:
     assert (found["theta_deg"], found["completed"], found["failure"]) == (3.0, True, None)
     for name in ("plateau", "amplitude", "slopes", "window", "onset"):
         assert found[name] is None
-    assert any("98 to 101.4 deg" in note["text"] for note in found["notes"])
+    assert any("98 deg to 101.4 deg" in note["text"] for note in found["notes"])
     # sqrt(2 E' I W) and its onset, as published, rounded
     assert found["closed_form"]["reaction"] == pytest.approx(1.6315, abs=5e-5)
     assert found["closed_form"]["onset"] == pytest.approx(53.8, abs=0.05)
@@ -108,7 +113,7 @@ def test_a_plateau_is_read_where_the_case_says(tmp_path: Path) -> None:
     assert main(["run", "mine.toml", "--out", str(tmp_path / "a" / "b"), *arguments]) == 0
     found = summary(tmp_path / "a" / "b")
     _, rows = table(tmp_path / "a" / "b" / "curve.csv")
-    assert found["plateau"] == pytest.approx(rows[4:, 1].mean(), rel=1e-14)  # the order of a sum
+    assert SI * found["plateau"] == pytest.approx(rows[4:, 1].mean(), rel=1e-14)  # the order of a sum
     assert (found["window"], found["traction"]) == ([2.0, 10.0], "projected")
     assert not any("plateau" in note["text"] for note in found["notes"])
 

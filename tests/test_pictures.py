@@ -50,7 +50,7 @@ def test_all_figures_are_drawn_beside_the_run(runs: Path, capsys: pytest.Capture
     assert drawn >= {"curve.png", "shapes.png", "front.png", "tractions.png"}
     # the plateau is read between 98 and 101.4 degrees
     assert "plateau.png" not in drawn
-    assert "no plateau of strip: their window is 98 to 101.4 degree" in capsys.readouterr().out
+    assert "no plateau of strip: their window is 98 deg to 101.4 deg" in capsys.readouterr().out
 
 
 @pytest.mark.parametrize(("suffix", "begin"), [("svg", b"<?xml"), ("pdf", b"%PDF"), ("png", b"\x89PNG")])

@@ -19,8 +19,10 @@ from isopeel.errors import InputError
 from isopeel.folder import FILES, Place, alone_in, check_folder, places
 from isopeel.interrupts import Interrupts
 from isopeel.post.figures import reaction_figure, save, shapes_figure
+from isopeel.post.laboratory import Laboratory
 from isopeel.post.mesh_error import mesh_changes
-from isopeel.post.summary import find, short_unit, summarize, summary_rows, units_note
+from isopeel.post.summary import Findings, find, short_unit, summarize, summary_rows, units_note
+from isopeel.post.table import write_curve
 from isopeel.problem import Column
 from isopeel.progress import progress
 from isopeel.results.curve import Curve
@@ -207,14 +209,14 @@ def _run_stage(
         finally:
             # whatever comes in between, the table holds what the file does
             if writer.saved:
-                writer.curve.write_csv(out / "curve.csv")
+                write_curve(out / "curve.csv", writer.curve, problem, _laboratory(case, stage))
         run = replace(read_run(place.run_file), ending=writer.ending)
         try:
-            summary = _write_results(case, stage, space, run, place, perf_counter() - began)
+            summary, read = _write_results(case, stage, space, run, place, perf_counter() - began)
         except KeyboardInterrupt:
             return replace(run, ending="interrupted")
     if run.ending != "interrupted":
-        _print_table(summary, run.curve, place, console)
+        _print_table(summary, run.curve, read, place, console)
     return run
 
 
@@ -222,11 +224,10 @@ def _complete(
     case: Case, stage: Stage, space: RowSpace, run: StoredRun, place: Place, console: Console
 ) -> StoredRun:
     """Say that a stage is complete, and make the files that it lacks."""
-    column = run.curve.parameter_column
-    reached = f"{run.curve.parameter[-1]:g} {short_unit(column)}"
+    column, laboratory = run.curve.parameter_column, _laboratory(case, stage)
+    reached = laboratory.parameter(column, float(run.curve.parameter[-1]))
     console.print(f"{place.title} is complete: {len(run.curve)} steps, to {reached}", soft_wrap=True)
     if not all((place.folder / name).exists() for name in FILES):
-        run.curve.write_csv(place.folder / "curve.csv")
         _write_results(case, stage, space, run, place, float(run.curve.seconds.sum()))
     return run
 
@@ -282,6 +283,10 @@ def _follow(
         writer.end("interrupted")
 
 
+def _laboratory(case: Case, stage: Stage) -> Laboratory:
+    return Laboratory.of(case.units.system(), stage.problem, case.body.width)
+
+
 def _write_results(
     case: Case,
     stage: Stage,
@@ -289,10 +294,11 @@ def _write_results(
     run: StoredRun,
     place: Place,
     wall_time: float,
-) -> dict[str, Any]:
-    """Write the summary and, unless the run was interrupted, the figures; return the former."""
+) -> tuple[dict[str, Any], Findings]:
+    """Write the curve, the summary and, unless the run was interrupted, the figures; return what was read."""
     out = place.folder
-    found = find(stage.problem, space, run, stage.window)
+    found = find(stage.problem, space, run, stage.window, _laboratory(case, stage))
+    write_curve(out / "curve.csv", run.curve, stage.problem, found.laboratory, found.fronts)
     # a finer mesh takes longer than one who pressed Ctrl-C should wait
     points = case.discretization.contact_points
     changes = [] if run.ending == "interrupted" else mesh_changes(stage.problem, space, run, points)
@@ -309,17 +315,23 @@ def _write_results(
         ):
             with replacing(out / name) as part:
                 save(figure, part)
-    return summary
+    return summary, found
 
 
-def _print_table(summary: dict[str, Any], curve: Curve, place: Place, console: Console) -> None:
+def _print_table(
+    summary: dict[str, Any], curve: Curve, found: Findings, place: Place, console: Console
+) -> None:
     """Print the summary in a few lines, with the closed form beside what it tells."""
-    theory = (summary["closed_form"] or {}).get("source", "closed form")
-    table = Table("", "run", theory, title=summary["case"], box=SIMPLE_HEAD)
-    for row in summary_rows(summary, curve.parameter_column, curve.reaction_column):
-        table.add_row(*row)
+    rows = summary_rows(summary, curve, found)
+    columns = 4 if any(row.theory for row in rows) else 2
+    heading = ("", "run", "closed form", "deviation")[:columns]
+    table = Table(*heading, title=summary["case"], box=SIMPLE_HEAD)
+    for row in rows:
+        table.add_row(*row[:columns])
     console.print(table)
+    if found.halves:
+        console.print(found.halves, soft_wrap=True)
     for note in summary["notes"]:
         console.print(f"note: {note['text']}", soft_wrap=True)
-    console.print(f"{units_note(summary['units'])}; for a width of L0")
+    console.print(found.laboratory.note(), soft_wrap=True)
     console.print(f"files in {place.folder}", soft_wrap=True)

@@ -6,6 +6,8 @@ from pathlib import Path
 from isopeel.case import Case, Stage
 from isopeel.errors import InputError
 from isopeel.folder import run_files
+from isopeel.post.laboratory import Laboratory
+from isopeel.post.summary import Findings, find
 from isopeel.results.run_file import StoredRun, read_run
 from isopeel.splines.rows import RowSpace
 
@@ -22,6 +24,15 @@ class StoredStage:
     stage: Stage
     space: RowSpace
     run: StoredRun
+
+    @property
+    def laboratory(self) -> Laboratory:
+        """The units that its outputs are shown in."""
+        return Laboratory.of(self.case.units.system(), self.stage.problem, self.case.body.width)
+
+    def found(self) -> Findings:
+        """Read the run."""
+        return find(self.stage.problem, self.space, self.run, self.stage.window, self.laboratory)
 
 
 def stored_stages(folder: Path) -> tuple[StoredStage, ...]:

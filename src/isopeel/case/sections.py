@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from typing import Annotated, Any, Literal, Self, get_args
 
-from pydantic import BeforeValidator, Field, model_validator
+from pydantic import BeforeValidator, Field, field_validator, model_validator
 
 from isopeel.arrays import FloatArray
 from isopeel.case.kinds import KindSection
@@ -35,9 +35,18 @@ from isopeel.units import E0, L0, UnitSystem
 
 
 class BodySection(KindSection):
-    """The shape of the body, in L0."""
+    """The shape of the body, in L0, and its width across the plane, which only scales what is shown."""
 
     table, package, chooser, usual = "body", "isopeel.problem.shapes", "shape", "strip"
+
+    width: LengthKey | None = None
+
+    @field_validator("width")
+    @classmethod
+    def _positive(cls, width: float | None) -> float | None:
+        if width is not None and width <= 0:
+            raise InputError("body.width", width, "it must be positive; leave it out for values per width")
+        return width
 
     def body_shape(self) -> Shape:
         """Build the shape."""

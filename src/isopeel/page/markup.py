@@ -6,7 +6,7 @@ from typing import Any
 
 from isopeel.page.content import column_words, field_steps, plain
 from isopeel.post.figures.reaction import unstable_pieces
-from isopeel.post.summary import summary_rows, units_note
+from isopeel.post.summary import Findings, summary_rows
 from isopeel.results.run_file import Failure
 from isopeel.solve.step import KINDS
 from isopeel.stored import StoredStage
@@ -61,18 +61,14 @@ def _box(content: str) -> str:
     return f'<div class="ending bad" role="note">\n{content}</div>\n'
 
 
-def summary(stored: StoredStage, found: dict[str, Any]) -> str:
+def summary(stored: StoredStage, told: dict[str, Any], found: Findings) -> str:
     """The summary of a run, beside what theory says, with its notes and units."""
-    curve = stored.run.curve
-    rows = summary_rows(found, curve.parameter_column, curve.reaction_column)
-    theory = found["closed_form"]
-    if theory is None:
-        shown = table(("", "run"), ((name, _units(value)) for name, value, _ in rows))
-    else:
-        cells = ((name, _units(value), _units(other)) for name, value, other in rows)
-        shown = table(("", "run", theory["source"]), cells)
-    notes = [f"Note: {note['text']}." for note in found["notes"]]
-    notes.append(f"{plain(units_note(found['units']))}; for a width of {plain('L0')}.")
+    rows = summary_rows(told, stored.run.curve, found)
+    columns = 4 if any(row.theory for row in rows) else 2
+    headings = ("", "run", "closed form", "deviation")[:columns]
+    shown = table(headings, ((row.name, *map(_units, row[1:columns])) for row in rows))
+    notes = [f"Note: {note['text']}." for note in told["notes"]]
+    notes += [f"{words[0].upper()}{words[1:]}." for words in (found.halves, found.laboratory.note()) if words]
     return shown + "".join(paragraph(note, "legend") for note in notes)
 
 

@@ -19,7 +19,7 @@ from isopeel.page.content import Content, column_words, stage_content
 from isopeel.page.packing import packed
 from isopeel.post.mesh_error import mesh_changes
 from isopeel.post.style import BLUE, FIELD_MAP, SHADE, SKY, VERMILION
-from isopeel.post.summary import find, summarize
+from isopeel.post.summary import summarize
 from isopeel.results.files import replacing
 from isopeel.stored import StoredStage, stored_stages
 
@@ -85,7 +85,7 @@ def _section(name: str, stored: StoredStage, several: bool, most_bytes: int) -> 
         return f'<section id="{name}">\n{heading}{ending}</section>\n', None
     if not all(np.isfinite(values).all() for values in (run.curve.parameter, run.curve.reaction)):
         raise InputError("DIR", str(stored.folder), "its curve holds what is no number")
-    found = find(stage.problem, stored.space, run, stage.window)
+    found = stored.found()
     points = stored.case.discretization.contact_points
     changes = mesh_changes(stage.problem, stored.space, run, points)
     content = stage_content(stored, found, most_bytes)
@@ -100,7 +100,7 @@ def _section(name: str, stored: StoredStage, several: bool, most_bytes: int) -> 
         curve_legend=markup.curve_legend(stored, found.plateau is not None),
         adheres_to=content["substrate"]["words"],
         damage="(the law without its damage)" if stage.problem.adhesion.irreversible else "",
-        summary=markup.summary(stored, summarize(stored.title, run, found, seconds, changes)),
+        summary=markup.summary(stored, summarize(stored.title, run, found, seconds, changes), found),
         table=markup.states_table(stored, len(content["states"])),
     )
     return section, content

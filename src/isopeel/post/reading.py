@@ -1,5 +1,6 @@
 """Reading a reaction curve: plateau, oscillation, steepest slopes, onset."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal, NamedTuple
 
@@ -47,30 +48,36 @@ def check_window(window: tuple[float, float]) -> None:
         raise InputError("reading.window", window, "it must begin before it ends")
 
 
-def unreadable(curve: Curve, window: tuple[float, float], period: float | None = None) -> str | None:
+def unreadable(
+    curve: Curve,
+    window: tuple[float, float],
+    period: float | None = None,
+    shown: Callable[[float], str] | None = None,
+) -> str | None:
     """Why a window of a curve cannot be read, or None where it can.
 
     The curve must cover the window; with the `period` of the oscillation known, the window must hold one
-    period, in at least STEPS_PER_PERIOD steps.
+    period, in at least STEPS_PER_PERIOD steps. A parameter is written by `shown`, by default with its unit.
     """
     check_window(window)
     start, end = window
     parameter, _ = rising(curve)
     inside = parameter[_inside(parameter, window)]
-    unit = curve.parameter_column.unit
+    told = shown or f"{{:.6g}} {curve.parameter_column.unit}".format
+    ends = f"{told(start)} to {told(end)}"
     if not _covers(parameter, window):
-        reached = f"the run reached {curve.parameter[-1]:g} {unit}" if len(curve) else "no step converged"
-        return f"their window is {start:g} to {end:g} {unit}, and {reached}"
+        reached = f"the run reached {told(float(curve.parameter[-1]))}" if len(curve) else "no step converged"
+        return f"their window is {ends}, and {reached}"
     if len(inside) < 4:
-        return f"their window of {start:g} to {end:g} {unit} holds {len(inside)} steps"
+        return f"their window of {ends} holds {len(inside)} steps"
     if period is not None:
         step = float(np.diff(inside).max())
         if end - start < period:
-            return f"their window is shorter than a period of the oscillation, {period:.3g} {unit}"
+            return f"their window is shorter than a period of the oscillation, {told(float(f'{period:.3g}'))}"
         if step > period / STEPS_PER_PERIOD:
-            largest = period / STEPS_PER_PERIOD
+            largest, passes = (float(f"{value:.3g}") for value in (period / STEPS_PER_PERIOD, period))
             return (
-                f"steps of {step:g} {unit} are too large for a period of {period:.3g}, at most {largest:.2g}"
+                f"steps of {told(step)} are too large for a period of {told(passes)}, at most {told(largest)}"
             )
     return None
 

@@ -1,46 +1,140 @@
 """The summary of a run: what was read from it, for a JSON file."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
+from functools import partial
 from math import isfinite
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from isopeel.arrays import IntArray
-from isopeel.post.closed_form import Expected, expected
+from isopeel.post.closed_form import Expected
+from isopeel.post.closed_form.expected import invalid, theory
+from isopeel.post.crack import Front, crack_length_at, fronts, joint_ends, jumps
 from isopeel.post.fields import depth_inside
+from isopeel.post.laboratory import Laboratory, kind_of
 from isopeel.post.mesh_error import MeshChange
 from isopeel.post.reading import PlateauReading, onset_angle, plateau_mean, read_plateau, unreadable
+from isopeel.post.readings import FAR, LAST, Reading, drive_test, halves, read, steady_window
 from isopeel.problem import Column, Problem
 from isopeel.results.curve import Curve
 from isopeel.results.notes import Note
 from isopeel.results.run_file import StoredRun
-from isopeel.solve.step import KINDS
 from isopeel.splines.rows import RowSpace
+from isopeel.units import UnitSystem
 
 
 @dataclass(frozen=True)
 class Findings:
     """What is read from a run beyond its curve, and what theory says of it.
 
-    `window` is where the plateau is read, if there is one; `inside` is how deep (in L0) the body has come to
-    lie in the substrate.
+    `window` is where the plateau is read, if the case names one; `inside` is how deep (in L0) the body has
+    come to lie in the substrate. `period` is that of the mesh's oscillation, in the parameter's unit, also
+    where the closed form is not valid, for the reason that `unproven` gives. `fronts` are those of the stored
+    states, `readings` what a user of the drive looks for.
     """
 
     window: tuple[float, float] | None
     plateau: PlateauReading | None
     closed_form: Expected | None
     inside: float
+    period: float | None = None
+    unproven: str = ""
+    fronts: Mapping[float, Front] = field(default_factory=dict)
+    readings: Sequence[Reading] = ()
+    halves: str | None = None
+    laboratory: Laboratory = Laboratory(UnitSystem())  # noqa: RUF009 (both are frozen)
 
 
-def find(problem: Problem, space: RowSpace, run: StoredRun, window: tuple[float, float] | None) -> Findings:
-    """Read a run of a problem on a space."""
+def find(
+    problem: Problem,
+    space: RowSpace,
+    run: StoredRun,
+    window: tuple[float, float] | None,
+    laboratory: Laboratory | None = None,
+) -> Findings:
+    """Read a run of a problem on a space, to be shown in the units of a laboratory."""
+    laboratory = laboratory or Laboratory.of(UnitSystem(), problem)
+    curve = run.curve
     # what theory says is of a body that begins at rest
-    closed_form = expected(problem, space) if run.base is None else None
-    period = closed_form.period if closed_form else None
-    plateau = read_plateau(run.curve, window, period) if window else None
-    return Findings(window, plateau, closed_form, depth_inside(problem, space, run.fields))
+    said = theory(problem, space) if run.base is None else None
+    form = said.form if said else None
+    unproven = said.reason if said else ""
+    period = form.period if form else None
+    plateau = read_plateau(curve, window, period) if window else None
+    found = fronts(problem, space, run.fields)
+    steady = window if window and plateau_mean(curve, window) is not None else None
+    test = drive_test(problem, curve)
+    reason = None
+    if steady is not None:
+        reason = _invalid(problem, found, form, steady, laboratory)
+    elif test in ("moment", "tape"):
+        steady, reason = _own_window(problem, curve, found, form, laboratory)
+    elif form is not None:
+        reason = "the end was not lifted far enough for a tape to turn into its direction"
+    if form is not None and reason:
+        unproven, form = f"{form.source} is not shown: {reason}", None
+    readings: list[Reading] = []
+    if len(curve):
+        readings = read(problem, curve, found, window)
+        mean = plateau_mean(curve, steady) if steady else None
+        if steady and mean is not None:
+            readings.insert(0, _steady(curve, mean, steady, plateau, form))
+    inside = depth_inside(problem, space, run.fields)
+    return Findings(
+        window, plateau, form, inside, period, unproven, found, readings, halves(problem, test), laboratory
+    )
+
+
+def _own_window(
+    problem: Problem,
+    curve: Curve,
+    found: Mapping[float, Front],
+    form: Expected | None,
+    laboratory: Laboratory,
+) -> tuple[tuple[float, float] | None, str | None]:
+    """Where a curve is read that the case names no window of, and why the closed form does not hold there.
+
+    The first part of its end that is steady, and where the closed form holds if there is one.
+    """
+    windows = [window for share in LAST if (window := steady_window(curve, share))]
+    reasons = [_invalid(problem, found, form, window, laboratory) for window in windows]
+    for window, reason in zip(windows, reasons, strict=True):
+        if reason is None:
+            return window, None
+    return (windows[0], reasons[0]) if windows else (None, None)
+
+
+def _invalid(
+    problem: Problem,
+    found: Mapping[float, Front],
+    form: Expected | None,
+    window: tuple[float, float],
+    laboratory: Laboratory,
+) -> str | None:
+    """Why a closed form does not hold in a window; None where it does, or there is none."""
+    if form is None:
+        return None
+    lengths = [crack_length_at(found, at) for at in window]
+    return invalid(form, lengths, joint_ends(problem)[1], laboratory.length)
+
+
+def _steady(
+    curve: Curve,
+    mean: float,
+    window: tuple[float, float],
+    plateau: PlateauReading | None,
+    form: Expected | None,
+) -> Reading:
+    """The steady reaction in a window, with its drift and its oscillation in percent where they were read."""
+    words = "mean"
+    if plateau and mean:
+        drift = 100 * plateau.drift * (window[1] - window[0]) / mean
+        oscillation = 100 * plateau.amplitude / abs(mean)
+        words += f", drift {drift:+.2g} %, oscillation {oscillation:.2g} %"
+    kind = kind_of(curve.reaction_column)
+    theory, source = (form.reaction, form.source) if form else (None, "")
+    return Reading(f"steady {curve.reaction_column.name}", mean, kind, None, theory, source, words, window)
 
 
 def summarize(
@@ -48,10 +142,11 @@ def summarize(
 ) -> dict[str, Any]:
     """Collect what a run says, as plain numbers and texts; `notes` say why a value is None, or doubted.
 
-    Parameter and reaction are in the units of their columns, which `units` names, slopes per unit of the
-    parameter. A jump is a step of that kind, or one that released more than a thousandth of what the energies
-    varied by. `wall_time` (seconds) is that of the whole run, with its compilation. `changes` are those on a
-    finer space, by `mesh_changes`.
+    `readings` are in laboratory units, each with its own. All other numbers are those of the curve: parameter
+    and reaction in the units of their columns, which `units` names, slopes per unit of the parameter. A jump
+    is a step of that kind, or one that released more than a thousandth of what the energies varied by.
+    `wall_time` (seconds) is that of the whole run, with its compilation. `changes` are those on a finer
+    space, by `mesh_changes`.
     """
     curve, attributes, failure = run.curve, run.attributes, run.failure
     window, plateau, closed_form = found.window, found.plateau, found.closed_form
@@ -68,6 +163,8 @@ def summarize(
             **{column.name: column.unit for column in (parameter, reaction)},
             **{name: attributes[name] for name in ("L0", "E0")},
         },
+        "readings": [_reading(one, curve, found.laboratory) for one in _all_readings(curve, found, onset)],
+        "halves": found.halves,
         parameter.name: float(curve.parameter[-1]) if len(curve) else None,
         "peak": None
         if strongest is None
@@ -82,14 +179,14 @@ def summarize(
         "window": plateau and list(plateau.window),
         "onset": onset,
         "closed_form": closed_form and asdict(closed_form),
-        "notes": [asdict(note) for note in [*_notes(run, found, onset), *_mesh_notes(run, changes)]],
+        "notes": [asdict(note) for note in [*_notes(run, found, onset), *_mesh_notes(run, found, changes)]],
         "finer_mesh": [_finer(change, parameter, reaction) for change in changes],
         "wall_time_s": wall_time,
         "corrections": iterations,
         "corrections_per_step": iterations / len(curve) if len(curve) else None,
         "jumps": [
             {parameter.name: float(curve.parameter[k]), "released_energy": float(curve.released_energy[k])}
-            for k in _jumps(curve)
+            for k in np.flatnonzero(jumps(curve))
         ],
         "completed": run.ending == "completed",
         "failure": failure
@@ -106,46 +203,127 @@ def summarize(
     }
 
 
-def summary_rows(
-    summary: Mapping[str, Any], parameter: Column, reaction: Column
-) -> list[tuple[str, str, str]]:
-    """A summary in words: of what, the value of the run, and that of theory, empty where there is none.
-
-    The columns are those of the curve that the summary is of.
-    """
-    unit = short_unit(parameter)
-    slopes, window, peak = summary["slopes"], summary["window"], summary["peak"]
-    theory = summary["closed_form"] or {}
-    rows = [
-        ("space", f"{summary['space']}, {summary['mesh']}, {summary['dofs']} DOFs", ""),
-        ("reached", _shown(summary[parameter.name], "g", unit), ""),
+def _all_readings(curve: Curve, found: Findings, onset: float | None) -> list[Reading]:
+    """What was read, in the order of the table."""
+    readings = list(found.readings)
+    form = found.closed_form
+    if onset is not None:
+        theory, source = (form.onset, form.source) if form else (None, "")
+        readings.append(Reading("onset", onset, "angle", None, theory, source))
+    jumped = np.flatnonzero(jumps(curve))
+    readings += [
+        Reading(
+            "jump", float(curve.released_energy[k]), "energy", float(curve.parameter[k]), words="released"
+        )
+        for k in jumped
     ]
-    if peak is not None:
-        at = f" at {peak[parameter.name]:g} {unit}"
-        value = _shown(peak[reaction.name], ".6g", reaction.unit) + at
-        rows.append((f"largest {reaction.name}", value, ""))
-    if summary["plateau"] is not None or theory:
-        steady = _shown(theory.get("reaction"), ".5g", reaction.unit)
-        rows.append(("plateau", _shown(summary["plateau"], ".6f", reaction.unit), steady))
-    if slopes is not None:
-        rows.append(("amplitude", _shown(summary["amplitude"], ".3e", reaction.unit), ""))
-        steepest = f"{slopes['rise']:+.3e}, {slopes['fall']:+.3e} {reaction.unit}/{unit}"
-        rows.append(("steepest slopes", steepest, ""))
-        rows.append(("read between", f"{window[0]:g} and {window[1]:g} {unit}", ""))
-    if summary["onset"] is not None or theory.get("onset") is not None:
-        onset = _shown(theory.get("onset"), ".1f", unit)
-        rows.append(("onset", _shown(summary["onset"], ".1f", unit), onset))
+    return readings
+
+
+def _reading(reading: Reading, curve: Curve, laboratory: Laboratory) -> dict[str, Any]:
+    """A reading in laboratory units, for JSON."""
+    value, unit = laboratory.value(reading.value, reading.kind)
+    internal = {"force": "E0 L0", "moment": "E0 L0^3", "energy": "E0 L0^3", "length": "L0"}.get(reading.kind)
+    parameter = curve.parameter_column
+    at = laboratory.column(parameter)
+    deviation = reading.deviation
+    return {
+        "quantity": reading.name,
+        "value": value,
+        "unit": unit,
+        "words": reading.words,
+        "at": None if reading.at is None else {"value": reading.at * at.factor, "unit": at.name},
+        "between": reading.between
+        and {"values": [end * at.factor for end in reading.between], "unit": at.name},
+        "closed_form": None
+        if reading.theory is None
+        else {"source": reading.source, "value": laboratory.value(reading.theory, reading.kind)[0]},
+        "deviation_percent": None if deviation is None else 100 * deviation,
+        "in_case_units": internal and {"value": reading.value, "unit": internal},
+    }
+
+
+class Row(NamedTuple):
+    """A row of the table of a summary: of what, its value, that of theory, and how far they are apart."""
+
+    name: str
+    value: str
+    theory: str = ""
+    deviation: str = ""
+
+
+def summary_rows(summary: Mapping[str, Any], curve: Curve, found: Findings) -> list[Row]:
+    """A summary in words; cells are empty where there is nothing to say."""
+    laboratory = found.laboratory
+    parameter = curve.parameter_column
+    rows = [Row("space", f"{summary['space']}, {summary['mesh']}, {summary['dofs']} DOFs")]
+    if not len(curve):
+        rows.append(Row("reached", "-"))
+    else:
+        rows.append(Row("reached", laboratory.parameter(parameter, float(curve.parameter[-1]))))
+    readings = _all_readings(curve, found, None)
+    rows += [_row(reading, parameter, laboratory) for reading in readings if reading.name != "jump"]
+    if (found.window or found.closed_form) and not any(
+        reading.name.startswith("steady") for reading in readings
+    ):
+        form = found.closed_form
+        kind = kind_of(curve.reaction_column)
+        told = f"{laboratory.text(form.reaction, kind)}\n  {form.source}" if form else ""
+        rows.append(Row(f"steady {curve.reaction_column.name}", "-", told))
+    plateau = found.plateau
+    if plateau is not None:
+        reaction, at = laboratory.column(curve.reaction_column), laboratory.column(parameter)
+        kind = kind_of(curve.reaction_column)
+        rows.append(Row("amplitude", laboratory.both(plateau.amplitude, kind, 4)))
+        slopes = (plateau.steepest_rise, plateau.steepest_fall)
+        values = ", ".join(f"{slope * reaction.factor / at.factor:+.4g}" for slope in slopes)
+        rows.append(Row("steepest slopes", f"{values} {reaction.name} per {at.name}"))
+    form = found.closed_form
+    if summary["onset"] is not None or (form and form.onset is not None):
+        onset = None if form is None else form.onset
+        rows.append(Row("onset", _angle(summary["onset"]), "" if onset is None else _angle(onset)))
     if summary["jumps"]:
-        released = sum(jump["released_energy"] for jump in summary["jumps"])
-        rows.append(("jumps", f"{len(summary['jumps'])}, releasing {released:.4g} E0 L0^3", ""))
+        released = [jump["released_energy"] for jump in summary["jumps"]]
+        largest = int(np.argmax(released))
+        at_which = laboratory.parameter(parameter, summary["jumps"][largest][parameter.name])
+        text = f"{len(released)}, releasing {laboratory.text(sum(released), 'energy', 4)}"
+        if len(released) > 1:
+            text += f"; the largest {laboratory.text(released[largest], 'energy', 4)} at {at_which}"
+        else:
+            text += f" at {at_which}"
+        rows.append(Row("jumps", text))
     for change in summary["finer_mesh"]:
         relative = change["relative_change"]
-        told = "no equilibrium near it" if relative is None else f"{reaction.name} changes by {relative:.2%}"
-        rows.append(("half the elements' length", f"{told}, at {change[parameter.name]:g} {unit}", ""))
-    per_step = _shown(summary["corrections_per_step"], ".2f", "per step")
-    rows.append(("corrections", f"{summary['corrections']}, {per_step}", ""))
-    rows.append(("time", f"{summary['wall_time_s']:.1f} s", ""))
+        name = curve.reaction_column.name
+        told = "no equilibrium near it" if relative is None else f"{name} changes by {relative:.2%}"
+        at_which = laboratory.parameter(parameter, change[parameter.name])
+        rows.append(Row("half the elements' length", f"{told}, at {at_which}"))
+    per_step = summary["corrections_per_step"]
+    told = "-" if per_step is None else f"{per_step:.2f} per step"
+    rows.append(Row("corrections", f"{summary['corrections']}, {told}"))
+    rows.append(Row("time", f"{summary['wall_time_s']:.1f} s"))
     return rows
+
+
+def _row(reading: Reading, parameter: Column, laboratory: Laboratory) -> Row:
+    value = laboratory.both(reading.value, reading.kind)
+    if reading.at is not None:
+        value += f" at {laboratory.parameter(parameter, reading.at)}"
+    words = reading.words
+    if reading.between is not None:
+        first, last = (laboratory.parameter(parameter, end) for end in reading.between)
+        words += f", {first} to {last}"
+    if words:
+        value += f"\n  {words}"
+    if reading.theory is None:
+        return Row(reading.name, value)
+    theory = f"{laboratory.text(reading.theory, reading.kind)}\n  {reading.source}"
+    deviation = reading.deviation
+    return Row(reading.name, value, theory, "" if deviation is None else f"{100 * deviation:+.2g} %")
+
+
+def _angle(value: float | None) -> str:
+    return "-" if value is None else f"{value:.4g} deg"
 
 
 def units_note(units: Mapping[str, Any]) -> str:
@@ -158,32 +336,33 @@ def short_unit(column: Column) -> str:
     return "deg" if column.unit == "degree" else column.unit
 
 
-def _shown(value: float | None, digits: str, unit: str) -> str:
-    return "-" if value is None else f"{value:{digits}} {unit}"
-
-
-def _jumps(curve: Curve) -> IntArray:
-    """Numbers of the steps that jumped."""
-    if not len(curve):
-        return np.empty(0, dtype=np.int64)
-    varied = np.ptp(curve.stored_energy) + np.ptp(curve.adhesive_energy)
-    jumped = curve.kind == KINDS.index("jump")
-    return np.flatnonzero(jumped | (curve.released_energy > 1e-3 * varied))
-
-
 def _notes(run: StoredRun, found: Findings, onset: float | None) -> list[Note]:
-    window, closed_form = found.window, found.closed_form
+    window, laboratory = found.window, found.laboratory
     notes = []
     if found.inside:
-        text = (
-            f"a part that does not adhere, and feels no substrate, lies up to {found.inside:.2g} L0 inside it"
-        )
+        depth = laboratory.text(found.inside, "length", 2)
+        text = f"a part that does not adhere, and feels no substrate, lies up to {depth} inside it"
         notes.append(Note("penetration", text))
+    for reading in found.readings:
+        deviation = reading.deviation
+        # a crack's length differs from that of an arm clamped at its front by what the front gives way
+        if deviation is None or abs(deviation) <= FAR or reading.kind in ("length", "toughness"):
+            continue
+        text = (
+            f"{reading.name}: the run is {100 * deviation:+.3g} % off {reading.source},"
+            f" {laboratory.text(reading.theory or 0.0, reading.kind)}; up to {100 * FAR:g} % is usual:"
+            " compare a finer mesh, a later window and smaller steps"
+        )
+        notes.append(Note("closed form", text))
+    if found.unproven:
+        notes.append(Note("reading", f"closed form: {found.unproven}"))
     if window is None:
-        if closed_form is not None:
+        if found.closed_form is not None:
             text = "plateau, amplitude and slopes: the case names no window to read them in"
             notes.append(Note("reading", text))
-    elif reason := unreadable(run.curve, window, closed_form.period if closed_form else None):
+    elif reason := unreadable(
+        run.curve, window, found.period, partial(laboratory.parameter, run.curve.parameter_column)
+    ):
         covered = plateau_mean(run.curve, window) is not None
         notes.append(Note("reading", f"{'' if covered else 'plateau, '}amplitude and slopes: {reason}"))
     if onset is None and run.curve.parameter_column.unit == "degree":
@@ -196,13 +375,13 @@ def _notes(run: StoredRun, found: Findings, onset: float | None) -> list[Note]:
 MESH_CHANGE = 0.015
 
 
-def _mesh_notes(run: StoredRun, changes: Sequence[MeshChange]) -> list[Note]:
+def _mesh_notes(run: StoredRun, found: Findings, changes: Sequence[MeshChange]) -> list[Note]:
     parameter, reaction = run.curve.parameter_column, run.curve.reaction_column
     length, height = str(run.attributes["mesh"]).split("x")
     notes = []
     for change in changes:
         if change.relative > MESH_CHANGE:
-            at = f"{reaction.name} at {change.parameter:g} {short_unit(parameter)}"
+            at = f"{reaction.name} at {found.laboratory.parameter(parameter, change.parameter)}"
             seen = (
                 "has no equilibrium near it on elements of half the length"
                 if change.finer is None

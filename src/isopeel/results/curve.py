@@ -1,7 +1,7 @@
 """The reaction curve: one row per converged step."""
 
 import csv
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import Any
@@ -92,21 +92,31 @@ class Curve:
         ends = np.cumsum(self.iterations)
         return self.energy_residuals[ends[step] - self.iterations[step] : ends[step]]
 
+    def table(self) -> tuple[tuple[Column, Any], ...]:
+        """The columns of the curve and their values (steps,), those of one step in a row."""
+        energies = ("stored_energy", "adhesive_energy", "dissipated_energy", "released_energy")
+        return (
+            (self.parameter_column, self.parameter),
+            (self.reaction_column, self.reaction),
+            (Column("iterations", "1"), self.iterations),
+            *((Column(name, "E0 L0^3"), getattr(self, name)) for name in energies),
+            (Column("kind", "1"), np.array(KINDS)[self.kind]),
+            (Column("negative_eigenvalues", "1"), self.negative_eigenvalues),
+            (Column("seconds", "s"), self.seconds),
+        )
+
     def write_csv(self, path: Path) -> None:
-        """Write the curve as a table with a header line; numbers keep all their digits."""
-        columns = {
-            self.parameter_column.name: self.parameter,
-            self.reaction_column.name: self.reaction,
-            "iterations": self.iterations,
-            "stored_energy": self.stored_energy,
-            "adhesive_energy": self.adhesive_energy,
-            "dissipated_energy": self.dissipated_energy,
-            "released_energy": self.released_energy,
-            "kind": np.array(KINDS)[self.kind],
-            "negative_eigenvalues": self.negative_eigenvalues,
-            "seconds": self.seconds,
-        }
-        with replacing(path) as part, part.open("w", newline="", encoding="utf-8") as file:
-            writer = csv.writer(file)
-            writer.writerow(columns)
-            writer.writerows(zip(*(column.tolist() for column in columns.values()), strict=True))
+        """Write the curve as a table in its own units, named in its header; numbers keep all digits."""
+        table = {}
+        for column, values in self.table():
+            heading = column.name if column.unit == "1" else f"{column.name} [{column.unit}]"
+            table[heading] = values.tolist()
+        write_table(path, table)
+
+
+def write_table(path: Path, columns: Mapping[str, Sequence[object]]) -> None:
+    """Write columns of one length below their headings; None is left empty. Raises OSError."""
+    with replacing(path) as part, part.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file)
+        writer.writerow(columns)
+        writer.writerows(zip(*columns.values(), strict=True))

@@ -15,7 +15,7 @@ from isopeel.folder import make_folder
 from isopeel.post.comparison import Compared, comparison, difference
 from isopeel.post.figures import comparison_figure, save
 from isopeel.post.style import check_format
-from isopeel.post.summary import find, short_unit, units_note
+from isopeel.post.summary import short_unit, units_note
 from isopeel.results.curve import Curve
 from isopeel.results.files import replacing
 from isopeel.showing.chosen import shown_stage
@@ -35,10 +35,7 @@ def compare_runs(folders: Sequence[Path], suffix: str, out: Path, console: Conso
     stages = [shown_stage(folder) for folder in folders]
     for folder, stage in zip(folders, stages, strict=True):
         _check_alike(folder, stage, stages[0])
-    runs = [
-        Compared(name, one.run, find(one.stage.problem, one.space, one.run, one.stage.window))
-        for name, one in zip(_names(folders), stages, strict=True)
-    ]
+    runs = [Compared(name, one.run, one.found()) for name, one in zip(_names(folders), stages, strict=True)]
     make_folder(out)
     rows = comparison(runs)
     _write(out / "compare.csv", rows[0], (row.values() for row in rows))

@@ -9,6 +9,7 @@ from rich.table import Table
 from isopeel.case import load_case
 from isopeel.errors import InputError
 from isopeel.physics.adhesion import AdhesionLaw
+from isopeel.physics.adhesion.mirrored import Mirrored
 from isopeel.post.figures import law_figure, save
 from isopeel.post.law import LawCharacter, law_character
 from isopeel.registry import discover
@@ -25,6 +26,9 @@ def show_law(name: str, out: Path | None, console: Console) -> None:
     drawn, OSError where the file cannot be written.
     """
     law, units = _like_the_strip(name) if name in LAWS else _of_the_case(name)
+    mirrored = isinstance(law, Mirrored)
+    if isinstance(law, Mirrored):
+        law = law.law
     path = out or Path("out") / f"{Path(name).stem}.png"
     character = law_character(law)
     path.parent.mkdir(parents=True, exist_ok=True)
@@ -35,6 +39,12 @@ def show_law(name: str, out: Path | None, console: Console) -> None:
             "--out" if error.field == "figure" else error.field, error.value, error.allowed
         ) from error
     console.print(law_table(name, character, units))
+    if mirrored:
+        console.print(
+            "of the whole joint, over the separation of both faces; the half that is modelled has half of its"
+            " work of adhesion, over half of the separation",
+            soft_wrap=True,
+        )
     console.print(f"drawn in {path}", soft_wrap=True)
 
 

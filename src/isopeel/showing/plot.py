@@ -1,6 +1,7 @@
 """Figures of a stored run, drawn anew: in parts, at chosen states, in vector formats."""
 
 from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
 from typing import NamedTuple
 
@@ -21,7 +22,7 @@ from isopeel.post.figures.shapes import MOST_SHAPES, spread
 from isopeel.post.front import front_profile
 from isopeel.post.reading import unreadable
 from isopeel.post.style import check_format
-from isopeel.post.summary import Findings, find, units_note
+from isopeel.post.summary import Findings, units_note
 from isopeel.results.files import replacing
 from isopeel.showing.chosen import shown_stages, stored_parameters
 from isopeel.stored import StoredStage
@@ -66,7 +67,7 @@ def plot_run(
     for stage in stages:
         shown = _Shown(
             stage,
-            find(stage.stage.problem, stage.space, stage.run, stage.stage.window),
+            stage.found(),
             stored_parameters(stage, at),
         )
         into = stage.folder / FIGURES if out is None else out / stage.folder.relative_to(folder)
@@ -87,10 +88,11 @@ def plot_run(
 
 
 def _unread(shown: _Shown) -> str:
-    window, theory = shown.found.window, shown.found.closed_form
-    if window is None:
+    found, curve = shown.found, shown.stored.run.curve
+    if found.window is None:
         return "the case names no window to read it in"
-    return str(unreadable(shown.stored.run.curve, window, theory.period if theory else None))
+    told = partial(found.laboratory.parameter, curve.parameter_column)
+    return str(unreadable(curve, found.window, found.period, told))
 
 
 def _curve(shown: _Shown) -> Figure:
@@ -98,9 +100,9 @@ def _curve(shown: _Shown) -> Figure:
 
 
 def _plateau(shown: _Shown) -> Figure:
-    plateau, theory = shown.found.plateau, shown.found.closed_form
+    plateau = shown.found.plateau
     assert plateau is not None  # it was looked at before
-    return plateau_figure(shown.stored.run.curve, plateau, theory.period if theory else None, shown.units)
+    return plateau_figure(shown.stored.run.curve, plateau, shown.found.period, shown.units)
 
 
 def _shapes(shown: _Shown) -> Figure:

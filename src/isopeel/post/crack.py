@@ -1,0 +1,146 @@
+"""Where the front is in the stored states of a run, and the energy that its advance releases."""
+
+from collections.abc import Mapping
+from typing import NamedTuple
+
+import numpy as np
+
+from isopeel.arrays import FloatArray
+from isopeel.post.front import ProcessZone, front_profile, process_zone
+from isopeel.problem import Problem
+from isopeel.results.curve import Curve
+from isopeel.solve.step import KINDS
+from isopeel.splines.rows import RowSpace
+
+#: Process zones that the front is away from where it began, and from the end of the joint, in steady peeling.
+_AWAY = 2.0
+
+
+class Front(NamedTuple):
+    """The front in one state: the peak of the adhesive traction, with its process zone.
+
+    `crack_length` is the distance along the undeformed face from the loaded end, or from the middle of the
+    loaded part, to the peak; None where the load acts on all of the body.
+    """
+
+    zone: ProcessZone
+    crack_length: float | None
+
+
+class Release(NamedTuple):
+    """The energy that is released per area, by the drive, while the front advances between two states."""
+
+    rate: float  # G, a surface energy
+    between: tuple[float, float]  # parameters, in the unit of their column
+
+
+def fronts(problem: Problem, space: RowSpace, fields: Mapping[float, FloatArray]) -> dict[float, Front]:
+    """Find the front in states, as `front_figure` takes them, by parameter; those without are left out."""
+    origin = load_position(problem)
+    found = {}
+    for parameter, displacement in fields.items():
+        zone = process_zone(front_profile(problem, space, displacement))
+        if zone is not None:
+            found[parameter] = Front(zone, None if origin is None else abs(zone.position - origin))
+    return found
+
+
+def load_position(problem: Problem) -> float | None:
+    """Place along the adhering side that cracks are measured from; None where there is no such place."""
+    adhesion, drive = problem.adhesion, problem.drive
+    length = problem.body.shape.boundary(adhesion.side).length()
+    ends = (
+        {"left": 0.0, "right": length}
+        if adhesion.side in ("bottom", "top")
+        else {"bottom": 0.0, "top": length}
+    )
+    if drive.side in ends:
+        return ends[drive.side]
+    if drive.load is None or drive.load.end - drive.load.start > 0.25:
+        return None
+    # a part of the opposite side, whose parameter runs as that of the adhering one
+    return length * (drive.load.start + drive.load.end) / 2
+
+
+def joint_ends(problem: Problem) -> tuple[float, float]:
+    """Distances from the load to the ends of the part that adheres, the nearer one first."""
+    adhesion = problem.adhesion
+    side = problem.body.shape.boundary(adhesion.side)
+    origin = load_position(problem) or 0.0
+    whole = side.length()
+    # lengths of parts of a side that is not parametrized by its length are those of its chords
+    points = side.evaluate(np.linspace(0.0, 1.0, 401))
+    along = np.append(0.0, np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1)))
+    places = np.interp([adhesion.start, adhesion.end], np.linspace(0.0, 1.0, 401), along * whole / along[-1])
+    near, far = sorted(abs(float(place) - origin) for place in places)
+    return near, far
+
+
+def crack_lengths(curve: Curve, found: Mapping[float, Front]) -> FloatArray:
+    """Crack length at each step (steps,): nan where no displacement is stored, or there is no front."""
+    lengths = np.full(len(curve), np.nan)
+    for parameter, front in found.items():
+        if front.crack_length is not None:
+            lengths[curve.parameter == parameter] = front.crack_length
+    return lengths
+
+
+def crack_length_at(found: Mapping[float, Front], parameter: float) -> float | None:
+    """Crack length at a parameter, linear between the stored states on either side; None outside of them."""
+    known = sorted((at, front.crack_length) for at, front in found.items() if front.crack_length is not None)
+    if not known:
+        return None
+    at, lengths = np.array(known).T
+    length = float(np.interp(parameter, at, lengths, left=np.nan, right=np.nan))
+    return None if np.isnan(length) else length
+
+
+def release(
+    problem: Problem, curve: Curve, found: Mapping[float, Front], start: float | None
+) -> Release | None:
+    """Energy release rate G = (work of the drive - stored energy gained)/(advance of the front).
+
+    Between the last state with a front and the first one from the parameter `start` on, or an earlier one, so
+    far that the front is away from both ends of the joint, and advances by more than its length. What jumps
+    released is left out, as no equilibrium holds while they last. None where there are no two such states, or
+    the path came to one of them more than once.
+    """
+    near, far = joint_ends(problem)
+    steady = [
+        (parameter, front.crack_length)
+        for parameter, front in found.items()
+        if front.crack_length is not None
+        and near + _AWAY * front.zone.length <= front.crack_length <= far - _AWAY * front.zone.length
+    ]
+    if len(steady) < 2:
+        return None
+    last, longer = steady[-1]
+    # the front is known to a part of an element, which the advance has to be long against
+    advanced = [one for one in steady if longer - one[1] >= _AWAY * found[last].zone.length]
+    if not advanced:
+        return None
+    inside = [one for one in advanced if start is not None and abs(one[0]) >= abs(start)]
+    first, crack = inside[0] if inside else advanced[-1] if start is not None else advanced[0]
+    steps = [np.flatnonzero(curve.parameter == at) for at in (first, last)]
+    if any(len(step) != 1 for step in steps):
+        return None
+    i, j = (int(step[0]) for step in steps)
+    part = slice(i, j + 1)
+    parameter = curve.parameter[part] / curve.parameter_column.factor
+    reaction = curve.reaction[part] / curve.reaction_column.factor
+    load = problem.drive.load
+    raised = load is not None and load.control == "force"
+    path, force = (reaction, parameter) if raised else (parameter, reaction)
+    work = float(np.sum(np.diff(path) * (force[1:] + force[:-1]) / 2))
+    jumped = float(curve.released_energy[i + 1 : j + 1][jumps(curve)[i + 1 : j + 1]].sum())
+    stored = float(curve.stored_energy[j] - curve.stored_energy[i])
+    return Release((work - jumped - stored) / (longer - crack), (first, last))
+
+
+def jumps(curve: Curve) -> np.ndarray[tuple[int], np.dtype[np.bool_]]:
+    """Which steps (steps,) jumped, or released more than a thousandth of what the energies varied by."""
+    varied = np.ptp(curve.stored_energy) + np.ptp(curve.adhesive_energy) if len(curve) else 0.0
+    jumped: np.ndarray[tuple[int], np.dtype[np.bool_]] = (curve.kind == KINDS.index("jump")) | (
+        curve.released_energy > 1e-3 * varied
+    )
+    return jumped

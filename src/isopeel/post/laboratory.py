@@ -1,0 +1,176 @@
+"""Units that a laboratory reads: N/m, mm, MPa, J/m^2, and N or J of a body whose width is known.
+
+A run computes and stores in the units L0 and E0 of its case. Whatever is shown is converted here.
+"""
+
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Literal, NamedTuple, TypeAlias
+
+import numpy as np
+
+from isopeel.problem import Column, Problem
+from isopeel.units import UnitSystem
+
+#: What is measured. Forces, moments and energies are per width, unless the width is known.
+Kind: TypeAlias = Literal["length", "stress", "force", "moment", "energy", "toughness", "angle", "number"]
+
+#: Powers of E0 and L0 of a body of unit width.
+_POWERS: dict[Kind, tuple[int, int]] = {
+    "length": (0, 1),
+    "stress": (1, 0),
+    "force": (1, 1),
+    "moment": (1, 2),
+    "energy": (1, 2),
+    "toughness": (1, 1),
+}
+#: Units per width, and of a body of a known width.
+_PER_WIDTH: dict[Kind, tuple[str, str]] = {
+    "force": ("N/m", "N"),
+    "moment": ("N m/m", "N m"),
+    "energy": ("J/m", "J"),
+}
+#: Units by size, in SI units, the smallest first; each is taken up to a thousand of it, the last one beyond.
+_BY_SIZE: dict[Kind, tuple[tuple[str, Fraction], ...]] = {
+    "length": (
+        ("nm", Fraction(1, 10**9)),
+        ("um", Fraction(1, 10**6)),
+        ("mm", Fraction(1, 10**3)),
+        ("m", Fraction(1)),
+    ),
+    "stress": (
+        ("Pa", Fraction(1)),
+        ("kPa", Fraction(10**3)),
+        ("MPa", Fraction(10**6)),
+        ("GPa", Fraction(10**9)),
+    ),
+}
+#: Digits of a number in a table.
+DIGITS = 6
+
+
+class Unit(NamedTuple):
+    """A unit by its name, and the factor to it from internal values."""
+
+    name: str
+    factor: float
+
+
+@dataclass(frozen=True)
+class Laboratory:
+    """The units of a case, in which outputs are written.
+
+    `extent` is the size of the body and `width` its extent across the plane, in L0; without a width forces,
+    moments and energies are per width.
+    """
+
+    units: UnitSystem
+    extent: float = 1.0
+    width: float | None = None
+
+    @classmethod
+    def of(cls, units: UnitSystem, problem: Problem, width: float | None = None) -> "Laboratory":
+        """The units of a problem."""
+        return cls(
+            units, float(np.ptp(problem.body.shape.control_points.reshape(-1, 2), axis=0).max()), width
+        )
+
+    def unit(self, kind: Kind, size: float | None = None) -> Unit:
+        """The unit of a kind for values of a size (internal); lengths by default for the size of the body."""
+        if kind == "angle":
+            return Unit("deg", 1.0)
+        if kind == "number":
+            return Unit("", 1.0)
+        stress, length = _POWERS[kind]
+        internal = self.units.stress**stress * self.units.length**length
+        if kind in _BY_SIZE:
+            given = size is not None and np.isfinite(size) and size != 0
+            shown = abs(size) if given and size is not None else self.extent if kind == "length" else 1.0
+            return _by_size(kind, shown, internal)
+        if kind == "toughness":
+            return Unit("J/m^2", float(internal))
+        per_width, whole = _PER_WIDTH[kind]
+        if self.width is None:
+            return Unit(per_width, float(internal))
+        return Unit(whole, float(internal * self.units.length) * self.width)
+
+    def value(self, value: float, kind: Kind) -> tuple[float, str]:
+        """A value in the unit of its kind, and that unit; lengths in that of the body."""
+        unit = self.unit(kind, value if kind == "stress" else None)
+        return value * unit.factor, unit.name
+
+    def text(self, value: float, kind: Kind, digits: int = DIGITS) -> str:
+        """A value with its unit, lengths and stresses in the one of their size."""
+        unit = self.unit(kind, value)
+        return f"{value * unit.factor:.{digits}g} {unit.name}".rstrip()
+
+    def length(self, value: float) -> str:
+        """A length with its unit, in four digits, for a sentence."""
+        return self.text(value, "length", 4)
+
+    def both(self, value: float, kind: Kind, digits: int = DIGITS) -> str:
+        """A value with its unit, and in the units of the case where these are the usual L0 and E0.
+
+        Those are the units of the published strip, with which it is compared.
+        """
+        scales = {"force": "E0 L0", "moment": "E0 L0^3"}.get(kind)
+        if scales is None or self.units != UnitSystem():
+            return self.text(value, kind, digits)
+        return f"{value:.{digits}g} {scales} = {self.text(value, kind, digits)}"
+
+    def column(self, column: Column) -> Unit:
+        """The unit of a column of a curve, and the factor from the values in it."""
+        return self.unit(kind_of(column)) if column.unit in _KINDS else Unit(column.unit, 1.0)
+
+    def heading(self, column: Column) -> str:
+        """What a column is called in a table: "force [N/m]"."""
+        unit = self.column(column).name
+        name = column.name.removesuffix("_deg")
+        return f"{name} [{unit}]" if unit not in ("", "1") else name
+
+    def parameter(self, column: Column, value: float) -> str:
+        """A value of a column with its unit."""
+        if column.unit not in _KINDS:
+            return f"{value:.{DIGITS}g} {column.unit}"
+        return self.text(value, kind_of(column))
+
+    def labelled(self, column: Column) -> tuple[Column, float]:
+        """A column in this unit, for axes of figures, and the factor from its values."""
+        unit = self.column(column)
+        return Column(column.name, unit.name, column.factor * unit.factor, column.words), unit.factor
+
+    def note(self) -> str:
+        """What outputs are measured in, in words."""
+        if self.width is not None:
+            return f"for a width of {self.text(self.width, 'length')}"
+        return "forces, moments and energies per width"
+
+
+#: What is measured in the units of columns.
+_KINDS: dict[str, Kind] = {
+    "L0": "length",
+    "E0 L0": "force",
+    "E0": "stress",
+    "degree": "angle",
+    "1": "number",
+    "E0 L0^3": "energy",
+}
+
+
+def kind_of(column: Column) -> Kind:
+    """What a column measures."""
+    # a moment and an energy have one unit; what a drive's reaction is called tells which it is
+    if column.unit == "E0 L0^3" and column.name == "moment":
+        return "moment"
+    return _KINDS.get(column.unit, "number")
+
+
+def _by_size(kind: Kind, size: float, internal: Fraction) -> Unit:
+    si = size * float(internal)
+    *units, last = _BY_SIZE[kind]
+    for name, scale in units:
+        # millimetres go on up to 10 m, as laboratories write the lengths of their tapes
+        most = 10_000 if name == "mm" else 1000
+        if si < most * float(scale) * (1 - 1e-12):
+            return Unit(name, float(internal / scale))
+    return Unit(last[0], float(internal / last[1]))

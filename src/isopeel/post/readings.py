@@ -1,0 +1,255 @@
+"""What a user of a drive looks for in a run: pull-off, initiation, crack length, energy release rate."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from math import sqrt
+from typing import Literal, TypeAlias
+
+import numpy as np
+
+from isopeel.arrays import FloatArray
+from isopeel.physics.adhesion.mirrored import Mirrored
+from isopeel.physics.batch import evaluate_substrate
+from isopeel.physics.materials.base import plane_strain_modulus
+from isopeel.post.closed_form.opening import opening
+from isopeel.post.crack import Front, load_position, release
+from isopeel.post.laboratory import Kind, kind_of
+from isopeel.problem import Problem
+from isopeel.results.curve import Curve
+from isopeel.splines.nurbs import Side
+
+#: What a drive tests.
+Test: TypeAlias = Literal["moment", "tape", "opening", "pull", "other"]
+
+#: A run that is further off a closed form is told in a note, as a share.
+FAR = 0.05
+#: A peak counts as one when the force falls by this share after it: more than a mesh's oscillation does.
+_FALL = 0.02
+#: Cosine of the angle to the normal of the substrate up to which a load pulls rather than peels.
+_NORMAL = sqrt(0.5)
+#: Share of the path, its last, in which a steady value is read where a case names no window, and how much the
+#: reaction may vary there to be steady, as a share; smaller ones for a path that becomes steady late.
+LAST, _STEADY = (0.2, 0.1, 0.05), 0.05
+
+
+@dataclass(frozen=True)
+class Reading:
+    """One number that was read, in the units of the case, beside that of theory where it is valid."""
+
+    name: str
+    value: float
+    kind: Kind
+    at: float | None = None  # parameter, in the unit of its column
+    theory: float | None = None
+    source: str = ""
+    words: str = ""  # of what it is, or how it was found
+    between: tuple[float, float] | None = None  # parameters, in the unit of their column
+
+    @property
+    def deviation(self) -> float | None:
+        """Share by which the run is above theory."""
+        return None if not self.theory else self.value / self.theory - 1
+
+
+@dataclass(frozen=True)
+class Forces:
+    """Force and displacement of a curve (steps,), whichever of them was raised."""
+
+    force: FloatArray
+    displacement: FloatArray
+
+
+def forces(curve: Curve) -> Forces | None:
+    """The force of a curve over the displacement; None where its reaction is another quantity."""
+    if kind_of(curve.reaction_column) == "force":
+        return Forces(curve.reaction, curve.parameter)
+    if kind_of(curve.parameter_column) == "force":
+        return Forces(curve.parameter, curve.reaction)
+    return None
+
+
+def drive_test(problem: Problem, curve: Curve) -> Test:
+    """What a drive tests.
+
+    A load on the end of a side that adheres opens a joint where the arms are mirror images, or where the end
+    was lifted by less than the length sqrt(E'I/W) over which a tape turns into its direction; else it peels a
+    tape. One on the opposite side pulls, where it acts along the normal of the substrate, within 45 degrees.
+    """
+    if kind_of(curve.reaction_column) == "moment":
+        return "moment"
+    adhesion = problem.adhesion
+    pulled = forces(curve)
+    if pulled is None or not len(curve):
+        return "other"
+    if load_position(problem) is None:
+        return "pull" if abs(_away(problem)) > _NORMAL else "other"
+    if isinstance(adhesion.law, Mirrored):
+        return "opening"
+    shape = problem.body.shape
+    height = shape.area() / shape.boundary(adhesion.side).length()
+    bending = plane_strain_modulus(problem.body.material) * height**3 / 12
+    turned = sqrt(bending / adhesion.law.work_of_adhesion)
+    lifted = float(np.abs(pulled.displacement).max())
+    return "opening" if abs(_away(problem)) > _NORMAL and lifted < turned else "tape"
+
+
+def halves(problem: Problem, test: Test) -> str | None:
+    """What is said of a problem of which one half is modelled; None where it is whole, as far as is known."""
+    if isinstance(problem.adhesion.law, Mirrored):
+        return (
+            "one half of a symmetric joint is modelled: forces act on each arm, displacements are of one arm"
+            " (half of the opening), energies of one half"
+        )
+    sides = [
+        fixed.side for fixed in problem.fixed if fixed.components == (0,) and fixed.side in ("left", "right")
+    ]
+    if test == "pull" and sides and any(_straight_up(problem, side) for side in sides):
+        return (
+            f"the {sides[0]} side is held as a line of symmetry: forces and energies are of this half, those"
+            " of the whole body are twice as large"
+        )
+    return None
+
+
+def read(
+    problem: Problem,
+    curve: Curve,
+    found: Mapping[float, Front],
+    window: tuple[float, float] | None,
+) -> list[Reading]:
+    """Read a curve of one step or more as a user of its drive does, without the plateau of a window."""
+    test, pulled = drive_test(problem, curve), forces(curve)
+    mirrored = isinstance(problem.adhesion.law, Mirrored)
+    readings = []
+    if test == "moment" or pulled is None:
+        readings.append(_largest(curve, f"largest {curve.reaction_column.name}"))
+    elif test == "pull":
+        readings += _pull(problem, curve, pulled)
+    else:
+        arm = " on each arm" if mirrored else ""
+        peak = first_peak(pulled.force) if test == "tape" else None
+        if peak is not None:
+            value, at = float(pulled.force[peak]), float(curve.parameter[peak])
+            readings.append(Reading("initiation force", value, "force", at, words="first peak"))
+        strongest = _largest_force(curve, pulled)
+        if peak is None or curve.parameter[peak] != strongest.at:
+            readings.append(replace(strongest, name=f"largest force{arm}"))
+        if test == "opening":
+            readings += _opened(problem, curve, pulled, arm)
+    readings += _cracks(curve, found)
+    released = release(problem, curve, found, window[0] if window else None)
+    if released is not None:
+        both = 2 if mirrored else 1
+        work = both * problem.adhesion.law.work_of_adhesion
+        readings.append(
+            Reading(
+                "energy release rate",
+                both * released.rate,
+                "toughness",
+                theory=work,
+                source="W",
+                words="by the drive",
+                between=released.between,
+            )
+        )
+    return readings
+
+
+def steady_window(curve: Curve, share: float = LAST[0]) -> tuple[float, float] | None:
+    """The last share of a curve, where its reaction is steady: for a case that names no window; or None."""
+    if len(curve) < 10 or kind_of(curve.reaction_column) not in ("force", "moment"):
+        return None
+    rise = np.diff(curve.parameter)
+    if not ((rise > 0).all() or (rise < 0).all()):
+        return None
+    first, last = float(curve.parameter[0]), float(curve.parameter[-1])
+    start = last - share * (last - first)
+    low, high = sorted((start, last))
+    inside = curve.reaction[(curve.parameter >= low) & (curve.parameter <= high)]
+    if len(inside) < 4 or np.ptp(inside) > _STEADY * abs(float(inside.mean())):
+        return None
+    return low, high
+
+
+def first_peak(force: FloatArray) -> int | None:
+    """The first step with the largest force so far, after which that falls by more than an oscillation."""
+    largest = np.maximum.accumulate(force)
+    fallen = np.flatnonzero((force < (1 - _FALL) * largest) & (largest > 0))
+    return None if not fallen.size else int(np.argmax(force[: fallen[0] + 1]))
+
+
+def _pull(problem: Problem, curve: Curve, pulled: Forces) -> list[Reading]:
+    tension = pulled.force * np.sign(_away(problem))
+    readings = []
+    if tension.max() > 0:
+        step = int(np.argmax(tension))
+        # a body that snaps into contact is pulled most at the first step, and one that holds at the last
+        comes_off = 0 < step < len(curve) - 1
+        rising = "; it rises to the end of the run" if 0 < step == len(curve) - 1 else ""
+        words = f"tension, away from the substrate{rising}"
+        name = "pull-off force" if comes_off else "largest tension"
+        readings.append(
+            Reading(name, float(tension[step]), "force", float(curve.parameter[step]), words=words)
+        )
+    if tension.min() < -0.01 * max(float(tension.max()), 0.0):
+        step = int(np.argmin(tension))
+        value, at = float(-tension[step]), float(curve.parameter[step])
+        readings.append(Reading("largest push", value, "force", at, words="towards the substrate"))
+    return readings
+
+
+def _largest(curve: Curve, name: str) -> Reading:
+    step = int(np.argmax(np.abs(curve.reaction)))
+    kind = kind_of(curve.reaction_column)
+    return Reading(name, float(curve.reaction[step]), kind, float(curve.parameter[step]))
+
+
+def _largest_force(curve: Curve, pulled: Forces) -> Reading:
+    step = int(np.argmax(np.abs(pulled.force)))
+    return Reading("largest force", float(pulled.force[step]), "force", float(curve.parameter[step]))
+
+
+def _opened(problem: Problem, curve: Curve, pulled: Forces, arm: str) -> list[Reading]:
+    lift, force = float(pulled.displacement[-1]), float(pulled.force[-1])
+    name, at = f"force{arm} at the end", float(curve.parameter[-1])
+    form = opening(problem, lift, force)
+    if form is None or isinstance(form, str):
+        words = f"no closed form: {form}" if form else ""
+        return [Reading(name, force, "force", at, words=words)]
+    readings = [Reading(name, force, "force", at, form.force, "elastica")]
+    if form.by_compliance is not None:
+        words = "arm clamped at its front, (3 E'I d/F)^(1/3)"
+        name = "effective crack length"
+        readings.append(
+            Reading(name, form.by_compliance, "length", None, form.crack_length, "beam theory", words)
+        )
+    return readings
+
+
+def _cracks(curve: Curve, found: Mapping[float, Front]) -> list[Reading]:
+    if not found:
+        return []
+    last, front = list(found.items())[-1]
+    if last != curve.parameter[-1]:
+        return []
+    words = "traction above half its peak"
+    zone = Reading("process zone", front.zone.length, "length", words=words)
+    if front.crack_length is None:
+        return [zone]
+    words = "loaded end to largest traction"
+    return [Reading("crack length", front.crack_length, "length", words=words), zone]
+
+
+def _away(problem: Problem) -> float:
+    """Cosine of the angle between the load and the outward normal of the substrate where the joint begins."""
+    adhesion, drive = problem.adhesion, problem.drive
+    place = problem.body.shape.boundary(adhesion.side).evaluate([adhesion.start])
+    _, normal, _ = evaluate_substrate(adhesion.substrate.kernel, adhesion.substrate.parameters, place)
+    direction = drive.load.direction if drive.load else drive.rate(np.zeros((1, 2)), 0.0)[0]
+    return float(direction @ normal[0])
+
+
+def _straight_up(problem: Problem, side: Side) -> bool:
+    """Whether a side is a straight line along y."""
+    places = problem.body.shape.boundary(side).evaluate(np.linspace(0.0, 1.0, 5))
+    return bool(np.ptp(places[:, 0]) <= 1e-9 * np.ptp(places[:, 1]))

@@ -1,0 +1,43 @@
+"""The table of a curve, curve.csv, in the units of a laboratory.
+
+The first line has the name of each column with its unit in brackets, as "force [N/m]"; there are no other
+lines before the numbers, so that `pandas.read_csv("curve.csv")` reads it as it is.
+"""
+
+from collections.abc import Mapping
+from pathlib import Path
+from types import MappingProxyType
+
+from isopeel.post.crack import Front, crack_lengths, load_position
+from isopeel.post.laboratory import Laboratory
+from isopeel.problem import Column, Problem
+from isopeel.results.curve import Curve, write_table
+
+#: No state in which a front was looked for.
+NO_FRONTS: Mapping[float, Front] = MappingProxyType({})
+
+
+def write_curve(
+    path: Path,
+    curve: Curve,
+    problem: Problem,
+    laboratory: Laboratory,
+    fronts: Mapping[float, Front] = NO_FRONTS,
+) -> None:
+    """Write the curve of a problem with all digits of its numbers; one line for each step.
+
+    The column crack_length is filled where the displacement is stored and there is a front; a problem whose
+    load acts on all of the body has none. Raises OSError.
+    """
+    table = {}
+    for column, values in curve.table():
+        factor = laboratory.column(column).factor
+        # a factor of one leaves whole numbers and texts as they are
+        table[laboratory.heading(column)] = (values if factor == 1.0 else values * factor).tolist()
+    if load_position(problem) is not None:
+        column = Column("crack_length", "L0")
+        lengths = crack_lengths(curve, fronts) * laboratory.column(column).factor
+        table[laboratory.heading(column)] = [
+            None if length != length else length for length in lengths.tolist()
+        ]
+    write_table(path, table)

@@ -1,0 +1,70 @@
+"""Summaries of small runs, for tests of what they say."""
+
+from typing import Any, NamedTuple
+
+from isopeel.case import Case
+from isopeel.post.laboratory import Laboratory
+from isopeel.post.summary import Findings, Row, find, summarize, summary_rows
+from isopeel.results.curve import Curve
+from isopeel.results.fields import Fields
+from isopeel.results.provenance import Provenance
+from isopeel.results.run_file import StoredRun, run_attributes
+from isopeel.solve.newton import NewtonSettings
+from isopeel.solve.trace import trace
+
+
+class Told(NamedTuple):
+    """What a run says: its curve, what is read from it, its summary, and the rows of its table."""
+
+    case: Case
+    curve: Curve
+    found: Findings
+    summary: dict[str, Any]
+    rows: list[Row]
+
+    def reading(self, quantity: str) -> dict[str, Any]:
+        """The last reading of a quantity."""
+        found: dict[str, Any] = [one for one in self.summary["readings"] if one["quantity"] == quantity][-1]
+        return found
+
+    def row(self, name: str) -> Row:
+        """The row of a name."""
+        (row,) = [row for row in self.rows if row.name == name]
+        return row
+
+    @property
+    def quantities(self) -> list[str]:
+        """What was read."""
+        return [one["quantity"] for one in self.summary["readings"]]
+
+    def notes(self, subject: str) -> list[str]:
+        """The notes on a subject."""
+        return [note["text"] for note in self.summary["notes"] if note["subject"] == subject]
+
+
+def told_by(text: str) -> Told:
+    """Run the stages of a case in memory, and return what the last one says."""
+    case = Case.parse(text)
+    space, base = case.space(), None
+    for stage in case.stages():
+        fields = Fields(stage.fields_every)
+        steps = []
+        settings = NewtonSettings(control=stage.control)
+        for step in trace(stage.problem, space, stage.parameters, settings, base=base):
+            steps.append(step)
+            at = stage.problem.drive.parameter_column.shown(step.parameter)
+            fields.take(float(at), step.displacement)
+        before, base = base, steps[-1].state
+    attributes = run_attributes(stage.problem, space, Provenance.of_this_process())
+    run = StoredRun(
+        text,
+        Curve.of(steps, stage.problem.drive),
+        fields.all(),
+        {"L0": case.units.length, "E0": case.units.stress, **attributes},
+        "completed",
+        base=None if before is None else before.displacement,
+    )
+    laboratory = Laboratory.of(case.units.system(), stage.problem, case.body.width)
+    found = find(stage.problem, space, run, stage.window, laboratory)
+    summary = summarize(case.name, run, found, 1.0, [])
+    return Told(case, run.curve, found, summary, summary_rows(summary, run.curve, found))
