@@ -118,13 +118,14 @@ class RowSpace:
         homogeneous /= shape.weights.min()
         along, across = shape.spaces
         columns = homogeneous.swapaxes(0, 1).reshape(across.size, -1)
-        rows = self.across.interpolate(across.collocation(self.across.greville) @ columns)
-        error_across = _error(self.across, rows, across, columns)
-        curves = rows.reshape(-1, along.size, homogeneous.shape[2])
+        few = _principal(columns)
+        upwards = across.collocation(self.across.greville)
+        error_across = _error(self.across, self.across.interpolate(upwards @ few), across, few)
+        curves = self.across.interpolate(upwards @ columns).reshape(-1, along.size, homogeneous.shape[2])
         errors_along = [0.0]
         for row in dict.fromkeys(self.rows):
             chosen = [j for j, other in enumerate(self.rows) if other == row]
-            wanted = curves[chosen].transpose(1, 0, 2).reshape(along.size, -1)
+            wanted = _principal(curves[chosen].transpose(1, 0, 2).reshape(along.size, -1))
             values = along.collocation(row.greville) @ wanted
             errors_along.append(_error(row, row.interpolate(values), along, wanted))
         return max(errors_along), error_across
@@ -242,7 +243,8 @@ def row_space(
         return RowSpace(str(parsed), across, (contact,) * parsed.contact_rows + (bulk,) * upper)
 
     space = rows(across, contact, bulk)
-    if shape is None:
+    # where there are no lines, there is nothing to take over
+    if shape is None or max(own.elements for own in shape.spaces) == 1:
         return space
     misfits = space.misfit(shape)
     if misfits[0] > RIGID:
@@ -273,6 +275,15 @@ def with_lines_of(space: SplineSpace, other: SplineSpace) -> SplineSpace:
             np.insert(array, at, value) for array, value in ((places, knot), (repeats, needed), (taken, True))
         )
     return SplineSpace(space.degree, np.repeat(places, repeats))
+
+
+def _principal(columns: FloatArray) -> FloatArray:
+    """As few columns (n, m) that span the same, with which those given are combined by factors below 1."""
+    if columns.shape[1] <= columns.shape[0]:
+        return columns
+    basis, sizes, _ = np.linalg.svd(columns, full_matrices=False)
+    scaled: FloatArray = basis * sizes
+    return scaled
 
 
 def _error(space: SplineSpace, coefficients: FloatArray, other: SplineSpace, wanted: FloatArray) -> float:
