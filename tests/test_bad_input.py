@@ -10,6 +10,7 @@ from isopeel.cli import main
 STRIP, CURVED, TAPE, CYLINDER = (
     load_case(name).text for name in ("strip", "curved-substrate", "tape-angle", "cylinder-pull-off")
 )
+OF_W_AND_S = 'constants = { W = "0.03 J/m^2", s = "1 nm" }'
 LAW = 'law = "van-der-waals"\nhamaker_constant = "1e-19 J"\nequilibrium_distance = "0.4 nm"'
 
 
@@ -17,13 +18,13 @@ LAW = 'law = "van-der-waals"\nhamaker_constant = "1e-19 J"\nequilibrium_distance
     ("text", "told"),
     [
         pytest.param(
-            STRIP.replace(LAW, 'law = "formula"\npotential = "exp(-r)"'),
-            "adhesion.potential: 'exp(-r)' cannot be used; it must have a minimum",
+            STRIP.replace(LAW, 'law = "formula"\npotential = "W*exp(-r/s)"\n' + OF_W_AND_S),
+            "adhesion.potential: 'W*exp(-r/s)' cannot be used; it must have a minimum",
             id="a law without an equilibrium",
         ),
         pytest.param(
-            STRIP.replace(LAW, 'law = "formula"\npotential = "r**2"'),
-            "adhesion.potential: 'r**2' cannot be used; its attraction must vanish",
+            STRIP.replace(LAW, 'law = "formula"\npotential = "W*(r/s)**2"\n' + OF_W_AND_S),
+            "adhesion.potential: 'W*(r/s)**2' cannot be used; its attraction must vanish",
             id="a law that never lets go",
         ),
         pytest.param(
@@ -37,7 +38,8 @@ LAW = 'law = "van-der-waals"\nhamaker_constant = "1e-19 J"\nequilibrium_distance
             id="a cylinder that is too wide",
         ),
         pytest.param(
-            STRIP + '[substrate]\nkind = "formula"\nformula = "sqrt(100 - x**2)"\n',
+            STRIP
+            + '[substrate]\nkind = "formula"\nformula = "sqrt(R**2 - x**2)"\nconstants = { R = "10 nm" }\n',
             "substrate: 'FormulaSubstrate' cannot be used; it must have a closest point to every point",
             id="a substrate that ends",
         ),
@@ -97,7 +99,9 @@ def test_bad_cases_end_with_2_and_one_line(
     [
         pytest.param("a" * 300_000, "a case has at most 20000 bytes", id="too long"),
         pytest.param("a = " + "[" * 9_000, "it is not TOML", id="nested lists"),
-        pytest.param(".".join("a" * 9_000) + " = 1", "there is no such key", id="nested tables"),
+        pytest.param(
+            ".".join("a" * 9_000) + " = 1", "a key of a case has at most 20 parts", id="nested tables"
+        ),
         pytest.param(f"a = {'9' * 5000}", "it is not TOML", id="a number of many digits"),
         pytest.param(
             '"\\u001b[2J\\u2028" = 1\n' + STRIP, r"\x1b[2J : 1 cannot be used", id="signs of a terminal"

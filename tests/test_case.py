@@ -365,7 +365,7 @@ def test_files_that_are_no_case_are_refused(tmp_path: Path, monkeypatch: pytest.
     def refuse(*_: object) -> str:
         raise PermissionError(13, "Permission denied")
 
-    monkeypatch.setattr(Path, "read_text", refuse)
+    monkeypatch.setattr(Path, "open", refuse)
     with pytest.raises(InputError, match="Permission denied"):
         load_case(broken)
 

@@ -55,7 +55,7 @@ SUBSTRATES: list[dict[str, Any]] = [
     {"kind": "circle", "radius": "400 nm"},
     {"kind": "circle", "radius": "400 nm", "solid": "outside"},
     {"kind": "wavy", "amplitude": "0.2 nm", "wavelength": "50 nm"},
-    {"kind": "formula", "formula": "a*cos(x/30)", "constants": {"a": "0.1 nm"}},
+    {"kind": "formula", "formula": "a*cos(x/l)", "constants": {"a": "0.1 nm", "l": "30 nm"}},
 ]
 DRIVES: list[Any] = [
     {},

@@ -1,14 +1,13 @@
 """The case: a TOML file with units that says what is peeled, on which space, how far and in which steps."""
 
-import json
 import re
-import tomllib
 from collections.abc import Mapping
 from importlib import resources
 from pathlib import Path
-from typing import Annotated, Any, Self, TypeGuard
+from typing import Annotated, Any, Self
 
 import numpy as np
+import tomli_w
 from pydantic import (
     BeforeValidator,
     Field,
@@ -36,6 +35,7 @@ from isopeel.case.sections import (
     window_of,
 )
 from isopeel.case.stages import Stage, check_number, check_work
+from isopeel.case.text import LARGEST_TEXT, document_of, size_of
 from isopeel.case.values import Section
 from isopeel.errors import InputError
 from isopeel.physics.substrates import Flat
@@ -46,7 +46,7 @@ from isopeel.units import UnitSystem, measured_in, shown
 
 #: More, and the stiffnesses along and across an element, its square apart, leave double precision.
 LARGEST_ASPECT = 1e4
-#: Bytes; the shipped cases have a thousand, and nested keys take a time that grows with their square.
+#: Bytes; the shipped cases have a thousand.
 LARGEST_FILE = 20_000
 
 
@@ -87,13 +87,10 @@ class Case(Section):
     def parse(cls, text: str, source: str = "text", folder: Path = Path()) -> Self:
         """Read a TOML text, whose files are seen from a folder.
 
-        Raises InputError whose field is the path of the key, or CASE for broken TOML.
+        Raises InputError whose field is the path of the key, or CASE for broken TOML and for texts that are
+        longer, or nested deeper, than any case.
         """
-        try:
-            document = tomllib.loads(text)
-        except (ValueError, RecursionError) as error:
-            raise InputError("CASE", source, f"it is not TOML: {error}") from error
-        return cls._checked(document, folder)
+        return cls._checked(document_of(text, source), folder)
 
     @classmethod
     def of_run(cls, text: str, source: str, dofs: object) -> Self:
@@ -118,13 +115,21 @@ class Case(Section):
             raise first_error(error, document, cls) from error
         # files as they are seen from anywhere
         files = {key: str(value) for key, value in case.body if isinstance(value, Path)}
+        for key, path in files.items():
+            if size_of(path) is None:
+                # as Python reads names of other encodings
+                raise InputError(
+                    f"body.{key}", path, "the path of a file, and of its folders, must be UTF-8 text"
+                )
         case._document = document | {"body": document["body"] | files}
+        if (size_of(case.text) or 0) > LARGEST_TEXT:
+            raise InputError("CASE", case.name, f"a case has at most {LARGEST_TEXT} bytes where it is stored")
         return case
 
     @field_validator("drive", mode="after")
     @classmethod
     def _of_bounded_work(cls, stages: tuple[DriveSection, ...]) -> tuple[DriveSection, ...]:
-        check_work([stage.steps().count for stage in stages])
+        check_work([stage.steps().number for stage in stages])
         return stages
 
     @field_validator("reading", "output", mode="before")
@@ -212,7 +217,7 @@ class Case(Section):
     @property
     def text(self) -> str:
         """The case as TOML, with the units it was written in."""
-        return _toml(self._document)
+        return tomli_w.dumps(self._document)
 
     def problem(self) -> Problem:
         """Build the problem of the first stage, in L0 and E0."""
@@ -321,19 +326,22 @@ def load_case(case: str | Path) -> Case:
         return Case.parse(file.read_text("utf-8"))
     path = Path(case)
     try:
-        if path.is_file() and path.stat().st_size > LARGEST_FILE:
-            raise InputError("CASE", str(case), f"a case has at most {LARGEST_FILE} bytes")
+        # what is no file, such as a pipe, could be waited for without an end
         if not path.is_file():
             kind = "is no file" if path.exists() else "does not exist"
             allowed = f"it {kind}; give a TOML file or a shipped case: {', '.join(shipped_cases())}"
             raise InputError("CASE", str(case), allowed)
-        text = path.read_text("utf-8")
+        with path.open("rb") as opened:
+            content = opened.read(LARGEST_FILE + 1)
+        if len(content) > LARGEST_FILE:
+            raise InputError("CASE", str(case), f"a case has at most {LARGEST_FILE} bytes")
+        text = content.decode()
     except OSError as error:
         raise InputError("CASE", str(case), f"it cannot be read: {error.strerror}") from error
     except UnicodeDecodeError as error:
         allowed = f"a TOML file is UTF-8 text; byte {error.start} is not"
         raise InputError("CASE", str(case), allowed) from error
-    return Case.parse(text, str(case), path.parent)
+    return Case.parse(text.replace("\r\n", "\n"), str(case), path.parent)
 
 
 def parse_mesh(field: str, text: str) -> tuple[int, int]:
@@ -342,25 +350,3 @@ def parse_mesh(field: str, text: str) -> tuple[int, int]:
     if not parts:
         raise InputError(field, text, "elements along length x height are needed, such as 200x10")
     return int(parts[1]), int(parts[2])
-
-
-def _toml(table: Mapping[str, Any], path: tuple[str, ...] = ()) -> str:
-    """Write a table of texts, numbers, lists and tables; its keys are plain words."""
-    # JSON's texts, numbers and lists are TOML's
-    lines = [
-        f"{key} = {json.dumps(value, ensure_ascii=False)}"
-        for key, value in table.items()
-        if not isinstance(value, dict) and not _are_tables(value)
-    ]
-    for key, value in table.items():
-        place = ".".join((*path, key))
-        if isinstance(value, dict):
-            lines += ["", f"[{place}]", _toml(value, (*path, key)).rstrip()]
-        elif _are_tables(value):
-            for one in value:
-                lines += ["", f"[[{place}]]", _toml(one, (*path, key)).rstrip()]
-    return "\n".join(lines) + "\n"
-
-
-def _are_tables(value: object) -> TypeGuard[list[dict[str, Any]]]:
-    return isinstance(value, list) and any(isinstance(one, dict) for one in value)

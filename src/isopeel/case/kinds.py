@@ -11,8 +11,9 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self, get_t
 
 from pydantic import Field, ModelWrapValidatorHandler, ValidationInfo, create_model, model_validator
 
-from isopeel.case.values import Section, key_of
+from isopeel.case.values import Section, constant_powers, key_of
 from isopeel.errors import InputError
+from isopeel.physics.formula_dimensions import FormulaDimensions, check_dimensions
 from isopeel.registry import discover
 
 
@@ -48,7 +49,15 @@ class KindSection(Section):
     def _choose(cls, written: object, handler: ModelWrapValidatorHandler[Self], info: ValidationInfo) -> Self:
         if cls.maker is not None or not isinstance(written, Mapping):
             return handler(written)
-        return cls.chosen(written).model_validate(written, context=info.context)
+        section = cls.chosen(written).model_validate(written, context=info.context)
+        dimensions = getattr(section.maker, "dimensions", None)
+        if isinstance(dimensions, FormulaDimensions):
+            constants = {
+                name: (value, constant_powers(written["constants"][name]))
+                for name, value in section.constants.items()
+            }
+            check_dimensions(cls.table, dimensions, getattr(section, dimensions.field), constants)
+        return section
 
     def made(self) -> Any:
         """Make the object. Raises InputError of its class."""

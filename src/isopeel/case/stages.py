@@ -46,7 +46,7 @@ class Steps(NamedTuple):
 
     last: float
     size: float
-    count: int
+    number: int
 
 
 def stage_steps(dimension: Dimension, to: object, step: object) -> Steps:
@@ -71,10 +71,10 @@ def stage_parameters(dimension: Dimension, to: object, step: object) -> FloatArr
 
     Angles come in radians, all else in L0 and E0. Raises InputError as `stage_steps` does.
     """
-    last, size, count = stage_steps(dimension, to, step)
+    last, size, number = stage_steps(dimension, to, step)
     # multiples of what was written, 0.3 and not 0.30000000000000004
     written = Decimal(repr(size if last > 0 else -size))
-    parameters = np.array([0.0, *(float(k * written) for k in range(1, count)), last])
+    parameters = np.array([0.0, *(float(k * written) for k in range(1, number)), last])
     return np.radians(parameters) if dimension.angle else parameters
 
 

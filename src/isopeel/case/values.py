@@ -1,6 +1,7 @@
 """The values that keys of a case file take, in L0 and E0, and what is said where they are wrong."""
 
 from collections.abc import Callable, Mapping
+from fractions import Fraction
 from math import radians
 from pathlib import Path
 from types import UnionType
@@ -127,6 +128,14 @@ def _constant(written: object) -> float:
     if quantity.angle:
         raise ValueError("write angles as plain numbers, in radians")
     return quantity.value
+
+
+def constant_powers(written: object) -> tuple[Fraction, Fraction]:
+    """The powers of stress and length that a constant is written in; a plain number has none."""
+    if not isinstance(written, str):
+        return Fraction(0), Fraction(0)
+    quantity = parse_quantity(written)
+    return quantity.stress, quantity.length
 
 
 _A_FILE = "the path of a file is needed, as seen from the folder of the case"

@@ -117,6 +117,9 @@ def read_run(path: Path, *, journal: bool = True) -> StoredRun:
     of a run.
     """
     try:
+        # a pipe or a device could be waited for without an end
+        if not path.is_file():
+            raise UntrustedError("it is no file")
         with h5py.File(path, "r") as file:
             if untrusted.attribute(file, "format") != _FORMAT:
                 raise UntrustedError("it is not the file of a run of this version")

@@ -18,6 +18,8 @@ from isopeel.physics.formula import (
     compile_source,
     parse_formula,
 )
+from isopeel.physics.formula_dimensions import FormulaDimensions
+from isopeel.quantities import LENGTH, SURFACE_ENERGY
 
 if TYPE_CHECKING:
     import sympy
@@ -41,6 +43,7 @@ class FormulaAdhesion:
     """
 
     name: ClassVar[str] = "formula"
+    dimensions: ClassVar[FormulaDimensions] = FormulaDimensions("potential", SURFACE_ENERGY, {"r": LENGTH})
     potential: Annotated[str, "a formula of the gap r is needed"]
     constants: Mapping[str, float] = field(default_factory=dict)
 

@@ -17,6 +17,8 @@ from isopeel.physics.formula import (
     compile_source,
     parse_formula,
 )
+from isopeel.physics.formula_dimensions import FormulaDimensions
+from isopeel.quantities import NUMBER, STRESS
 
 if TYPE_CHECKING:
     import sympy
@@ -37,6 +39,9 @@ class FormulaMaterial:
     """
 
     name: ClassVar[str] = "formula"
+    dimensions: ClassVar[FormulaDimensions] = FormulaDimensions(
+        "energy", STRESS, dict.fromkeys(_NAMES, NUMBER)
+    )
     energy: Annotated[str, "a formula of I1, I2, J or F11 to F33 is needed"]
     constants: Mapping[str, float] = field(default_factory=dict)
 

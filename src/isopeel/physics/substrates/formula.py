@@ -17,7 +17,9 @@ from isopeel.physics.formula import (
     compile_source,
     parse_formula,
 )
+from isopeel.physics.formula_dimensions import FormulaDimensions
 from isopeel.physics.substrates.closest_point import CURVE_SIGNATURE, graph_kernel
+from isopeel.quantities import LENGTH
 
 if TYPE_CHECKING:
     import sympy
@@ -36,6 +38,7 @@ class FormulaSubstrate:
     """
 
     name: ClassVar[str] = "formula"
+    dimensions: ClassVar[FormulaDimensions] = FormulaDimensions("formula", LENGTH, {"x": LENGTH})
     formula: Annotated[str, "a formula of the place x is needed"]
     constants: Mapping[str, float] = field(default_factory=dict)
 
