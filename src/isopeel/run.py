@@ -20,7 +20,9 @@ from isopeel.folder import FILES, Place, alone_in, check_folder, places
 from isopeel.interrupts import Interrupts
 from isopeel.post.figures import reaction_figure, save, shapes_figure
 from isopeel.post.laboratory import Laboratory
+from isopeel.post.locking import locking_notes
 from isopeel.post.mesh_error import mesh_changes
+from isopeel.post.resolution import estimate_notes
 from isopeel.post.summary import Findings, find, short_unit, summarize, summary_rows, units_note
 from isopeel.post.table import write_curve
 from isopeel.problem import Column
@@ -43,22 +45,38 @@ class Result(NamedTuple):
     folder: Path
 
 
-def run_case(case: Case, out: Path, console: Console) -> Result:
+def run_case(case: Case, out: Path, console: Console, strict: bool = False) -> Result:
     """Run a case and write its files to a folder, in place of those of an earlier run.
 
     A case of several stages has a folder for each of them inside, numbered and named. Returns the last
     stage that was run; the `ending` of its run says whether that came to its end, found no equilibrium or
-    was interrupted: all that converged before is in the files. Raises InputError where a folder cannot be
-    written, another process runs in it or the memory does not suffice, OSError where a file cannot be
-    written, and KeyboardInterrupt where there is no step yet; an earlier run stays until there is one.
+    was interrupted: all that converged before is in the files. What can be doubted of the discretization is
+    said before the first step, and is an error where the run is `strict`. Raises InputError where a folder
+    cannot be written, another process runs in it or the memory does not suffice, OSError where a file cannot
+    be written, and KeyboardInterrupt where there is no step yet; an earlier run stays until there is one.
     """
     # the stages are checked before any folder is made
     check_later_stages(case)
     steps = _steps(case, case.stages()[0], case.space(), None, None)
+    _say_doubts(case, console, strict)
     for place in places(case.name, [stage.name for stage in case.stages()], out):
         check_folder(place.folder)
     with alone_in(out, "--out"):
         return go_through(case, out, console, {}, steps)
+
+
+def _say_doubts(case: Case, console: Console, strict: bool) -> None:
+    """Print what is known of the discretization before the first step, or raise it as an InputError."""
+    space = case.space()
+    notes = []
+    for stage in case.stages():
+        laboratory = _laboratory(case, stage)
+        notes += estimate_notes(stage.problem, space, laboratory)
+        notes += locking_notes(stage.problem, space, laboratory)
+    for note in dict.fromkeys(notes):
+        if strict:
+            raise InputError("discretization.mesh", case.discretization.mesh, f"{note.subject}: {note.text}")
+        console.print(f"note: {note.text}", soft_wrap=True)
 
 
 def check_later_stages(case: Case) -> None:

@@ -2,10 +2,15 @@
 
 import pytest
 
-from isopeel.case import Case
+from isopeel.case import Case, load_case, shipped_cases
 from isopeel.post.closed_form import expected
+from isopeel.post.front import front_profile
+from isopeel.post.laboratory import Laboratory
+from isopeel.post.locking import bending, locking_notes
 from isopeel.solve.newton import NewtonSettings
 from isopeel.solve.trace import trace
+from isopeel.splines.rows import row_space
+from isopeel.units import UnitSystem
 
 
 def rubber(poissons_ratio: float, discretization: str = 'mesh = "180x2"') -> Case:
@@ -46,7 +51,122 @@ def plateau(case: Case) -> float:
     return sum(last) / len(last) / theory.reaction
 
 
-# beam theory is right within 0.3 %: the strip's radius is 45 heights
+# beam theory is right within 0.3 %: the strip's radius is 15 heights
 @pytest.mark.parametrize("poissons_ratio", [0.3, 0.45, 0.49, 0.499])
 def test_a_strip_bends_rightly_by_default_whatever_its_poissons_ratio(poissons_ratio: float) -> None:
     assert plateau(rubber(poissons_ratio)) == pytest.approx(1, abs=0.01)
+
+
+TAPE = """\
+name = "petf"
+[units]
+length = "1 mm"
+stress = "1 MPa"
+[body]
+shape = "strip"
+length = "6 mm"
+height = "25 um"
+[material]
+law = "neo-hooke"
+youngs_modulus = "4 GPa"
+poissons_ratio = 0.4
+[adhesion]
+law = "formula"
+potential = "-W*exp(-(r/d)**2)"
+constants = { W = "50 J/m^2", d = "40 um" }
+length = "5 mm"
+[discretization]
+space = "N2.1"
+mesh = "240x2"
+ACROSS
+[drive]
+kind = "force"
+side = "right"
+angle = "90 deg"
+to = "0.2 mm"
+step = "20 um"
+"""
+
+
+def told(case: Case) -> str:
+    laboratory = Laboratory.of(UnitSystem(), case.problem())
+    return " ".join(note.text for note in locking_notes(case.problem(), case.space(), laboratory))
+
+
+@pytest.mark.parametrize(
+    ("case", "means"),
+    [
+        (rubber(0.499, 'mesh = "180x2"\nacross_degree = 1'), "across_degree = 2"),
+        (rubber(0.3, 'mesh = "180x2"\nacross_degree = 1'), "across_degree = 2"),
+        (rubber(0.3, 'mesh = "90x2"\nspace = "L1"'), "space N2.1"),
+        (rubber(0.0, 'mesh = "40x1"\nspace = "L1"\nacross_degree = 1'), "space N2.1"),
+        (rubber(0.4999, 'mesh = "180x2"\nacross_degree = 2'), "across_degree = 3"),
+        (Case.parse(TAPE.replace("ACROSS", "across_degree = 1")), "across_degree = 2"),
+    ],
+    ids=["given", "linear across", "linear along", "thin and long", "nearly incompressible", "given tape"],
+)
+def test_what_locks_is_told_of_with_what_would_not(case: Case, means: str) -> None:
+    assert f"{means} would do" in told(case) or f"; {means} with" in told(case)
+
+
+@pytest.mark.parametrize("poissons_ratio", [0.0, 0.3, 0.45, 0.49, 0.499, 0.4999])
+def test_defaults_do_not_lock(poissons_ratio: float) -> None:
+    assert not told(rubber(poissons_ratio))
+    assert not told(Case.parse(TAPE.replace("ACROSS", "").replace("0.4\n", f"{poissons_ratio}\n")))
+
+
+@pytest.mark.parametrize("name", shipped_cases())
+def test_shipped_cases_do_not_lock(name: str) -> None:
+    assert not told(load_case(name))
+
+
+def test_elements_that_are_linear_across_are_too_stiff_by_a_closed_form() -> None:
+    """One cannot lift by squares of the height: (1 - nu)^2/(1 - 2 nu) times E'I, in excess by 1/n^2 of n."""
+    for nu in (0.0, 0.2, 0.45, 0.49):
+        for elements in (1, 2, 5):
+            case = rubber(nu, f'mesh = "180x{elements}"\nacross_degree = 1')
+            found = bending(case.problem(), case.space())
+            assert found is not None
+            excess = (1 - nu) ** 2 / (1 - 2 * nu) - 1
+            # of moments about the middles of the elements, all but their own are exact
+            assert found.excess == pytest.approx(excess / elements**2, abs=1e-9)
+
+
+def test_bilinear_elements_are_too_stiff_by_a_closed_form() -> None:
+    """Shear that bending does not have, (l/h)^2 (1 - nu)/2 of E'I (with what is linear across exact)."""
+    case = rubber(0.3, 'mesh = "120x3"\nspace = "L1"')
+    found = bending(case.problem(), case.space())
+    assert found is not None
+    assert found.linear == pytest.approx(0.5**2 * (1 - 0.3) / 2, rel=0.01)
+
+
+@pytest.mark.parametrize(
+    "discretization",
+    [
+        'space = "L1"\nmesh = "180x2"',
+        'mesh = "180x4"\nacross_degree = 1',
+        'mesh = "180x1"\nacross_degree = 2',
+    ],
+)
+def test_the_estimate_is_the_error_of_the_plateau(discretization: str) -> None:
+    case = rubber(0.499 if "180x1" in discretization else 0.3, discretization)
+    found = bending(case.problem(), case.space())
+    assert found is not None
+    assert plateau(case) - 1 == pytest.approx((1 + found.excess) ** 0.5 - 1, abs=0.003)
+
+
+def test_thick_bodies_are_not_asked_how_they_bend() -> None:
+    case = load_case("cylinder-pull-off")
+    assert bending(case.problem(), row_space("L1", (20, 8), 2)) is None
+
+
+def test_the_tension_of_the_body_at_its_face_is_that_of_the_adhesion() -> None:
+    """The given figure: 82.8 MPa in the body beside 1.07 MPa of the adhesion where it is linear across."""
+    case = Case.parse(TAPE.replace("ACROSS", ""))
+    (stage,) = case.stages()
+    *_, last = trace(stage.problem, case.space(), stage.parameters, NewtonSettings(control="auto"))
+    profile = front_profile(stage.problem, case.space(), last.displacement)
+    pull, body = -profile.adhesive_traction, -profile.body_traction
+    at = pull > 0.2 * pull.max()
+    assert body[at].max() < 2 * pull.max()
+    assert body[at].min() > -pull.max()

@@ -295,7 +295,7 @@ def usual_across_degree(poissons_ratio: float, shape: NurbsSurface) -> int:
 
     A strip that bends shortens and lifts by squares of the height, which a linear space does not contain. At
     finite strain a change of volume in the fourth power is left by degree 2, which the bulk modulus makes
-    stiff: a moment of 3.6 % more at nu = 0.499 of a strip bent to 45 times its height, with one element
+    stiff: a moment of 3.6 % more at nu = 0.499 of a strip bent to 15 times its height, with one element
     across, and of 0.4 % at 0.49 (`benchmarks/locking.py`). It grows with the square of the curvature.
     """
     bending = 2 if poissons_ratio <= 0.45 else 3

@@ -58,6 +58,9 @@ def run(
         str | None,
         typer.Option(metavar="VALUE", help="Parameter between stored displacements, written likewise."),
     ] = None,
+    strict: Annotated[
+        bool, typer.Option("--strict", help="Refuse elements that do not resolve the front, or lock.")
+    ] = False,
 ) -> int:
     """Run CASE and leave its curve, figures, summary and fields in a folder."""
     try:
@@ -80,7 +83,7 @@ def run(
         with rehearsed_beside():
             from isopeel.run import run_case
 
-            result = run_case(chosen, folder, console())
+            result = run_case(chosen, folder, console(), strict)
     except InputError as error:
         # what only the solver can tell of an option
         for option, value in (("mesh", mesh), ("contact_points", contact_points)):

@@ -13,9 +13,11 @@ from isopeel.post.closed_form.expected import invalid, theory
 from isopeel.post.crack import Front, crack_length_at, fronts, joint_ends, jumps
 from isopeel.post.fields import depth_inside
 from isopeel.post.laboratory import Laboratory, kind_of
+from isopeel.post.locking import locking_notes
 from isopeel.post.mesh_error import MeshChange
 from isopeel.post.reading import PlateauReading, onset_angle, plateau_mean, read_plateau, unreadable
 from isopeel.post.readings import FAR, LAST, Reading, drive_test, halves, read, steady_window
+from isopeel.post.resolution import Zones, oscillation_notes, zone_notes
 from isopeel.problem import Column, Problem
 from isopeel.results.curve import Curve
 from isopeel.results.notes import Note
@@ -31,7 +33,8 @@ class Findings:
     `window` is where the plateau is read, if the case names one; `inside` is how deep (in L0) the body has
     come to lie in the substrate. `period` is that of the mesh's oscillation, in the parameter's unit, also
     where the closed form is not valid, for the reason that `unproven` gives. `fronts` are those of the stored
-    states, `readings` what a user of the drive looks for.
+    states, `readings` what a user of the drive looks for. `zones` are the elements at the fronts, and
+    `doubts` what is to be said of the discretization.
     """
 
     window: tuple[float, float] | None
@@ -43,6 +46,8 @@ class Findings:
     fronts: Mapping[float, Front] = field(default_factory=dict)
     readings: Sequence[Reading] = ()
     halves: str | None = None
+    zones: Zones = field(default_factory=Zones)
+    doubts: Sequence[Note] = ()
     laboratory: Laboratory = Laboratory(UnitSystem())  # noqa: RUF009 (both are frozen)
 
 
@@ -81,8 +86,24 @@ def find(
         if steady and mean is not None:
             readings.insert(0, _steady(curve, mean, steady, plateau, form))
     inside = depth_inside(problem, space, run.fields)
+    zones = Zones.of(problem, space, {at: front.zone for at, front in found.items()})
+    doubts = zone_notes(problem, space, zones, laboratory) + locking_notes(problem, space, laboratory)
+    if not doubts:
+        swing = None if plateau is None else (plateau.mean, plateau.amplitude)
+        doubts = oscillation_notes(problem, swing, int(jumps(curve).sum()))
     return Findings(
-        window, plateau, form, inside, period, unproven, found, readings, halves(problem, test), laboratory
+        window,
+        plateau,
+        form,
+        inside,
+        period,
+        unproven,
+        found,
+        readings,
+        halves(problem, test),
+        zones,
+        doubts,
+        laboratory,
     )
 
 
@@ -179,6 +200,7 @@ def summarize(
         "window": plateau and list(plateau.window),
         "onset": onset,
         "closed_form": closed_form and asdict(closed_form),
+        "process_zone": found.zones.summary(parameter.name),
         "notes": [asdict(note) for note in [*_notes(run, found, onset), *_mesh_notes(run, found, changes)]],
         "finer_mesh": [_finer(change, parameter, reaction) for change in changes],
         "wall_time_s": wall_time,
@@ -292,6 +314,7 @@ def summary_rows(summary: Mapping[str, Any], curve: Curve, found: Findings) -> l
         else:
             text += f" at {at_which}"
         rows.append(Row("jumps", text))
+    rows += _zone_rows(found, parameter)
     for change in summary["finer_mesh"]:
         relative = change["relative_change"]
         name = curve.reaction_column.name
@@ -322,6 +345,20 @@ def _row(reading: Reading, parameter: Column, laboratory: Laboratory) -> Row:
     return Row(reading.name, value, theory, "" if deviation is None else f"{100 * deviation:+.2g} %")
 
 
+def _zone_rows(found: Findings, parameter: Column) -> list[Row]:
+    """How many elements the process zone has, and needs."""
+    laboratory, zones = found.laboratory, found.zones
+    told, needed = [], None
+    if zones.last is not None:
+        at, zone = zones.last
+        told.append(f"{zone.elements:.2g} at {laboratory.parameter(parameter, at)}")
+        needed = zone.needed
+    if zones.estimated is not None:
+        told.append(f"{zones.estimated.elements:.2g} estimated")
+        needed = zones.estimated.needed
+    return [Row("elements in the zone", f"{', '.join(told)}; {needed:.2g} needed")] if told else []
+
+
 def _angle(value: float | None) -> str:
     return "-" if value is None else f"{value:.4g} deg"
 
@@ -338,7 +375,7 @@ def short_unit(column: Column) -> str:
 
 def _notes(run: StoredRun, found: Findings, onset: float | None) -> list[Note]:
     window, laboratory = found.window, found.laboratory
-    notes = []
+    notes = [*found.doubts]
     if found.inside:
         depth = laboratory.text(found.inside, "length", 2)
         text = f"a part that does not adhere, and feels no substrate, lies up to {depth} inside it"

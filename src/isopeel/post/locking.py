@@ -1,0 +1,232 @@
+"""Whether a discretization locks: a body that bends, or keeps its volume, more stiffly than its material.
+
+What a few elements of the actual space answer to pure bending is compared with what is exact, and where the
+body is nearly incompressible also with what bending to the curvature of the peeling front adds.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.sparse import block_array, csr_array, kron
+from scipy.sparse.linalg import spsolve
+
+from isopeel.arrays import FloatArray
+from isopeel.physics.materials.base import plane_strain_modulus
+from isopeel.post.closed_form import expected
+from isopeel.post.laboratory import Laboratory
+from isopeel.problem import Problem, RotatedSide
+from isopeel.results.notes import Note
+from isopeel.splines.names import parse_space_name
+from isopeel.splines.rows import RowSpace
+from isopeel.splines.space import SplineSpace
+
+#: Error of the drive's reaction from which a note is written: less than the 3 % that a run is to be right
+#: within, and more than what closed forms of slender bodies leave open.
+LOCKED = 0.02
+#: Lengths over heights from which a body answers by bending.
+_SLENDER = 4.0
+#: Elements side by side that are bent: two have no inner one, and more bend as four do.
+_COLUMNS = 4
+#: A steady tape peels at a force that does not depend on how it bends; its start and its stresses do.
+_TAPE = 0.1
+# K/E (height x curvature)^2 / (elements across)^4 times this is what degree 2 across adds to the bending
+# stiffness: 7.3 % measured at nu = 0.499 of a strip bent to 15 heights with one element, 0.5 % with two
+# (`benchmarks/locking.py`)
+_QUADRATIC_VOLUME = 0.1
+
+
+@dataclass(frozen=True)
+class Bending:
+    """How much too stiff a discretization is in bending: excess of E'I, relative to it."""
+
+    linear: float  # at small curvature, by the functions
+    volume: float  # at the curvature of the front, by the change of volume that degree 2 leaves
+
+    @property
+    def excess(self) -> float:
+        """Of both."""
+        return self.linear + self.volume
+
+
+def bending(problem: Problem, space: RowSpace) -> Bending | None:
+    """Excess of the bending stiffness of a body on a space; None of a body that is too thick to bend.
+
+    The mean over the body's length, where it bends by the same moment everywhere.
+    """
+    lengths, heights = _sizes(problem, space)
+    if lengths.sum() < _SLENDER * heights.mean():
+        return None
+    nu = problem.body.material.poissons_ratio
+    linear = _linear(space, lengths, heights, nu)
+    if space.across.degree != 2:
+        return Bending(linear, 0.0)
+    modulus = plane_strain_modulus(problem.body.material)
+    work = problem.adhesion.law.work_of_adhesion
+    # W = E'I/(2 R^2) at the front of a strip that a moment peels; h/R is below 1 where strains are
+    bent = np.minimum(24 * work / (modulus * heights.mean()), 1.0)
+    parts = np.diff(space.across.breakpoints) ** 5
+    volume = _QUADRATIC_VOLUME * bent * float(parts.sum()) / (3 * (1 - 2 * nu))
+    return Bending(linear, volume)
+
+
+def locking_notes(problem: Problem, space: RowSpace, laboratory: Laboratory) -> list[Note]:
+    """Say how much too stiff the body is, and what would not be, where that matters to the reaction."""
+    found = bending(problem, space)
+    if found is None or not _matters(problem, space, found):
+        return []
+    along, across = (laboratory.text(size, "length", 3) for size in _largest(problem, space))
+    told = (
+        f"bending: the body is {_by(found.excess)} too stiff on elements of {along} x {across} "
+        f"(space {space.name}, degree {space.across.degree} across)"
+    )
+    for richer, words in _richer(space):
+        better = bending(problem, richer)
+        if better is not None and not _matters(problem, richer, better):
+            return [Note("locking", f"{told}; {words} would do ({_by(better.excess)})")]
+    return [Note("locking", f"{told}; take smaller elements too, and space N2.1 with across_degree = 3")]
+
+
+def _by(excess: float) -> str:
+    """An excess in words."""
+    return f"{100 * excess:.1f} %" if excess < 1 else f"{1 + excess:.2g} times"
+
+
+def _matters(problem: Problem, space: RowSpace, found: Bending) -> bool:
+    """Whether an excess of the bending stiffness makes the reaction wrong."""
+    power, allowed = 1.0, LOCKED
+    if isinstance(problem.drive, RotatedSide):
+        power = 0.5  # M = sqrt(2 E'I W)
+    elif expected(problem, space) is not None:
+        allowed = _TAPE
+    return bool((1 + found.excess) ** power - 1 > allowed)
+
+
+def _richer(space: RowSpace) -> Iterator[tuple[RowSpace, str]]:
+    """Spaces on the same elements that lock less, with what to write for them in a case."""
+    degree = space.across.degree
+    curved = min(row.degree for row in space.rows) < 2
+    for across in dict.fromkeys((degree, max(degree, 2), max(degree, 3))):
+        for name in (space.name, "N2.1") if curved else (space.name,):
+            words = [f"across_degree = {across}"] if across != degree else []
+            words += [f"space {name}"] if name != space.name else []
+            if words:
+                yield _on_the_same_elements(space, name, across), " with ".join(words)
+
+
+def _on_the_same_elements(space: RowSpace, name: str, across_degree: int) -> RowSpace:
+    parsed = parse_space_name(name)
+    across = SplineSpace.on(across_degree, across_degree - 1, space.across.breakpoints)
+    contact, bulk = (
+        SplineSpace.on(family.degree, family.continuity, space.rows[0].breakpoints)
+        for family in (parsed.contact, parsed.bulk)
+    )
+    at_contact = min(parsed.contact_rows, across.size)
+    return RowSpace(name, across, (contact,) * at_contact + (bulk,) * (across.size - at_contact))
+
+
+def _sizes(problem: Problem, space: RowSpace) -> tuple[FloatArray, FloatArray]:
+    """Length and height (elements,) of the body at its elements along xi."""
+    shape, ends = problem.body.shape, space.rows[0].breakpoints
+    middle = (shape.evaluate(ends, 0.0) + shape.evaluate(ends, 1.0)) / 2
+    at = (ends[1:] + ends[:-1]) / 2
+    through = shape.evaluate(at, 1.0) - shape.evaluate(at, 0.0)
+    return np.linalg.norm(np.diff(middle, axis=0), axis=1), np.linalg.norm(through, axis=1)
+
+
+def _largest(problem: Problem, space: RowSpace) -> tuple[float, float]:
+    """Length and height of the longest element."""
+    lengths, heights = _sizes(problem, space)
+    at = int(np.argmax(lengths))
+    return float(lengths[at]), float(heights[at] * np.diff(space.across.breakpoints).max())
+
+
+def _linear(space: RowSpace, lengths: FloatArray, heights: FloatArray, poissons_ratio: float) -> float:
+    """Mean excess of the bending stiffness of elements (elements,) at small strain."""
+    # the exact deflection is quadratic both ways, and an extent across that is of degree 2 along is constant
+    if space.across.degree >= 2 and min(row.degree for row in space.rows) >= 2:
+        return 0.0
+    order = np.argsort(lengths / heights)
+    share = np.cumsum(lengths[order]) / lengths.sum()
+    # the excess is a smooth function of the aspect: a few quantiles are enough
+    aspects = np.interp([0.1, 0.3, 0.5, 0.7, 0.9], share, (lengths / heights)[order])
+    even = np.ptp(aspects) < 1e-6 * aspects[0]
+    stiffness = [1 + _excess_of_columns(space, a, poissons_ratio) for a in (aspects[:1] if even else aspects)]
+    return float(1 / np.mean(1 / np.array(stiffness))) - 1
+
+
+def _excess_of_columns(space: RowSpace, aspect: float, poissons_ratio: float) -> float:
+    """Excess of the bending stiffness of equal element columns, `aspect` times as long as high; E = 1.
+
+    Plane strain. The exact field of pure bending is u = curvature (-x y, x^2/2 + nu/(1 - nu) y^2/2), with
+    an energy E'I/2 curvature^2 per length; the columns have its horizontal displacement at both ends.
+    """
+    ends = aspect * np.arange(_COLUMNS + 1.0)
+    rows = {
+        row: SplineSpace.on(row.degree, int(row.continuities.max(initial=0)), ends)
+        for row in dict.fromkeys(space.rows)
+    }
+    columns = replace(
+        space,
+        rows=tuple(rows[row] for row in space.rows),
+        weights=None,
+    )
+    shear = 1 / (2 * (1 + poissons_ratio))
+    lame = 2 * shear * poissons_ratio / (1 - 2 * poissons_ratio)
+    stiffness = _stiffness(columns, lame, shear)
+    size = columns.size
+    # horizontal displacement at the ends: a turn about the middle
+    turned = columns.across.interpolate(columns.across.greville - 0.5)
+    given = np.zeros(2 * size)
+    left, right = columns.side_functions("left"), columns.side_functions("right")
+    given[right] = -turned
+    # one point is held vertically
+    held = np.concatenate([left, right, [size + int(left[0])]])
+    free = np.setdiff1d(np.arange(2 * size), held)
+    forces = stiffness @ given
+    given[free] = spsolve(stiffness[free][:, free].tocsc(), -forces[free])
+    energy = float(given @ (stiffness @ given)) / 2
+    exact = 1 / float(ends[-1]) / 24 / (1 - poissons_ratio**2)
+    return float(energy / exact - 1)
+
+
+def _stiffness(space: RowSpace, lame: float, shear: float) -> csr_array:
+    """Stiffness (2 size, 2 size) of the unit height in plane strain, all horizontal components first."""
+    families = list(dict.fromkeys(space.rows))
+    along = {
+        (a, b, i, j): _products(one, other, i, j)
+        for a, one in enumerate(families)
+        for b, other in enumerate(families)
+        for i in range(2)
+        for j in range(2)
+    }
+    across = {
+        (i, j): _products(space.across, space.across, i, j).toarray() for i in range(2) for j in range(2)
+    }
+    kinds = [families.index(row) for row in space.rows]
+
+    def block(i: int, j: int, k: int, m: int) -> csr_array:
+        """int d^i N d^k M . d^j N d^m M, of derivatives along and across of both functions."""
+        table = across[k, m]
+        if len(families) == 1:
+            return csr_array(kron(table, along[0, 0, i, j]))
+        parts = [
+            [along[a, b, i, j] * table[r, c] if table[r, c] else None for c, b in enumerate(kinds)]
+            for r, a in enumerate(kinds)
+        ]
+        return csr_array(block_array(parts))
+
+    stiff = lame + 2 * shear
+    horizontal = stiff * block(1, 1, 0, 0) + shear * block(0, 0, 1, 1)
+    vertical = stiff * block(0, 0, 1, 1) + shear * block(1, 1, 0, 0)
+    coupling = lame * block(1, 0, 0, 1) + shear * block(0, 1, 1, 0)
+    return csr_array(block_array([[horizontal, coupling], [coupling.T, vertical]]))
+
+
+def _products(one: SplineSpace, other: SplineSpace, i: int, j: int) -> csr_array:
+    """Integrals (size, other size) of derivatives of order i and j of the functions of two spaces."""
+    nodes, weights = np.polynomial.legendre.leggauss(max(one.degree, other.degree) + 1)
+    half = np.diff(one.breakpoints)[:, None] / 2
+    points = (one.breakpoints[:-1, None] + half * (nodes + 1)).ravel()
+    values = one.collocation(points, i).multiply((half * weights).ravel()[:, None])
+    return csr_array(values.T @ other.collocation(points, j))

@@ -1,0 +1,365 @@
+"""Whether the elements of the adhering side resolve the peeling front: as estimated, and as measured.
+
+At a front the attraction rises and falls over a length that law, material and thickness set together. With
+the strength sigma and the work of adhesion W of the law, E' = E/(1 - nu^2) and the height h,
+
+    l_I = E' W / sigma^2                    in a thick body (Irwin's and Hillerborg's characteristic length),
+    l_s = (E' W / sigma^2)^(1/4) h^(3/4)    in a slender one (Yang and Cox, Int. J. Fract. 133, 2005; Turon,
+                                            Davila, Camanho and Costa, Eng. Fract. Mech. 74, 2007)
+
+up to factors. The process zone is the stretch where the attraction exceeds half of its peak
+(`front.process_zone`). Its estimate is 1/(1/(0.47 l_s) + 1/(1.45 l_I)): the shorter of both governs. The
+factors were fitted to strips that a moment peels from a rigid substrate, with exponential, bilinear and van
+der Waals laws and l_I from 0.02 h to 88 h, where it is right within a quarter (`benchmarks/resolution.py`).
+Of l_I, 1.45 is near twice the 9 pi/32 of a crack with the same body on both sides (Rice, 1968): one side is
+rigid here, which halves the compliance.
+
+The reach of the law is the stretch over which the attraction falls from its peak to a fiftieth of it. A gap
+grows with the square of the distance at a front, so that it is 0.88 sqrt(d_r/d_z) process zones with the
+openings d_r and d_z at which the attraction has fallen to a fiftieth and to a half (fitted likewise).
+
+A body that only touches the substrate, as a cylinder does, is pulled where its shape leaves a small gap:
+where that stretch is shorter than the estimate, it governs.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from math import ceil, floor, log10, sqrt
+from types import MappingProxyType
+from typing import Self
+
+import numpy as np
+from scipy.optimize import brentq
+
+from isopeel.arrays import BoolArray, FloatArray
+from isopeel.errors import InputError
+from isopeel.physics.adhesion import AdhesionLaw
+from isopeel.physics.batch import evaluate_substrate
+from isopeel.physics.materials.base import plane_strain_modulus
+from isopeel.post.closed_form.strip import free_strip
+from isopeel.post.front import ProcessZone
+from isopeel.post.laboratory import Laboratory
+from isopeel.post.law import law_character
+from isopeel.problem import Problem
+from isopeel.results.notes import Note
+from isopeel.splines.nurbs import Side
+from isopeel.splines.rows import STRONGEST_GRADING, RowSpace
+from isopeel.splines.space import SplineSpace
+
+#: Process zone over the lengths of slender and of thick bodies, and reach over process zone (see above).
+_SLENDER, _THICK, _REACH = 0.47, 1.45, 0.88
+#: Places along the adhering side that its gap at rest is looked at.
+_PLACES = 2001
+#: More elements along than this are not proposed, but a grading.
+_MOST_PROPOSED = 5000
+#: Oscillation of a plateau, over its mean, from which the mean may be wrong by a percent: 3 to 5 % on strips.
+SWINGS = 0.04
+#: Jumps of a strip on flat ground that its start and its end do not explain.
+JUMPS = 3
+#: A gap that varies by less of the length of the joint is the same everywhere: round-off.
+_EVEN = 1e-9
+#: A proposed mesh has so many times the elements that are needed; of a graded one, of which more elements
+#: are shorter by less where they are short, more of them.
+_SPARE, _SPARE_GRADED = 1.1, 1.4
+
+
+@dataclass(frozen=True)
+class Resolution:
+    """A process zone on the adhering side, and the elements there; lengths in L0."""
+
+    zone: float  # length of the process zone
+    reach: float  # length over which the law acts ahead of its peak
+    element: float  # the longest element in the zone
+    needed: float  # elements in the zone that the space needs
+
+    @property
+    def elements(self) -> float:
+        """Elements in the process zone."""
+        return self.zone / self.element
+
+    @property
+    def elements_in_reach(self) -> float:
+        """Elements in the reach of the law."""
+        return self.reach / self.element
+
+    @property
+    def is_enough(self) -> bool:
+        """Whether the zone has the elements that the space needs."""
+        return self.elements >= self.needed
+
+    def summary(self) -> dict[str, float]:
+        """Plain numbers."""
+        return {
+            "length": self.zone,
+            "elements": self.elements,
+            "needed": self.needed,
+            "reach": self.reach,
+            "elements_in_reach": self.elements_in_reach,
+        }
+
+
+def process_zone_length(irwin: float, height: float) -> float:
+    """Estimated length of the process zone of a body of a height, from l_I = E' W/sigma^2."""
+    slender = sqrt(sqrt(irwin * height**3))
+    return 1 / (1 / (_SLENDER * slender) + 1 / (_THICK * irwin))
+
+
+def needed_elements(functions: SplineSpace) -> float:
+    """Elements in the process zone with which a plateau is right within about 1 %.
+
+    What counts is the number of functions in the zone: 1.2 of smooth splines, 2 of C0 splines of degree 2 and
+    more (`benchmarks/resolution.py`).
+    """
+    smooth = functions.degree - 1
+    if functions.elements > 1:
+        smooth = int(np.median(functions.continuities))
+    if smooth == 0 and functions.degree > 1:
+        return 2 / functions.degree
+    return 1.2 / (functions.degree - smooth)
+
+
+def estimated(problem: Problem, space: RowSpace) -> Resolution | None:
+    """Resolution where the front of a problem starts, before any step; None of a law without a peak.
+
+    A body that lies on the substrate parts first at the ends of the adhering part that face the drive; one
+    that touches it, at the edge of the contact that its shape and the law leave, or that of Johnson, Kendall
+    and Roberts at pull-off where this is wider.
+    """
+    law = problem.adhesion.law
+    try:
+        character = law_character(law)
+    except InputError:
+        return None
+    places, gap = _at_rest(problem)
+    opened = character.softened_gap - law.equilibrium_gap
+    modulus = plane_strain_modulus(problem.body.material)
+    irwin = modulus * character.work_of_adhesion / character.strength**2
+    touches, lowest = gap - gap.min() < opened, int(np.argmin(gap))
+    if touches.all():
+        ends = {"left": [0], "right": [-1]}.get(problem.drive.side, [0, -1])
+        fronts = [float(places[end]) for end in ends]
+        limit = float(places[-1] - places[0])
+    else:
+        limit = _beside(places, touches, lowest)
+        radius = limit**2 / (2 * opened)
+        edge = max(limit, float((2 * character.work_of_adhesion * radius**2 / (np.pi * modulus)) ** (1 / 3)))
+        around = places[lowest] + np.array([-edge, edge])
+        fronts = [float(front) for front in around if places[0] <= front <= places[-1]] or [float(places[-1])]
+    zone = min(process_zone_length(irwin, _height(problem)), limit)
+    ends_of_elements = _ends(problem, space)
+    longest = max(_longest(ends_of_elements, front - zone, front + zone) for front in fronts)
+    return Resolution(zone, zone * _reach(law), longest, needed_elements(_functions(problem, space)))
+
+
+def measured(problem: Problem, space: RowSpace, zone: ProcessZone) -> Resolution:
+    """Resolution of a process zone that was found in a state, with the law's reach beside such a zone."""
+    longest = _longest(_ends(problem, space), zone.start, zone.end)
+    needed = needed_elements(_functions(problem, space))
+    return Resolution(zone.length, zone.length * _reach(problem.adhesion.law), longest, needed)
+
+
+def parts_at_once(problem: Problem) -> bool:
+    """Whether a joint opens alike everywhere, so that it has no front, as below a bar that is pulled."""
+    adhesion, drive = problem.adhesion, problem.drive
+    opposite = {"bottom": "top", "top": "bottom", "left": "right", "right": "left"}
+    across = 0 if adhesion.side in ("bottom", "top") else 1
+    beside = {"left", "right"} if across == 0 else {"bottom", "top"}
+    held = beside <= {fixed.side for fixed in problem.fixed if across in fixed.components}
+    places, gap = _at_rest(problem)
+    even = np.ptp(gap) <= _EVEN * (places[-1] - places[0])
+    whole = (adhesion.start, adhesion.end) == (0.0, 1.0)
+    alone = held or problem.body.material.poissons_ratio == 0
+    return bool(drive.side == opposite[adhesion.side] and whole and even and alone)
+
+
+def estimate_notes(problem: Problem, space: RowSpace, laboratory: Laboratory) -> list[Note]:
+    """Say before the first step that the elements are too few for the front, and what would do."""
+    found = estimated(problem, space)
+    if found is None or found.is_enough or parts_at_once(problem):
+        return []
+    return [
+        Note(
+            "resolution",
+            f"{_told(problem, space, found, laboratory)} (estimated from law, material and thickness)",
+        )
+    ]
+
+
+@dataclass(frozen=True)
+class Zones:
+    """The process zone as estimated before the first step, and as measured in stored states, by parameter."""
+
+    estimated: Resolution | None = None
+    measured: Mapping[float, Resolution] = field(default_factory=lambda: MappingProxyType({}))
+
+    @classmethod
+    def of(cls, problem: Problem, space: RowSpace, zones: Mapping[float, ProcessZone]) -> Self:
+        """Those of a problem on a space; `zones` are the process zones of its stored states."""
+        found = {at: measured(problem, space, zone) for at, zone in zones.items() if zone.length > 0}
+        return cls(estimated(problem, space), found)
+
+    @property
+    def last(self) -> tuple[float, Resolution] | None:
+        """Parameter and process zone of the last state that has a front."""
+        return None if not self.measured else list(self.measured.items())[-1]
+
+    @property
+    def worst(self) -> tuple[float, Resolution] | None:
+        """Those with the fewest elements."""
+        return min(self.measured.items(), key=lambda item: item[1].elements, default=None)
+
+    def summary(self, parameter: str) -> dict[str, dict[str, float] | None]:
+        """Plain numbers in L0: what was estimated, and what was measured last, at a parameter of a name."""
+        last = self.last
+        return {
+            "estimated": None if self.estimated is None else self.estimated.summary(),
+            "measured": None if last is None else {parameter: last[0], **last[1].summary()},
+        }
+
+
+def zone_notes(problem: Problem, space: RowSpace, zones: Zones, laboratory: Laboratory) -> list[Note]:
+    """Say that elements were too few at a front that was measured, or at that estimated where none was."""
+    if zones.worst is None:
+        return estimate_notes(problem, space, laboratory)
+    value, front = zones.worst
+    if front.is_enough:
+        return []
+    # a front that elements do not resolve is as long as they are
+    if zones.estimated is not None and zones.estimated.elements < front.elements:
+        return estimate_notes(problem, space, laboratory)
+    where = f"measured at the front at {laboratory.parameter(problem.drive.parameter_column, value)}"
+    return [Note("resolution", f"{_told(problem, space, front, laboratory)} ({where})")]
+
+
+def oscillation_notes(problem: Problem, plateau: tuple[float, float] | None, jumps: int) -> list[Note]:
+    """Say that the front of a strip moves from element to element, of which its reaction tells.
+
+    `plateau` are the mean of a steady reaction and its oscillation, peak to peak, where they could be read.
+    A strip on flat ground parts steadily but for its start and its end, which may jump.
+    """
+    if free_strip(problem) is None:
+        return []
+    told = None
+    if plateau is not None and abs(plateau[1]) > SWINGS * abs(plateau[0]):
+        told = f"the reaction swings by {100 * abs(plateau[1] / plateau[0]):.2g} % of its plateau"
+    elif jumps >= JUMPS:
+        told = f"the front jumped {jumps} times"
+    if told is None:
+        return []
+    text = f"{told}, where that of such a strip moves steadily: elements along are too large for the front"
+    return [Note("resolution", text)]
+
+
+def _told(problem: Problem, space: RowSpace, found: Resolution, laboratory: Laboratory) -> str:
+    """Numbers of a resolution that is not enough, and the space, mesh or grading that would do."""
+    element, zone, reach = (
+        laboratory.text(length, "length", 3) for length in (found.element, found.zone, found.reach)
+    )
+    ways = ", or ".join(_ways(problem, space, found))
+    return (
+        f"{found.elements:.2g} elements of {element} in the process zone of {zone}, and "
+        f"{found.elements_in_reach:.2g} in the reach of the law, {reach}; space {space.name} needs "
+        f"{found.needed:.2g} in the zone: take {ways}"
+    )
+
+
+def _ways(problem: Problem, space: RowSpace, found: Resolution) -> list[str]:
+    """What would give the process zone the elements that it needs."""
+    along, across = space.elements
+    if problem.adhesion.side in ("left", "right"):
+        return [f"mesh = '{along}x{_rounded_up(_SPARE * across * found.needed / found.elements)}'"]
+    sizes = np.diff(space.rows[0].breakpoints)
+    spare = _SPARE if np.ptp(sizes) < _EVEN else _SPARE_GRADED
+    wanted = _rounded_up(spare * along * found.needed / found.elements)
+    ways = [f"mesh = '{wanted}x{across}'"] if wanted <= _MOST_PROPOSED else [f"{wanted} elements along"]
+    usual = SplineSpace.uniform(3, 1, 2)
+    if found.needed > needed_elements(usual) and found.elements >= _SPARE * needed_elements(usual):
+        ways.append("space = 'N2.1'")
+    if problem.drive.side in ("bottom", "top"):
+        # the front stays near where it starts
+        grading = _grading(along, found.zone / found.needed / _SPARE / _ends(problem, space)[-1])
+        ways += [] if grading is None else [f"grade the elements towards the front, by up to 1:{grading}"]
+    return ways
+
+
+def _grading(elements: int, smallest: float) -> int | None:
+    """Ratio of the last of so many elements to the first one, the latter being a share of them all."""
+
+    def share(logarithm: float) -> float:
+        rate = logarithm / (elements - 1)
+        return float(np.expm1(rate) / np.expm1(rate * elements)) - smallest
+
+    largest = float(np.log(STRONGEST_GRADING))
+    if elements < 2 or not share(largest) < 0 < share(1e-6):
+        return None
+    return _rounded_up(float(np.exp(brentq(share, 1e-6, largest))))
+
+
+def _rounded_up(number: float) -> int:
+    """The next number of two digits and zeros."""
+    unit: int = 10 ** max(floor(log10(number)) - 1, 0)
+    return int(ceil(number / unit) * unit)
+
+
+def _reach(law: AdhesionLaw) -> float:
+    """The reach of a law over the process zone; 1 of a law without a peak."""
+    try:
+        character = law_character(law)
+    except InputError:
+        return 1.0
+    opened, spent = (gap - law.equilibrium_gap for gap in (character.softened_gap, character.spent_gap))
+    return _REACH * sqrt(spent / opened)
+
+
+def _functions(problem: Problem, space: RowSpace) -> SplineSpace:
+    """The functions along the adhering side."""
+    rows: dict[Side, SplineSpace] = {"bottom": space.rows[0], "top": space.rows[-1]}
+    return rows.get(problem.adhesion.side, space.across)
+
+
+def _ends(problem: Problem, space: RowSpace) -> FloatArray:
+    """Ends (elements + 1,) of the elements along the adhering side at rest, from its start."""
+    ends = _functions(problem, space).breakpoints
+    # chords of parts of each element: the elements of a bent side are its arcs
+    parts = (ends[:-1, None] + np.diff(ends)[:, None] * np.arange(4) / 4).ravel()
+    points = problem.body.shape.boundary(problem.adhesion.side).evaluate(np.append(parts, ends[-1]))
+    lengths = np.linalg.norm(np.diff(points, axis=0), axis=1).reshape(-1, 4).sum(axis=1)
+    return np.concatenate([[0.0], np.cumsum(lengths)])
+
+
+def _longest(ends: FloatArray, start: float, end: float) -> float:
+    """The longest of the elements between ends (elements + 1,) that a stretch of the side covers in part."""
+    covered = (ends[1:] > start) & (ends[:-1] < end)
+    return float(np.diff(ends)[covered].max()) if covered.any() else float(np.diff(ends)[-1])
+
+
+def _at_rest(problem: Problem) -> tuple[FloatArray, FloatArray]:
+    """Places (n,) along the adhering part from the start of its side, and the gap at rest there."""
+    adhesion = problem.adhesion
+    curve = problem.body.shape.boundary(adhesion.side)
+    points = curve.evaluate(np.linspace(adhesion.start, adhesion.end, _PLACES))
+    first = curve.length(adhesion.start) if adhesion.start > 0 else 0.0
+    steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
+    gap, _, _ = evaluate_substrate(adhesion.substrate.kernel, adhesion.substrate.parameters, points)
+    return first + np.concatenate([[0.0], np.cumsum(steps)]), gap
+
+
+def _beside(places: FloatArray, touches: BoolArray, lowest: int) -> float:
+    """Length of the touching stretch around the lowest place, on that side of it where it is longer."""
+    apart = np.flatnonzero(~touches)
+    before, after = apart[apart < lowest], apart[apart > lowest]
+    start = places[before[-1] + 1] if before.size else places[0]
+    end = places[after[0] - 1] if after.size else places[-1]
+    step = float(np.diff(places).max())
+    return max(float(places[lowest] - start), float(end - places[lowest]), step)
+
+
+def _height(problem: Problem) -> float:
+    """Thickness of the body above the adhering side, in the middle of what adheres."""
+    adhesion, shape = problem.adhesion, problem.body.shape
+    at, ends = (adhesion.start + adhesion.end) / 2, (0.0, 1.0)
+    if adhesion.side in ("bottom", "top"):
+        points = shape.evaluate(np.full(2, at), np.array(ends))
+    else:
+        points = shape.evaluate(np.array(ends), np.full(2, at))
+    return float(np.linalg.norm(points[1] - points[0]))
