@@ -4,6 +4,7 @@ import csv
 import sys
 import time
 from collections.abc import Sequence
+from math import isclose, isfinite
 from pathlib import Path
 from typing import Annotated
 
@@ -19,13 +20,13 @@ from trials.case import Trial
 from trials.drawing import trial as drawn_trial
 from trials.running import Attempt, Outcome, Shipped
 from trials.tables import Found, counts, gains, listed
-from trials.verdict import Verdict, deviation, verdict, warned_by_default
+from trials.verdict import RIGHT, Verdict, deviation, verdict, warned_by_default
 from trials.workers import Lost, run_all
 
 LIMIT = 60.0  # seconds of the processor
 _COLUMNS = (
     *("seed", "number", "family", "kind", "verdict", "ending", "value", "right", "deviation", "element"),
-    *("steps", "seconds", "gain", "doubts", "cause"),
+    *("theory", "steps", "seconds", "gain", "doubts", "cause"),
 )
 
 
@@ -56,7 +57,7 @@ def write(path: Path, found: Found) -> None:
                 [
                     *(trial.seed, trial.number, trial.family, drawn.kind, verdict(trial, outcome).value),
                     *(outcome.ending, outcome.value, drawn.answer.value, deviation(trial, outcome)),
-                    *(drawn.element, outcome.steps, outcome.seconds, gain),
+                    *(drawn.element, outcome.theory, outcome.steps, outcome.seconds, gain),
                     *(" | ".join(outcome.doubts), outcome.cause),
                 ]
             )
@@ -77,6 +78,12 @@ def report(found: Found, console: Console, *, everything: bool) -> None:
         f"on the default mesh {warned} of {default} cases carry a note or fail ({_percent(warned, default)})"
     )
     console.print(f"right within 1 % but warned: {close} of {total} ({_percent(close, total)})")
+    shown = [pair for pair in found if isfinite(pair[1].theory)]
+    wrong = [pair for pair in shown if not isclose(pair[1].theory, pair[0].drawn.answer.value, rel_tol=RIGHT)]
+    numbers = ", ".join(str(trial.number) for trial, _ in wrong)
+    console.print(
+        f"closed forms shown: {len(shown)}, off by more than 3 %: {len(wrong)} {numbers and f'({numbers})'}"
+    )
     console.print(f"steps that gain energy without work: in {table.row_count} of {total} cases")
 
 

@@ -10,14 +10,14 @@ from io import StringIO
 from math import nan
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Any, Literal, TypeAlias
+from typing import Any, Literal, NamedTuple, TypeAlias
 
 from rich.console import Console
 
 from isopeel.case import load_case
 from isopeel.errors import InputError
 from isopeel.folder import places
-from isopeel.results.run_file import StoredRun, read_run
+from isopeel.results.run_file import read_run
 from isopeel.run import run_case
 from isopeel.units import parse_quantity
 from trials.case import Reading, Trial
@@ -37,8 +37,9 @@ class Outcome:
     doubts: tuple[str, ...] = ()
     cause: str = ""
     steps: int = 0
-    seconds: float = 0.0
+    seconds: float = 0.0  # of the processor
     gain: Gain | None = None
+    theory: float = nan  # the closed form that the summary has beside the value
 
 
 @dataclass(frozen=True)
@@ -75,7 +76,7 @@ def run_text(text: str, files: dict[str, str], folder: Path, reading: Reading) -
 
 
 def _run(source: str | Path, out: Path, reading: Reading) -> Outcome:
-    began = time.perf_counter()
+    began = time.process_time()
     try:
         case = load_case(source)
         result = run_case(case, out, Console(file=StringIO()))
@@ -85,39 +86,50 @@ def _run(source: str | Path, out: Path, reading: Reading) -> Outcome:
         runs = [read_run(path) for path in paths if path.exists()]
         gains = [largest_gain(run, stage.problem) for run, stage in zip(runs, stages, strict=False)]
     except InputError as error:
-        return Outcome("refused", cause=f"{error}", seconds=time.perf_counter() - began)
+        return Outcome("refused", cause=f"{error}", seconds=time.process_time() - began)
     except Exception:
-        return Outcome("crashed", cause=traceback.format_exc(), seconds=time.perf_counter() - began)
+        return Outcome("crashed", cause=traceback.format_exc(), seconds=time.process_time() - began)
+    found = read(summary, reading)
     failure = summary["failure"]
     return Outcome(
         "completed" if summary["completed"] else "not converged",
-        read(summary, result.run, reading),
+        found.value,
         tuple(
             f"{note['subject']}: {note['text']}" for note in summary["notes"] if note["subject"] != "reading"
         ),
         f"{failure['cause']}: {failure['reason']}" if failure else "",
         sum(len(run.curve) for run in runs),
-        time.perf_counter() - began,
+        time.process_time() - began,
         max(gains, key=lambda gain: gain.share),
+        found.theory,
     )
 
 
-def read(summary: dict[str, Any], run: StoredRun, reading: Reading) -> float:
-    """The value in SI units that a user takes from a summary, or from the curve where that has none."""
-    curve = run.curve
-    column = curve.reaction_column
-    unit = unit_of(column.unit, summary["units"], moment=column.name == "moment")
-    if reading == "plateau":
-        value = summary["plateau"]
-    elif reading == "largest":
-        value = abs(summary["peak"][column.name]) if summary["peak"] else None
-    elif reading in ("pull-off", "push"):
-        sign = 1 if reading == "pull-off" else -1
-        value = float((sign * curve.reaction).max()) if len(curve) else None
-    else:
-        found = summary.get("buckling")
-        value = found if found is not None else summary["peak"] and abs(summary["peak"][column.name])
-    return nan if value is None else float(value) * unit
+#: What the rows of a summary that tell of each reading begin with.
+_ROWS: dict[Reading, tuple[str, ...]] = {
+    "plateau": ("steady ",),
+    "largest": ("largest force", "largest moment"),
+    "pull-off": ("pull-off force", "largest tension"),
+    "push": ("largest push",),
+    "buckling": ("buckling",),
+}
+
+
+class Read(NamedTuple):
+    """A value in a summary and the closed form beside it, in SI units per width; nan for none."""
+
+    value: float = nan
+    theory: float = nan
+
+
+def read(summary: dict[str, Any], reading: Reading) -> Read:
+    """The row of a summary that a user of the drive looks for."""
+    for row in summary["readings"]:
+        if row["quantity"].startswith(_ROWS[reading]):
+            unit = unit_of(row["unit"], summary["units"], moment="moment" in row["quantity"])
+            theory = row["closed_form"]["value"] if row["closed_form"] else nan
+            return Read(row["value"] * unit, theory * unit)
+    return Read()
 
 
 def unit_of(written: str, units: dict[str, Any], *, moment: bool) -> float:
