@@ -36,7 +36,7 @@ from isopeel.case.sections import (
 )
 from isopeel.case.stages import Stage, check_number, check_work
 from isopeel.case.text import LARGEST_TEXT, document_of, size_of
-from isopeel.case.values import Section
+from isopeel.case.values import Section, as_written
 from isopeel.errors import InputError
 from isopeel.physics.substrates import Flat
 from isopeel.problem import AdhesiveSide, Body, FixedSide, Problem
@@ -164,8 +164,8 @@ class Case(Section):
 
         `control` is that of all stages.
 
-        They are texts with units; plain numbers are degrees where an angle is needed. Raises InputError whose
-        field is the option of the command line, such as --mesh.
+        They are texts with units; plain numbers are degrees of an angle, and refused elsewhere. Raises
+        InputError whose field is the option of the command line, such as --mesh.
         """
         given = {
             ("discretization", "space"): space,
@@ -181,7 +181,8 @@ class Case(Section):
         document = dict(self._document)
         for (section, key), value in changes.items():
             table = document.get(section, {})
-            entry = {key: self._parameter(value) if key in ("to", "step", "fields_every") else value}
+            parameter = key in ("to", "step", "fields_every")
+            entry = {key: as_written(self.drive[-1].dimension, value) if parameter else value}
             if not isinstance(table, list):
                 document[section] = table | entry
             elif key == "path_control":
@@ -205,14 +206,6 @@ class Case(Section):
                     option = "control" if key == "path_control" else key.replace("_", "-")
                     raise InputError(f"--{option}", value, error.allowed) from error
             raise
-
-    def _parameter(self, value: object) -> object:
-        """A parameter of the last stage as it is written."""
-        try:
-            number = float(str(value))
-        except ValueError:
-            return value
-        return f"{number!r} deg" if self.drive[-1].dimension.angle else str(value)
 
     @property
     def text(self) -> str:

@@ -43,6 +43,19 @@ def read_quantity(dimension: Dimension, written: object) -> float:
     return quantity.value
 
 
+def as_written(dimension: Dimension, value: object) -> str:
+    """A value of a command line as a case file would have it, which takes no plain numbers.
+
+    One rule for all commands: a plain number is in degrees where an angle is needed, as all curves over an
+    angle are; of a length or a force it would mean another one in each case, and is left to be refused.
+    """
+    try:
+        number = float(str(value))
+    except ValueError:
+        return str(value)
+    return f"{number!r} deg" if dimension.angle else str(value)
+
+
 def several(count: int, needed: str) -> str:
     """Say that a list is needed, of so many values that are each needed."""
     return f"a list of {count} is needed; for each value, {needed}"

@@ -41,7 +41,10 @@ def run(
     mesh: Annotated[str | None, typer.Option(metavar="NXxNY", help="Elements, such as 200x10.")] = None,
     to: Annotated[
         str | None,
-        typer.Option(metavar="VALUE", help="Last parameter, such as '20 nm'; a number means degrees."),
+        typer.Option(
+            metavar="VALUE",
+            help="Last parameter, with its unit, such as '20 nm'; a plain number is in degrees.",
+        ),
     ] = None,
     step: Annotated[
         str | None, typer.Option(metavar="VALUE", help="Step of the parameter, written likewise.")
@@ -100,7 +103,9 @@ def resume(
     folder: Annotated[Path, typer.Argument(metavar="DIR", help="Folder of a run that was interrupted.")],
     to: Annotated[
         str | None,
-        typer.Option(metavar="VALUE", help="Last parameter, if it is to go further than was asked for."),
+        typer.Option(
+            metavar="VALUE", help="Last parameter, if it is to go further than was asked for; as in `run`."
+        ),
     ] = None,
     control: _ControlOption = None,
 ) -> int:

@@ -21,7 +21,8 @@ def plot(
         list[str] | None,
         typer.Option(
             metavar="VALUE",
-            help="Parameter of a state to show, such as '20 nm'; a number means degrees; repeatable.",
+            help="Parameter of a state to show, with its unit, such as '20 nm'; a plain number is in "
+            "degrees; repeatable.",
         ),
     ] = None,
     suffix: Annotated[str, typer.Option("--format", metavar="png|svg|pdf", help="Kind of file.")] = "png",
@@ -113,7 +114,10 @@ def view(
     folder: Annotated[Path, typer.Argument(metavar="DIR", help="Folder of a run, or of one of its stages.")],
     at: Annotated[
         str | None,
-        typer.Option(metavar="VALUE", help="Parameter of the state to begin with; a number means degrees."),
+        typer.Option(
+            metavar="VALUE",
+            help="Parameter of the state to begin with, with its unit; a plain number is in degrees.",
+        ),
     ] = None,
     screenshot: Annotated[
         Path | None, typer.Option(metavar="FILE", help="Write a PNG picture instead of opening a window.")

@@ -5,10 +5,11 @@ from pathlib import Path
 
 import numpy as np
 
-from isopeel.case.values import read_quantity
+from isopeel.case.values import as_written, read_quantity
 from isopeel.errors import InputError
 from isopeel.post.summary import short_unit
 from isopeel.stored import StoredStage, stored_stages
+from isopeel.units import measured_in
 
 
 def shown_stages(folder: Path) -> tuple[StoredStage, ...]:
@@ -40,16 +41,18 @@ def shown_stage(folder: Path) -> StoredStage:
 def stored_parameters(stage: StoredStage, written: Sequence[str]) -> list[float]:
     """The parameters of the stored displacements that are nearest to those that a user writes, in turn.
 
-    Plain numbers are degrees. Raises InputError for --at, also where one lies off all that is stored.
+    They are read in the units of the run's case. Plain numbers are degrees of an angle, and nothing else.
+    Raises InputError for --at, also where one lies off all that is stored.
     """
     return list(dict.fromkeys(_nearest(stage, value) for value in written))
 
 
 def _nearest(stage: StoredStage, written: str) -> float:
     drive, stored = stage.stage.problem.drive, np.array(list(stage.run.fields))
+    dimension = drive.parameter_dimension
     try:
-        plain = drive.parameter_dimension.angle and _is_number(written)
-        value = read_quantity(drive.parameter_dimension, f"{written} deg" if plain else written)
+        with measured_in(stage.case.units.system()):
+            value = read_quantity(dimension, as_written(dimension, written))
     except ValueError as error:
         raise InputError("--at", written, str(error)) from error
     room = stage.run.field_interval / 2
@@ -58,11 +61,3 @@ def _nearest(stage: StoredStage, written: str) -> float:
         reach = f"from {stored.min():g} to {stored.max():g} {unit}"
         raise InputError("--at", written, f"displacements are stored {reach}")
     return float(stored[np.abs(stored - value).argmin()])
-
-
-def _is_number(written: str) -> bool:
-    try:
-        float(written)
-    except ValueError:
-        return False
-    return True

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import ClassVar
+from typing import ClassVar, get_args
 
 import numpy as np
 
@@ -15,7 +15,16 @@ from isopeel.quantities import Length
 from isopeel.splines.nurbs import NurbsSurface, Side
 from isopeel.splines.space import SplineSpace
 
-POINTS_PER_SPAN = 5
+#: Each way; more of them where there are few spans, where a fold may be small beside a span.
+POINTS_PER_SPAN, POINTS_OF_FEW, FEW_SPANS = 5, 16, 1000
+#: Of an extent: a coordinate times a unit length, each of which a case has between 1e-12 and 1e12.
+SMALLEST, LARGEST = 1e-24, 1e24
+#: A minimum of the Jacobian is closed in on so many times, by a factor of four each: to 1e-6 of a span.
+ZOOMS = 8
+#: Of the largest weight over the smallest: a Jacobian goes with their squares, and has sixteen digits.
+WEIGHTS_APART = 1e6
+#: Of a side to the extent of the patch, and of the least Jacobian to the largest: half of the digits.
+LEAST = 1e-8
 
 
 @dataclass(frozen=True)
@@ -47,7 +56,9 @@ class Patch:
         check_positive(unit_length=self.unit_length)
         try:
             with np.errstate(all="ignore"):  # what does not stay finite is refused
-                _check_orientation(self._surface)
+                surface = self._surface
+                _check_size(surface)
+                _check_orientation(surface)
         except InputError as error:
             reason = f"in it, {error.field} {error.value}: {error.allowed}"
             raise InputError("body.file", str(self.file), reason) from error
@@ -65,33 +76,91 @@ class Patch:
     @cached_property
     def _surface(self) -> NurbsSurface:
         drawn = read_surface(self.file)
+        apart = float(drawn.weights.max() / drawn.weights.min())
+        if not apart <= WEIGHTS_APART:
+            raise ValueError(
+                f"in it, weights differ by a factor of {apart:.3g}, and one of {WEIGHTS_APART:g} is allowed"
+            )
         # weights of one factor draw the same shape, and those of size 1 leave products finite
         weights = drawn.weights / drawn.weights.max()
         return NurbsSurface(drawn.spaces, drawn.control_points * self.unit_length, weights)
 
 
+def _check_size(surface: NurbsSurface) -> None:
+    """Raise ValueError unless the patch has a size that a body can have."""
+    extent = float(np.ptp(surface.control_points.reshape(-1, 2), axis=0).max())
+    # an extent of zero is that of a point, which is a fold
+    if extent and not SMALLEST <= extent <= LARGEST:
+        raise ValueError(
+            f"its extent is {extent:.3g} units of the case; it must lie between {SMALLEST:g} and {LARGEST:g}"
+        )
+
+
 def _check_orientation(surface: NurbsSurface) -> None:
-    """Raise ValueError unless the Jacobian is positive at points of all knot spans."""
-    xi, eta = (_points(space) for space in surface.spaces)
+    """Raise ValueError unless the Jacobian is positive at points of all knot spans, and along all sides.
+
+    At the corners it may vanish: two sides of a disc meet there in a straight line.
+    """
+    few = surface.spaces[0].elements * surface.spaces[1].elements <= FEW_SPANS
+    xi, eta = (_points(space, POINTS_OF_FEW if few else POINTS_PER_SPAN) for space in surface.spaces)
     determinants = _determinants(surface, xi, eta)
+    along = _determinants(surface, xi, surface.spaces[1].breakpoints[[0, -1]])
+    across = _determinants(surface, surface.spaces[0].breakpoints[[0, -1]], eta)
     if np.all(determinants < 0):
         raise ValueError(
             "its Jacobian is negative everywhere: let xi run along the lower side and eta to the left of it, "
             "by swapping or reversing directions"
         )
+    _check_positive_inside(determinants, xi, eta)
+    _check_positive_inside(*_least_of(surface, determinants, xi, eta))
+    extent = float(np.ptp(surface.control_points.reshape(-1, 2), axis=0).max())
+    for side in get_args(Side):
+        if not surface.boundary(side).length() > LEAST * extent:
+            raise ValueError(f"the side {side} has no length: a patch has four sides, not three")
+    least = LEAST * float(determinants.max())
+    for name, values in (
+        *zip(("bottom", "top"), along.T, strict=True),
+        *zip(("left", "right"), across, strict=True),
+    ):
+        if not values.min() > least:
+            raise ValueError(f"its map is singular along the side {name}, where control points coincide")
+    if not determinants.min() > least:
+        i, j = np.unravel_index(np.argmin(determinants), determinants.shape)
+        raise ValueError(f"its map is singular at xi = {xi[i]:.6g}, eta = {eta[j]:.6g}")
+
+
+def _least_of(
+    surface: NurbsSurface, determinants: FloatArray, xi: FloatArray, eta: FloatArray
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Determinants (9, 9) about the least one, closed in on, with xi and eta: a fold may be a thin line."""
+    i, j = np.unravel_index(np.argmin(determinants), determinants.shape)
+    places, sizes = (xi[i], eta[j]), [np.diff(line).max(initial=0.0) for line in (xi, eta)]
+    for _ in range(ZOOMS):
+        # the corners stay outside
+        x, y = (
+            np.clip(place + size * np.linspace(-1, 1, 9), line[0], line[-1])
+            for place, size, line in zip(places, sizes, (xi, eta), strict=True)
+        )
+        values = _determinants(surface, x, y)
+        i, j = np.unravel_index(np.argmin(values), values.shape)
+        places, sizes = (x[i], y[j]), [size / 4 for size in sizes]
+    return values, x, y
+
+
+def _check_positive_inside(determinants: FloatArray, xi: FloatArray, eta: FloatArray) -> None:
     if not np.all(determinants > 0):
         i, j = np.unravel_index(np.argmin(determinants), determinants.shape)
         raise ValueError(f"the patch must not fold, as it does at xi = {xi[i]:.6g}, eta = {eta[j]:.6g}")
 
 
-def _points(space: SplineSpace) -> FloatArray:
+def _points(space: SplineSpace, count: int) -> FloatArray:
     start, end = space.breakpoints[:-1, None], space.breakpoints[1:, None]
-    points: FloatArray = start + (end - start) * (np.arange(POINTS_PER_SPAN) + 0.5) / POINTS_PER_SPAN
+    points: FloatArray = start + (end - start) * (np.arange(count) + 0.5) / count
     return points.ravel()
 
 
 def _determinants(surface: NurbsSurface, xi: FloatArray, eta: FloatArray) -> FloatArray:
-    """The Jacobian's determinants (n, m) up to positive factors at all of xi (n,) with all of eta (m,).
+    """The Jacobian's determinants (n, m) up to a positive factor at all of xi (n,) with all of eta (m,).
 
     Those of a rational map A/w are det(A_xi, A_eta, A) / w^3 with its homogeneous points A.
     """
@@ -108,4 +177,4 @@ def _determinants(surface: NurbsSurface, xi: FloatArray, eta: FloatArray) -> Flo
         return grid.reshape(eta.size, xi.size, 3).swapaxes(0, 1)
 
     parts = [derivatives(1, 0), derivatives(0, 1), derivatives(0, 0)]
-    return np.asarray(np.linalg.det(np.stack(parts, axis=-2)))
+    return np.asarray(np.linalg.det(np.stack(parts, axis=-2)) / parts[2][..., 2] ** 3)
