@@ -187,6 +187,19 @@ def test_the_front_shows_stress_forces_and_tensions(bent: FloatArray) -> None:
     assert bar.get_ylabel() == r"$I_1 = \mathrm{tr}\,\sigma / E$"
 
 
+def test_a_front_that_is_wider_than_a_thin_body_is_seen_whole(bent: FloatArray) -> None:
+    problem = isopeel.strip(height=0.2)
+    zone = process_zone(front_profile(problem, SPACE, bent))
+    assert zone is not None
+    # the window is 3.2 heights wide where the front is narrower than that
+    assert zone.length > 3.2 * 0.2
+    upper, lower, *_ = front_figure(problem, SPACE, 20.0, bent).axes
+    assert lower.get_xlim()[0] <= zone.start < zone.end <= lower.get_xlim()[1]
+    # the ramp moves points up alone
+    assert upper.get_xlim()[0] < zone.start < zone.end < upper.get_xlim()[1]
+    assert any("process zone" in text.get_text() for text in lower.texts)
+
+
 def test_a_body_at_rest_has_a_front_figure() -> None:
     figure = front_figure(PROBLEM, SPACE, 0.0, np.zeros((SPACE.size, 2)))
     assert figure.axes[0].get_title("left").startswith("front at 0°")

@@ -19,7 +19,7 @@ from isopeel.post.figures.body import (
 )
 from isopeel.post.figures.labels import shown_parameter
 from isopeel.post.figures.tractions import ALONG, broken, draw_length, shade_element
-from isopeel.post.front import FrontProfile, front_profile, process_zone
+from isopeel.post.front import FrontProfile, ProcessZone, front_profile, process_zone
 from isopeel.post.states import Window, body_state, front_window
 from isopeel.post.style import BLUE, ORANGE, TWO_COLUMNS, note_units, style
 from isopeel.problem import Problem
@@ -27,6 +27,7 @@ from isopeel.splines.rows import RowSpace
 
 _LONGEST_ARROW = 0.3  # of the height of the window
 _ARROWS = 80  # across the window, at most
+_MARGIN = 0.25  # of a process zone that is wider than the window, beside it
 
 
 def front_figure(
@@ -40,10 +41,15 @@ def front_figure(
     """
     state = body_state(problem, space, parameter, displacement)
     profile = front_profile(problem, space, displacement)
+    zone = process_zone(profile)
     window = front_window(problem, state)
+    if zone is not None:
+        window = _widened(window, profile, zone)
     arrows = _arrows(profile, window)
     window = _fitted(window, arrows, state.fields.position)
     seen = _seen(profile, window)
+    if zone is not None:
+        seen = min(seen[0], zone.start), max(seen[1], zone.end)
     inside = _inside(state.fields.position, window)
     # of what is seen: stresses far from the front would drown it
     scale = max(1e-6, float(np.nanmax(np.abs(state.fields.first_invariant[inside]), initial=0.0)))
@@ -84,6 +90,21 @@ def _evenly(arrows: FloatArray, window: Window) -> FloatArray:
     number = np.floor(np.cumsum(np.append(0.0, steps)) * _ARROWS / float(np.ptp(window.x)))
     kept: FloatArray = arrows[np.flatnonzero(np.diff(number, prepend=-1.0))]
     return kept
+
+
+def _widened(window: Window, profile: FrontProfile, zone: ProcessZone) -> Window:
+    """A window that holds all of a process zone with a margin; that of a thin body is longer than high."""
+    inside = (profile.position >= zone.start) & (profile.position <= zone.end)
+    places = profile.deformed[inside]
+    if not len(places):
+        return window
+    margin = _MARGIN * zone.length
+    low, high = places.min(axis=0) - margin, places.max(axis=0) + margin
+    x, y = (
+        (min(start, float(low[k])), max(end, float(high[k])))
+        for k, (start, end) in enumerate((window.x, window.y))
+    )
+    return Window(x, y)
 
 
 def _fitted(window: Window, arrows: FloatArray, body: FloatArray) -> Window:
