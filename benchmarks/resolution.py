@@ -66,7 +66,7 @@ def peeled(case: Case) -> tuple[float, float | None]:
     )
     zone = process_zone(front_profile(stage.problem, case.space(), last.displacement))
     mean = np.mean([step.reaction for step in steps[-20:]])
-    return float(mean) / theory.moment, zone and zone.length
+    return float(mean) / theory.moment, None if zone is None else zone.length
 
 
 def estimates() -> Iterator[tuple[str, ...]]:

@@ -6,7 +6,7 @@ from isopeel.case import Case, load_case, shipped_cases
 from isopeel.post.closed_form import expected
 from isopeel.post.front import front_profile
 from isopeel.post.laboratory import Laboratory
-from isopeel.post.locking import bending, locking_notes
+from isopeel.post.locking import _block_stiffness, bending, locking_notes
 from isopeel.solve.newton import NewtonSettings
 from isopeel.solve.trace import trace
 from isopeel.splines.rows import row_space
@@ -153,6 +153,67 @@ def test_the_estimate_is_the_error_of_the_plateau(discretization: str) -> None:
     found = bending(case.problem(), case.space())
     assert found is not None
     assert plateau(case) - 1 == pytest.approx((1 + found.excess) ** 0.5 - 1, abs=0.003)
+
+
+PAD = """\
+name = "pad"
+[units]
+length = "1 mm"
+stress = "1 MPa"
+[body]
+length = "{length} mm"
+height = "1 mm"
+[material]
+law = "neo-hooke"
+youngs_modulus = "2 MPa"
+poissons_ratio = {ratio}
+[adhesion]
+law = "exponential"
+strength = "1 MPa"
+work_of_adhesion = "0.5 N/mm"
+sliding_length = "0.1 mm"
+[discretization]
+{discretization}
+[drive]
+kind = "displacement"
+side = "top"
+angle = "90 deg"
+transverse = "held"
+to = "0.1 mm"
+step = "0.01 mm"
+"""
+
+
+@pytest.mark.parametrize("length", [1, 4])
+@pytest.mark.parametrize(
+    "discretization",
+    [
+        'mesh = "40x2"\nacross_degree = 2',
+        'mesh = "40x4"\nacross_degree = 2',
+        'mesh = "40x4"\nspace = "L1"\nacross_degree = 1',
+        'mesh = "160x16"\nspace = "L1"\nacross_degree = 1',
+    ],
+)
+def test_a_confined_pad_that_keeps_its_volume_is_told_of(length: int, discretization: str) -> None:
+    case = Case.parse(PAD.format(length=length, ratio=0.4999, discretization=discretization))
+    assert "volume: the body, whose Poisson's ratio is 0.4999, is at least" in told(case)
+    # the same block of a compressible material does not lock
+    assert not told(Case.parse(PAD.format(length=length, ratio=0.3, discretization=discretization)))
+
+
+@pytest.mark.parametrize("ratio", [0.49, 0.4999])
+@pytest.mark.parametrize("length", [1, 4, 16])
+def test_a_confined_pad_is_right_by_default(length: int, ratio: float) -> None:
+    """Within 2 % of stiffness, against more elements and a higher degree."""
+    case = Case.parse(PAD.format(length=length, ratio=ratio, discretization=""))
+    assert not told(case)
+    fine = _block_stiffness(row_space("N4", (60, 12), 4), length, (ratio,))
+    usual = _block_stiffness(case.space(), length, (ratio,))
+    assert usual[0] / fine[0] == pytest.approx(1, abs=0.02)
+
+
+def test_a_block_is_as_stiff_as_its_modulus_where_nothing_holds_it_beside() -> None:
+    assert _block_stiffness(row_space("N2", (4, 2), 2), 3.0, (0.0,))[0] == pytest.approx(3.0, rel=1e-12)
 
 
 def test_thick_bodies_are_not_asked_how_they_bend() -> None:

@@ -4,7 +4,7 @@ What a few elements of the actual space answer to pure bending is compared with 
 body is nearly incompressible also with what bending to the curvature of the peeling front adds.
 """
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -15,6 +15,7 @@ from isopeel.arrays import FloatArray
 from isopeel.physics.materials.base import plane_strain_modulus
 from isopeel.post.closed_form import expected
 from isopeel.post.laboratory import Laboratory
+from isopeel.post.resolution import lies_flat
 from isopeel.problem import Problem, RotatedSide
 from isopeel.results.notes import Note
 from isopeel.splines.names import parse_space_name
@@ -30,6 +31,12 @@ _SLENDER = 4.0
 _COLUMNS = 4
 #: A steady tape peels at a force that does not depend on how it bends; its start and its stresses do.
 _TAPE = 0.1
+#: Poisson's ratio up to which a body is no nearly incompressible one.
+_COMPRESSIBLE = 0.45
+#: Degree across from which more elements help more than a higher degree.
+_ENOUGH = 3
+#: Functions of a block that is pulled to see whether it locks, which takes some ten milliseconds.
+_MOST_FUNCTIONS = 1000
 # K/E (height x curvature)^2 / (elements across)^4 times this is what degree 2 across adds to the bending
 # stiffness: 7.3 % measured at nu = 0.499 of a strip bent to 15 heights with one element, 0.5 % with two
 # (`benchmarks/locking.py`)
@@ -50,12 +57,13 @@ class Bending:
 
 
 def bending(problem: Problem, space: RowSpace) -> Bending | None:
-    """Excess of the bending stiffness of a body on a space; None of a body that is too thick to bend.
+    """Excess of the bending stiffness of a body on a space; None of one that is too thick, or moved flat.
 
     The mean over the body's length, where it bends by the same moment everywhere.
     """
     lengths, heights = _sizes(problem, space)
-    if lengths.sum() < _SLENDER * heights.mean():
+    moved_flat = problem.drive.load is None and problem.drive.side in ("bottom", "top")
+    if lengths.sum() < _SLENDER * heights.mean() or moved_flat:
         return None
     nu = problem.body.material.poissons_ratio
     linear = _linear(space, lengths, heights, nu)
@@ -72,6 +80,92 @@ def bending(problem: Problem, space: RowSpace) -> Bending | None:
 
 def locking_notes(problem: Problem, space: RowSpace, laboratory: Laboratory) -> list[Note]:
     """Say how much too stiff the body is, and what would not be, where that matters to the reaction."""
+    return _bending_notes(problem, space, laboratory) + _volume_notes(problem, space)
+
+
+def confined(problem: Problem, space: RowSpace) -> float | None:
+    """Excess of the stiffness of a nearly incompressible body that lies flat, pulled from its other side.
+
+    Of its block with both sides held, in this space over one of a degree more both ways, less what that is
+    at a Poisson's ratio of 0.3: corners are not resolved either, whatever the material. Of large spaces with
+    every so many breakpoints, in whose number errors fall at least linearly. None of other bodies.
+    """
+    nu = problem.body.material.poissons_ratio
+    drive, adhesion = problem.drive.side, problem.adhesion.side
+    if nu <= _COMPRESSIBLE or {drive, adhesion} != {"bottom", "top"} or not lies_flat(problem):
+        return None
+    lengths, heights = _sizes(problem, space)
+    aspect = float(lengths.sum() / heights.mean())
+    step = 1
+    while (coarse := _coarser(space, step)).size > _MOST_FUNCTIONS:
+        step += 1
+    fine = _block_stiffness(_richer_both_ways(coarse), aspect, (nu, 0.3))
+    rough = _block_stiffness(coarse, aspect, (nu, 0.3))
+    return max(rough[0] / fine[0] - rough[1] / fine[1], 0.0) / step
+
+
+def _volume_notes(problem: Problem, space: RowSpace) -> list[Note]:
+    found = confined(problem, space)
+    if found is None or found <= LOCKED:
+        return []
+    degree = space.across.degree
+    ways = [f"across_degree = {degree + 1}"] if degree < _ENOUGH else []
+    ways.append(f"twice the elements both ways, mesh = '{2 * space.elements[0]}x{2 * space.elements[1]}'")
+    text = (
+        f"volume: the body, whose Poisson's ratio is {problem.body.material.poissons_ratio:g}, is at least "
+        f"{_by(found)} too stiff where its sides hold it; take {' and '.join(ways)}"
+    )
+    return [Note("locking", text)]
+
+
+def _coarser(space: RowSpace, step: int) -> RowSpace:
+    """The space on every so many breakpoints both ways."""
+
+    def thinned(one: SplineSpace) -> SplineSpace:
+        ends = np.append(one.breakpoints[:-1:step], one.breakpoints[-1])
+        return SplineSpace.on(one.degree, int(one.continuities.max(initial=0)), ends)
+
+    return _with_spaces(space, thinned)
+
+
+def _richer_both_ways(space: RowSpace) -> RowSpace:
+    """The space with one degree more along, and across, and the continuity that it has."""
+
+    def elevated(one: SplineSpace) -> SplineSpace:
+        return SplineSpace.on(one.degree + 1, int(one.continuities.max(initial=0)), one.breakpoints)
+
+    return _with_spaces(space, elevated)
+
+
+def _with_spaces(space: RowSpace, change: Callable[[SplineSpace], SplineSpace]) -> RowSpace:
+    """The space with its univariate spaces changed; the first rows keep their kind."""
+    across, changed = change(space.across), {row: change(row) for row in dict.fromkeys(space.rows)}
+    bulk = space.rows[-1]
+    first = [row for row in space.rows if row is not bulk][: across.size]
+    rows = [*first, *[bulk] * (across.size - len(first))]
+    return RowSpace(space.name, across, tuple(changed[row] for row in rows))
+
+
+def _block_stiffness(space: RowSpace, aspect: float, poissons_ratios: Sequence[float]) -> list[float]:
+    """Stiffness of a block `aspect` times as long as high, both its lower and upper side held; E = 1."""
+    long = {row: SplineSpace(row.degree, row.knot_vector * aspect) for row in dict.fromkeys(space.rows)}
+    block = replace(space, rows=tuple(long[row] for row in space.rows), weights=None)
+    of_volume, of_shear, size = _stiffness(block, 1.0, 0.0), _stiffness(block, 0.0, 1.0), block.size
+    held = np.concatenate([block.side_functions("bottom"), block.side_functions("top")])
+    held = np.concatenate([held, size + held])
+    free = np.setdiff1d(np.arange(2 * size), held)
+    found = []
+    for ratio in poissons_ratios:
+        shear = 1 / (2 * (1 + ratio))
+        stiffness = csr_array(2 * shear * ratio / (1 - 2 * ratio) * of_volume + shear * of_shear)
+        moved = np.zeros(2 * size)
+        moved[size + block.side_functions("top")] = 1.0
+        moved[free] = spsolve(stiffness[free][:, free].tocsc(), -(stiffness @ moved)[free])
+        found.append(float(moved @ (stiffness @ moved)))
+    return found
+
+
+def _bending_notes(problem: Problem, space: RowSpace, laboratory: Laboratory) -> list[Note]:
     found = bending(problem, space)
     if found is None or not _matters(problem, space, found):
         return []

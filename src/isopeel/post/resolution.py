@@ -107,15 +107,15 @@ def process_zone_length(irwin: float, height: float) -> float:
 def needed_elements(functions: SplineSpace) -> float:
     """Elements in the process zone with which a plateau is right within about 1 %.
 
-    What counts is the number of functions in the zone: 1.2 of smooth splines, 2 of C0 splines of degree 2 and
+    What counts is the number of functions in the zone: 1 of smooth splines, 1.8 of C0 splines of degree 2 and
     more (`benchmarks/resolution.py`).
     """
     smooth = functions.degree - 1
     if functions.elements > 1:
         smooth = int(np.median(functions.continuities))
     if smooth == 0 and functions.degree > 1:
-        return 2 / functions.degree
-    return 1.2 / (functions.degree - smooth)
+        return 1.8 / functions.degree
+    return 1.0 / (functions.degree - smooth)
 
 
 def estimated(problem: Problem, space: RowSpace) -> Resolution | None:
@@ -158,6 +158,12 @@ def measured(problem: Problem, space: RowSpace, zone: ProcessZone) -> Resolution
     return Resolution(zone.length, zone.length * _reach(problem.adhesion.law), longest, needed)
 
 
+def lies_flat(problem: Problem) -> bool:
+    """Whether the adhering part is everywhere as far from the substrate at rest."""
+    places, gap = _at_rest(problem)
+    return bool(np.ptp(gap) <= _EVEN * (places[-1] - places[0]))
+
+
 def parts_at_once(problem: Problem) -> bool:
     """Whether a joint opens alike everywhere, so that it has no front, as below a bar that is pulled."""
     adhesion, drive = problem.adhesion, problem.drive
@@ -165,11 +171,9 @@ def parts_at_once(problem: Problem) -> bool:
     across = 0 if adhesion.side in ("bottom", "top") else 1
     beside = {"left", "right"} if across == 0 else {"bottom", "top"}
     held = beside <= {fixed.side for fixed in problem.fixed if across in fixed.components}
-    places, gap = _at_rest(problem)
-    even = np.ptp(gap) <= _EVEN * (places[-1] - places[0])
     whole = (adhesion.start, adhesion.end) == (0.0, 1.0)
     alone = held or problem.body.material.poissons_ratio == 0
-    return bool(drive.side == opposite[adhesion.side] and whole and even and alone)
+    return bool(drive.side == opposite[adhesion.side] and whole and alone and lies_flat(problem))
 
 
 def estimate_notes(problem: Problem, space: RowSpace, laboratory: Laboratory) -> list[Note]:
