@@ -1,9 +1,9 @@
 """Case files for property-based tests: parts that fit together, and what may be written in their place."""
 
-import json
 import math
 from typing import Any
 
+import tomli_w
 from hypothesis import strategies as st
 
 BODIES: list[dict[str, Any]] = [
@@ -90,6 +90,20 @@ DRIVES: list[Any] = [
         },
         {"name": "peel", "kind": "rotation", "to": "2 deg", "step": "1 deg"},
     ],
+    [
+        {"kind": "rotation", "to": "1 deg", "step": "1 deg"},
+        {
+            "kind": "force",
+            "side": "right",
+            "angle": "90 deg",
+            "to": "0.1 nm",
+            "step": "0.1 nm",
+            "follows": True,
+        },
+        {"kind": "displacement", "side": "top", "angle": "90 deg", "to": "0.1 nm", "step": "0.1 nm"},
+    ],
+    [{"to": "100 deg", "step": "0.001 deg"}] * 3,
+    [{"to": "1 deg", "step": "1 deg"}] * 101,
 ]
 SPACES = [
     "L1", "L2", "N2", "N2.1", "L1+N2", "Q1CH", "N4", "L1+N2.1@2",
@@ -105,6 +119,8 @@ QUANTITIES = [
     "1_0 nm", "1 count", "1 nm\u00a0", "1 delta_degC", "1 pH", "1e12 nm", "1e-11 nm", "1e11 GPa", "180 deg",
     "181 deg", "1e-6 deg", "0.1 J", "1 N/m", "1 lb", "1 in", "1 π", "1 nm²", "1 nm³", "1 kilonm", "1 E0",
     "1 L0", "1 _", "1 [length]", "1 %", "1 Mpa", "+1 nm", "1. nm", ".1 nm", "1e3nm",
+    "30 mJ m-2", "1 N m-1", "1 e-3 m", "1e-3m", "1 N·m⁻¹", "1 J/m nm", "5×10⁻³ nm", "1 nm^0.5", "1 (((nm",
+    "1 nm)", "−1 nm", "0.03 J/(m²)", "1 N.m-1", "1 m**-2", "1 nm^(1/2)", "2 GPa\x00", "0.03 kN/km",
 ]  # fmt: skip
 NUMBERS: list[Any] = [
     0, 1, -1, 0.0, -0.0, 0.5, 0.4999999, 0.49999999999999994, math.nan, math.inf, -math.inf, 1e308, 5e-324,
@@ -114,7 +130,7 @@ TEXTS = [
     "", " ", "\x7f", "\u2028", "ü", "x" * 3000, "../x", "/etc/passwd", "~", "neo-hooke", "flat", "strip",
     "left", "right", "free", "🪟", "\\", '"', "\n", "a\nb", "formula", "patch.json", "nothing.json",
     "/dev/zero", "/", ".", "-", "xy", "yx", "projected", "reference", "None", "__class__", "a.b", "\u202e",
-    "down", "inside", "top",
+    "down", "inside", "top", "\x00\x1b[2J\x7f", "a\r\nb\tc", "\x85\x9b", "a.b." * 30, "'\"\"\"", "#",
 ]  # fmt: skip
 FORMULAS = [
     '__import__("os").system("x")', "9**9**9**9*r", "exp(exp(exp(exp(100))))*r", "factorial(10**9)",
@@ -124,7 +140,8 @@ FORMULAS = [
     "exp(" * 90 + "r" + ")" * 90, "r*" * 400 + "r", "(r+1)*" * 200 + "r", "ｒ**2", "r²", "0*r", "5", "pi",
     "tan(1e300)*r", "W*((s/r)**8/3 - 4/3*(s/r)**2) + 0*unknown", "exp(r**99)", "(r**99)**99", "r**(1/3)",
     "sin(r)**-2", "nan", "inf*r", "I1*I2*J*F11", "log(J)**2", "J**-50*I1**9", "x**2*1e-300", "1e300*x**2",
-    "exp(x)", "tan(x)", "log(x)", "sqrt(x)", "1/x",
+    "exp(x)", "tan(x)", "log(x)", "sqrt(x)", "1/x", "a*cos(x/30)", "a*cos(x/l)", "a**l*x",
+    "W*(s/r)**s", "0 + 0*r",
 ]  # fmt: skip
 SPACE_NAMES = [
     "L0", "L20", "L21", "N9", "N99", "N2.20", "L1+L1@99", "H3", "H2", "", "Q1C4", "N2.1@2", "L1+N2@3", "n2",
@@ -219,6 +236,11 @@ LIKELY: dict[str, list[Any]] = {
         {"__class__": 1},
         {"exp": 1},
         {"W": 10**400},
+        {"W": "50 N", "s": "0.25 nm"},
+        {"W": "30 mJ m-2", "s": 0.25},
+        {"mu": "1 N", "la": 1},
+        {"a": "1 nm^0.5", "l": "30 nm"},
+        {"a": "0.1 nm", "l": "30 nm", "unused": "3 MPa m^0.5"},
         {f"a{k}": 1 for k in range(500)},
     ],
     "start": [0.0, 0.5, 1.0, -1.0, math.nan],
@@ -229,6 +251,10 @@ LIKELY: dict[str, list[Any]] = {
         {"right": "y"},
         {"bottom": "x"},
         {"top": "z"},
+        {"right": "xy"},
+        {"top": "xy"},
+        {"bottom": "y", "top": "y"},
+        {"left": "xy", "right": "xy", "bottom": "xy", "top": "xy"},
         {},
         {"front": "x"},
     ],
@@ -243,7 +269,8 @@ LIKELY: dict[str, list[Any]] = {
 OPTIONS: list[list[str]] = [
     [], [], [], [], ["--mesh", "4x1"], ["--space", "N3"], ["--to", "1"], ["--step", "0.5"], ["--to", "nan"],
     ["--mesh", "0x0"], ["--contact-points", "3"], ["--traction", "projected"], ["--to", "1e-300 nm"],
-    ["--step", "9 parsec"], ["--space", ""],
+    ["--step", "9 parsec"], ["--space", ""], ["--to", "1 e-3 m"], ["--fields-every", "30 mJ m-2"],
+    ["--to", "0.5Å"], ["--control", "jump"],
 ]  # fmt: skip
 
 
@@ -270,7 +297,10 @@ def documents(draw: st.DrawFn) -> dict[str, Any]:
 def _change(draw: st.DrawFn, document: dict[str, Any]) -> None:
     """Change a key, a table, or add or remove one."""
     tables = [key for key in document if key != "name"]
-    section = draw(st.sampled_from([*tables, "units", "held", "reading", "output"]))
+    section = draw(st.sampled_from([*tables, "units", "held", "held", "reading", "output"]))
+    if draw(st.integers(0, 19)) == 0:
+        document["about"] = draw(st.one_of(st.text(max_size=30), st.sampled_from(TEXTS)))
+        return
     if draw(st.integers(0, 39)) == 0:
         section = "name"
     if draw(st.integers(0, 39)) == 0:
@@ -278,6 +308,9 @@ def _change(draw: st.DrawFn, document: dict[str, Any]) -> None:
         return
     if draw(st.integers(0, 39)) == 0:
         document.pop(section, None)
+        return
+    if section == "held" and draw(st.integers(0, 1)) == 0:
+        document["held"] = dict(draw(st.sampled_from(LIKELY["held"])))
         return
     table = document.setdefault(section, {})
     if isinstance(table, list) and table:
@@ -308,22 +341,5 @@ def _change(draw: st.DrawFn, document: dict[str, Any]) -> None:
 
 
 def toml(document: dict[str, Any]) -> str:
-    """Write a document; tables inside of lists are written inline."""
-    return "\n".join(f"{_key(key)} = {_value(value)}" for key, value in document.items()) + "\n"
-
-
-def _key(key: str) -> str:
-    return json.dumps(key, ensure_ascii=False)
-
-
-def _value(value: object) -> str:
-    match value:
-        case bool() | str():
-            return json.dumps(value, ensure_ascii=False)
-        case float() if not math.isfinite(value):
-            return "nan" if math.isnan(value) else ("inf" if value > 0 else "-inf")
-        case dict():
-            return "{" + ", ".join(f"{_key(key)} = {_value(item)}" for key, item in value.items()) + "}"
-        case list():
-            return "[" + ", ".join(map(_value, value)) + "]"
-    return repr(value)
+    """Write a document."""
+    return tomli_w.dumps(document)

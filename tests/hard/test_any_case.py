@@ -12,7 +12,7 @@ from types import FrameType
 from typing import Any
 
 import pytest
-from cases import OPTIONS, documents, toml
+from cases import BODIES, LAWS, MATERIALS, OPTIONS, documents, toml
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
@@ -42,6 +42,16 @@ PATCH = {
 
 class HangError(Exception):
     """A case takes too long."""
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _compiled(tmp_path_factory: pytest.TempPathFactory) -> None:
+    """Compile what all cases share, which may take longer than any of them, before one is timed."""
+    folder = tmp_path_factory.mktemp("first")
+    document = {"name": "first", "body": BODIES[0], "material": MATERIALS[0], "adhesion": LAWS[0]}
+    document |= {"discretization": {"mesh": "8x2"}, "drive": {"to": "2 deg", "step": "1 deg"}}
+    (folder / "case.toml").write_text(toml(document))
+    main(["run", str(folder / "case.toml"), "--out", str(folder / "out")])
 
 
 def outcome(text: str, options: list[str], figures: bool) -> tuple[int, str]:
