@@ -225,8 +225,8 @@ def test_an_earlier_run_stays_until_the_new_one_starts(capsys: pytest.CaptureFix
     before = {path: path.read_bytes() for path in Path("out/strip").iterdir()}
     assert main(["run", "strip", "--mesh", "0x1"]) == 2
     assert {path: path.read_bytes() for path in Path("out/strip").iterdir()} == before
-    assert main(["run", "strip", *SMALL, "--to", "1"]) == 0
-    assert summary(Path("out/strip"))["theta_deg"] == 1.0
+    assert main(["run", "strip", *SMALL, "--to", "4"]) == 0
+    assert summary(Path("out/strip"))["theta_deg"] == 4.0
 
 
 def fail_at(number: int, monkeypatch: pytest.MonkeyPatch, error: BaseException) -> None:
@@ -247,10 +247,10 @@ def test_an_earlier_run_stays_until_the_first_step(
     before = {path: path.read_bytes() for path in Path("out/strip").iterdir()}
     fail_at(0, monkeypatch, error)
     if isinstance(error, KeyboardInterrupt):
-        assert main(["run", "strip", *SMALL, "--to", "1"]) == 130
+        assert main(["run", "strip", *SMALL, "--to", "4"]) == 130
     else:
         with pytest.raises(ZeroDivisionError):
-            main(["run", "strip", *SMALL, "--to", "1"])
+            main(["run", "strip", *SMALL, "--to", "4"])
     assert {path: path.read_bytes() for path in Path("out/strip").iterdir()} == before
 
 

@@ -1,7 +1,8 @@
 """The folder of a run: what lies where, and that one process alone writes to it."""
 
+import os
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from tempfile import TemporaryFile
@@ -10,7 +11,13 @@ from typing import NamedTuple
 from filelock import FileLock, Timeout
 
 from isopeel.errors import InputError
+from isopeel.results.files import is_written_by_isopeel, kind_of, part_of
 from isopeel.results.journal import journal_path
+
+try:
+    import fcntl
+except ImportError:  # on Windows, where stages are locked by the lock of their run alone
+    fcntl = None  # type: ignore[assignment]
 
 #: Files that a run leaves in its folder.
 FILES = ("run.h5", "curve.csv", "summary.json", "curve.png", "shapes.png")
@@ -19,6 +26,13 @@ REPORT = "report.html"
 
 #: Folder inside that of a run for what is drawn from it later, and the names of that, whatever the format.
 FIGURES, DRAWN = "figures", ("curve", "plateau", "shapes", "front", "tractions", "animation")
+#: Folder inside that of a run for what is exported from it, and the names of that.
+PARAVIEW, EXPORTED = "paraview", re.compile(r"(body|adhesive-side)(-\d{4,}\.vtu|\.pvd)")
+#: The file that a process holds while it writes to a folder, and what the names of stage folders begin with.
+LOCK, STAGE_FOLDER = ".lock", re.compile(r"\d{1,9}(?=-)")
+_MOST_NAMES = 3  # in one line
+# a pipe in place of a file would wait for who writes to it
+_NO_LINK = getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0)
 
 
 class Place(NamedTuple):
@@ -66,7 +80,7 @@ def _drawn(folder: Path) -> list[Path]:
 
 def stage_files(out: Path) -> list[Path]:
     """The files of runs that lie in folders of stages, in the order of these."""
-    numbered = {path: re.match(r"\d{1,9}(?=-)", path.parent.name) for path in out.glob(f"*-*/{FILES[0]}")}
+    numbered = {path: STAGE_FOLDER.match(path.parent.name) for path in out.glob(f"*-*/{FILES[0]}")}
     return [path for _, path in sorted((int(number[0]), path) for path, number in numbered.items() if number)]
 
 
@@ -95,27 +109,110 @@ def make_folder(out: Path) -> None:
 
 
 def check_folder(out: Path) -> None:
-    """Make the folder of a run. Raises InputError where it, or a file in it, could not be written."""
+    """Make the folder of a run. Raises InputError where it, or a file in it, could not be written.
+
+    A link in place of a file is refused: what it leads to is not of the run.
+    """
     make_folder(out)
+    for name in (*FILES, journal_path(out / FILES[0]).name, LOCK):
+        _check_kind("--out", out, out / name)
+
+
+def clear_parts(out: Path) -> None:
+    """Remove what was being written in the folder of a run when its process was killed."""
     for name in FILES:
-        if (out / name).exists() and not (out / name).is_file():
-            raise InputError("--out", str(out), f"{name} in it must be a file, where there is one")
+        part_of(out / name).unlink(missing_ok=True)
+
+
+def check_overwritten(field: str, files: Iterable[Path], force: bool = False) -> None:
+    """Raise InputError where one of the files to write is there already, and isopeel did not write it.
+
+    A table (.csv, .md) is taken for isopeel's where a page or a figure beside it is. With `force` only what
+    is no file is refused.
+    """
+    others = []
+    for path in files:
+        try:
+            kind = kind_of(path.lstat().st_mode)
+        except OSError:
+            continue  # there is none, or whoever writes it will tell
+        if kind:
+            raise InputError(field, str(path), f"it is {kind}, and no file that could be replaced")
+        if not force and not _is_ours(path):
+            others.append(str(path))
+    if others:
+        allowed = f"isopeel did not write {first_names(others)}; give another place, or --force"
+        raise InputError(field, others[0], allowed)
+
+
+def _is_ours(path: Path) -> bool:
+    if is_written_by_isopeel(path):
+        return True
+    if path.suffix not in (".csv", ".md"):
+        return False
+    beside = path.parent.parent if path.parent.name == "tables" else path.parent
+    anchors = [beside / REPORT, *beside.glob("compare.*"), *beside.glob(f"{FIGURES}/*.*")]
+    return any(is_written_by_isopeel(anchor) for anchor in anchors)
+
+
+def first_names(names: Sequence[str]) -> str:
+    """The first of some names, and how many there are more."""
+    told = ", ".join(names[:_MOST_NAMES])
+    return told + (f" and {len(names) - _MOST_NAMES} more" if len(names) > _MOST_NAMES else "")
+
+
+def _check_kind(field: str, folder: Path, path: Path) -> None:
+    """Raise InputError where something else than a file has the name of one in a folder."""
+    try:
+        kind = kind_of(path.lstat().st_mode)
+    except FileNotFoundError:
+        return
+    if kind:
+        raise InputError(field, str(folder), f"{path.name} in it must be a file, and it is {kind}")
 
 
 @contextmanager
 def alone_in(folder: Path, field: str) -> Iterator[None]:
-    """Keep other processes out of a folder while the context is open.
+    """Keep other processes out of a folder, and of the folders of its stages, while the context is open.
 
-    Raises InputError, of a field, where another process is in it.
+    Raises InputError, of a field, where another process is in it, in a folder that it lies in, or in that of
+    a stage. Each process takes its own lock first and then looks for others: of two that begin at once, one
+    at least sees the other.
     """
-    path = folder / ".lock"
+    path = folder / LOCK
+    _check_kind(field, folder, path)
     lock = FileLock(path)
     try:
         lock.acquire(blocking=False)
     except Timeout as error:
         raise InputError(field, str(folder), "another process runs in it; wait for it, or end it") from error
     try:
+        whole = folder.resolve()
+        above = [whole.parent / LOCK] if STAGE_FOLDER.match(whole.name) else []
+        below = [other for other in folder.glob(f"*-*/{LOCK}") if STAGE_FOLDER.match(other.parent.name)]
+        for other in (*above, *below):
+            if _is_locked(other):
+                allowed = f"another process runs in {other.parent}; wait for it, or end it"
+                raise InputError(field, str(folder), allowed)
         yield
     finally:
         path.unlink(missing_ok=True)
         lock.release()
+
+
+def _is_locked(path: Path) -> bool:
+    """Whether a process holds a lock, where there is one; its file is not touched."""
+    try:
+        number = os.open(path, os.O_RDWR | _NO_LINK)
+    except OSError:
+        return False  # there is none, or it is nobody's whose files could be read
+    try:
+        if fcntl is not None:
+            fcntl.flock(number, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        return True
+    except OSError:
+        return False  # where the file system has no locks, that of the folder itself is all there is
+    finally:
+        os.close(number)
+    return False

@@ -1,56 +1,176 @@
-"""Ctrl-C: once, and not in the middle of what must be whole."""
+"""Ctrl-C: it ends what goes on at the next point where that can be left, and not in the middle.
 
+Python's own handler raises KeyboardInterrupt between any two instructions. Inside compiled code, or where a
+library calls back, that becomes another error, or is dropped. Here a handler takes a note only, and `check`,
+which long loops call, raises KeyboardInterrupt.
+
+A process of isopeel's own must end soon all the same, and not with a traceback. So a thread waits beside it:
+where no such point is reached in time, it ends the process. That loses nothing: before a run has a step
+there is nothing to lose, and then each step is in its journal.
+"""
+
+import os
 import signal
-from collections.abc import Iterator
-from contextlib import contextmanager
-from threading import current_thread, main_thread
-from types import FrameType, TracebackType
-from typing import Self
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+from threading import Event, Thread, current_thread, main_thread
+from types import FrameType
+
+#: Exit code of a process that Ctrl-C has ended.
+INTERRUPTED = 130
+#: Seconds that a run with steps has until its next point to leave it: most take some milliseconds, a figure
+#: or the step of a large mesh a second, on a machine with much to do a few.
+_PATIENCE = 4.0
+#: As many times Ctrl-C do not wait for anything.
+_MOST = 3
+#: What a bar of progress has hidden or begun on a terminal: the cursor, and a line.
+_CLEARED = b"\r\x1b[2K\x1b[?25h"
 
 
-class Interrupts:
-    """While the context is open, the first Ctrl-C raises KeyboardInterrupt, and others are ignored.
-
-    What follows the first one takes a moment only. Where Ctrl-C does something else already, or nothing, that
-    stays so.
-    """
+class _Noted:
+    """What is known of Ctrl-C in this process."""
 
     def __init__(self) -> None:
-        #: Whether one has come; where it was raised, something may have caught it, as a compiler does.
-        self.came: bool = False
-        self._held = False
-        self._installed = False
+        self.came = 0
+        self.ends_process = False
+        self.raised = Event()
+        self.patience = 0.0
+        self.told = self.told_later = "interrupted"
+        self.left_over: list[Callable[[], object]] = []
 
-    def __enter__(self) -> Self:
-        """Watch for Ctrl-C."""
-        usual = signal.getsignal(signal.SIGINT) is signal.default_int_handler
-        if usual and current_thread() is main_thread():
-            signal.signal(signal.SIGINT, self._take)
-            self._installed = True
-        return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
-        """Leave Ctrl-C as it was."""
-        if self._installed:
-            signal.signal(signal.SIGINT, signal.default_int_handler)
+_noted = _Noted()
 
-    @contextmanager
-    def held(self) -> Iterator[None]:
-        """Let what is inside come to its end before KeyboardInterrupt is raised."""
-        self._held = True
-        try:
-            yield
-        finally:
-            self._held = False
-        if self.came:
-            raise KeyboardInterrupt
 
-    def _take(self, _number: int, _frame: FrameType | None) -> None:
-        first, self.came = not self.came, True
-        if first and not self._held:
-            raise KeyboardInterrupt
+def check() -> None:
+    """Raise KeyboardInterrupt where Ctrl-C has come; once, as what follows takes a moment only."""
+    if _noted.came and not _noted.raised.is_set():
+        _noted.raised.set()
+        raise KeyboardInterrupt
+
+
+@contextmanager
+def deferred() -> Iterator[None]:
+    """While the context is open, Ctrl-C takes effect where `check` is called, and at the end.
+
+    The third one does not wait for that. Where Ctrl-C does something else than usual already, or nothing,
+    that stays so.
+    """
+    if not _is_usual():
+        yield
+        return
+    _begin()
+    signal.signal(signal.SIGINT, _note)
+    try:
+        yield
+    except BaseException:
+        # an error that comes first is the one to tell of
+        _noted.came = 0
+        raise
+    finally:
+        signal.signal(signal.SIGINT, signal.default_int_handler)
+    check()
+
+
+@contextmanager
+def ending_this_process() -> Iterator[None]:
+    """The same for a process of isopeel's own, which ends in any case: soon, with one line and INTERRUPTED.
+
+    That is at once, until something asks to `leave_time`. Afterwards Ctrl-C has nothing left to end.
+    """
+    if not _is_usual():
+        yield
+        return
+    _begin()
+    reader, writer = os.pipe()
+    os.set_blocking(writer, False)
+    Thread(target=_wait, args=(reader,), daemon=True, name="Ctrl-C").start()
+    _noted.ends_process = True
+    before = signal.set_wakeup_fd(writer, warn_on_full_buffer=False)
+    signal.signal(signal.SIGINT, _note)
+    try:
+        yield
+    finally:
+        # the interpreter takes a while to go down
+        signal.signal(signal.SIGINT, signal.SIG_IGN)
+        signal.set_wakeup_fd(before)
+        os.close(writer)
+        _noted.ends_process = False
+
+
+@contextmanager
+def telling(told: str, told_later: str | None = None) -> Iterator[None]:
+    """Say something where Ctrl-C ends the process in the context; something else once there are steps."""
+    _noted.told, _noted.told_later = told, told_later or told
+    try:
+        yield
+    finally:
+        _noted.told = _noted.told_later = "interrupted"
+        _noted.patience = 0.0
+
+
+def leave_time() -> None:
+    """From now on there is something to write, or to end: Ctrl-C leaves some time for it."""
+    _noted.patience, _noted.told = _PATIENCE, _noted.told_later
+
+
+@contextmanager
+def cleared_up(how: Callable[[], object]) -> Iterator[None]:
+    """Clear up at the end of the context, also where Ctrl-C ends the process in it."""
+    _noted.left_over.append(how)
+    try:
+        yield
+    finally:
+        how()
+        _noted.left_over.remove(how)
+
+
+def _is_usual() -> bool:
+    """Whether Ctrl-C raises KeyboardInterrupt, and this thread can change that."""
+    usual = signal.getsignal(signal.SIGINT) is signal.default_int_handler
+    return usual and current_thread() is main_thread()
+
+
+def _begin() -> None:
+    _noted.came = 0
+    _noted.raised.clear()
+
+
+def _note(_number: int, _frame: FrameType | None) -> None:
+    _noted.came += 1
+    if _noted.came >= _MOST and not _noted.ends_process:
+        raise KeyboardInterrupt
+
+
+def _wait(reader: int) -> None:
+    """Wait for Ctrl-C, and see to it that the process ends."""
+    came = 0
+    while numbers := os.read(reader, 1):
+        came += numbers[0] == signal.SIGINT
+        if came == 1:
+            Thread(target=_end_unless_left, daemon=True).start()
+        elif came == _MOST:
+            _end()
+    os.close(reader)
+
+
+def _end_unless_left() -> None:
+    if not _noted.raised.wait(_noted.patience):
+        _end()
+
+
+def _end() -> None:
+    """End this process, whatever its other threads do."""
+    # whoever reads what it has said may have stopped to
+    flush = Thread(target=sys.stdout.flush, daemon=True)
+    flush.start()
+    flush.join(1.0)
+    with suppress(OSError):
+        if os.isatty(1):
+            os.write(1, _CLEARED)
+        os.write(2, f"isopeel: {_noted.told}\n".encode(errors="backslashreplace"))
+    for how in reversed(_noted.left_over):
+        with suppress(OSError):
+            how()
+    os._exit(INTERRUPTED)

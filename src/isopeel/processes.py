@@ -11,8 +11,14 @@ from multiprocessing import active_children, get_context, parent_process
 from threading import Thread
 from typing import NamedTuple, ParamSpec, TypeVar
 
+from isopeel.interrupts import check, leave_time
+
 P = ParamSpec("P")
 O = TypeVar("O")  # noqa: E741 (an outcome)
+
+
+#: Between two looks at whether Ctrl-C has come.
+_CHECK_SECONDS = 0.2
 
 
 class WorkerLostError(RuntimeError):
@@ -35,6 +41,7 @@ def worker_pool(workers: int, begin: Callable[[], None] | None = None) -> Iterat
     """
     others = active_children()
     with _Pool(workers, get_context("spawn"), _start_worker, (begin,)) as pool:
+        leave_time()
         try:
             yield pool
         except BaseException as error:
@@ -59,7 +66,8 @@ def compute_all(
         futures = {pool.submit(_timed, task): number for number, task in enumerate(tasks)}
         left = set(futures)
         while left:
-            ready, left = wait(left, return_when=FIRST_COMPLETED)
+            ready, left = wait(left, _CHECK_SECONDS, return_when=FIRST_COMPLETED)
+            check()
             for future in ready:
                 done[futures[future]] = future.result()
                 finished(futures[future], done[futures[future]])

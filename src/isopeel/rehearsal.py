@@ -17,6 +17,7 @@ from isopeel.arrays import BoolArray, FloatArray, IntArray
 from isopeel.assembly.body_kernel import add_body
 from isopeel.assembly.system import System
 from isopeel.compilation import is_kept
+from isopeel.interrupts import cleared_up
 from isopeel.problem import strip
 from isopeel.processes import cores
 from isopeel.solve.leading import best_weights
@@ -37,12 +38,16 @@ def rehearsed_beside() -> Iterator[None]:
     # not one of a pool, which would run the script again that has called this
     nowhere = subprocess.DEVNULL
     process = subprocess.Popen(
-        [sys.executable, "-m", __name__], stdin=nowhere, stdout=nowhere, stderr=nowhere
+        # -P: the folder that this runs in is no place to import from
+        [sys.executable, "-P", "-m", __name__],
+        stdin=nowhere,
+        stdout=nowhere,
+        stderr=nowhere,
     )
     try:
-        yield
+        with cleared_up(process.terminate):
+            yield
     finally:
-        process.terminate()
         process.wait()
 
 

@@ -15,9 +15,18 @@ from rich.console import Console
 from rich.table import Table
 
 from isopeel.case import Case, Stage, load_case, shipped_cases
+from isopeel.earlier import check_earlier, check_foreign
 from isopeel.errors import InputError
-from isopeel.folder import FILES, Place, alone_in, check_folder, places
-from isopeel.interrupts import Interrupts
+from isopeel.folder import (
+    FILES,
+    Place,
+    alone_in,
+    check_folder,
+    clear_parts,
+    make_folder,
+    places,
+)
+from isopeel.interrupts import check, deferred, leave_time
 from isopeel.post.figures import reaction_figure, save, shapes_figure
 from isopeel.post.laboratory import Laboratory
 from isopeel.post.locking import locking_notes
@@ -45,6 +54,7 @@ class Result(NamedTuple):
     folder: Path
 
 
+<<<<<<< HEAD
 def run_case(case: Case, out: Path, console: Console, strict: bool = False) -> Result:
     """Run a case and write its files to a folder, in place of those of an earlier run.
 
@@ -54,14 +64,46 @@ def run_case(case: Case, out: Path, console: Console, strict: bool = False) -> R
     said before the first step, and is an error where the run is `strict`. Raises InputError where a folder
     cannot be written, another process runs in it or the memory does not suffice, OSError where a file cannot
     be written, and KeyboardInterrupt where there is no step yet; an earlier run stays until there is one.
+=======
+def run_case(case: Case, out: Path, console: Console, *, force: bool = False) -> Result:
+    """Run a case and write its files to a folder, in place of those of an earlier run of it.
+
+    A case of several stages has a folder for each of them inside, numbered and named. Returns the last
+    stage that was run; the `ending` of its run says whether that came to its end, found no equilibrium or
+    was interrupted: all that converged before is in the files. Raises InputError where a folder cannot be
+    written, another process runs in it or the memory does not suffice, OSError where a file cannot be
+    written, and KeyboardInterrupt where there is no step yet; an earlier run stays until there is one.
+
+    Unless with `force`, it also raises InputError where the folder holds anything else than a run of this
+    case, or a run that goes further or was interrupted.
+>>>>>>> 25c00e2 (Refuse folders of others, and let Ctrl-C end a run at safe points)
     """
+    if not force:
+        check_foreign(out)
     # the stages are checked before any folder is made
+    stages = case.stages()
     check_later_stages(case)
+<<<<<<< HEAD
     steps = _steps(case, case.stages()[0], case.space(), None, None)
     _say_doubts(case, console, strict)
     for place in places(case.name, [stage.name for stage in case.stages()], out):
         check_folder(place.folder)
+=======
+    steps = _steps(case, stages[0], case.space(), None, None)
+    where = places(case.name, [stage.name for stage in stages], out)
+    make_folder(out)
+>>>>>>> 25c00e2 (Refuse folders of others, and let Ctrl-C end a run at safe points)
     with alone_in(out, "--out"):
+        if force:
+            files = ", ".join(str(place.run_file) for place in where if place.run_file.exists())
+            replaced = files and f"replaces {files}"
+        else:
+            replaced = check_earlier(case.name, stages, out)
+        for place in where:
+            check_folder(place.folder)
+            clear_parts(place.folder)
+        if replaced:
+            console.print(replaced, soft_wrap=True)
         return go_through(case, out, console, {}, steps)
 
 
@@ -220,11 +262,12 @@ def _run_stage(
         found,
         0 if found is None else read_run(place.run_file).journaled,
     )
-    with Interrupts() as interrupts:
+    with deferred():
         try:
             with writer:
-                _follow(steps, stage, _met(stage, found), writer, interrupts, console)
+                _follow(steps, stage, _met(stage, found), writer, console)
         finally:
+            _list_removed(writer, console)
             # whatever comes in between, the table holds what the file does
             if writer.saved:
                 write_curve(out / "curve.csv", writer.curve, problem, _laboratory(case, stage))
@@ -280,7 +323,6 @@ def _follow(
     stage: Stage,
     met: int,
     writer: RunWriter,
-    interrupts: Interrupts,
     console: Console,
 ) -> None:
     """Hand the steps to their consumers, and note how they end."""
@@ -288,9 +330,13 @@ def _follow(
     try:
         with progress(console, drive, len(stage.parameters), met) as show:
             for step in steps:
-                with interrupts.held():
-                    writer.append(step)
-                    show(step)
+                writer.append(step)
+                show(step)
+                _list_removed(writer, console)
+                if writer.saved:
+                    leave_time()
+                check()
+        check()
         writer.end("completed")
     except ConvergenceError as error:
         parameter = drive.parameter_column.shown(error.parameter)
@@ -301,8 +347,16 @@ def _follow(
         writer.end("interrupted")
 
 
+<<<<<<< HEAD
 def _laboratory(case: Case, stage: Stage) -> Laboratory:
     return Laboratory.of(case.units.system(), stage.problem, case.body.width)
+=======
+def _list_removed(writer: RunWriter, console: Console) -> None:
+    """Say what of an earlier run has been removed since this was called last."""
+    if writer.removed:
+        console.print(f"removed {', '.join(map(str, writer.removed))}", soft_wrap=True)
+        writer.removed.clear()
+>>>>>>> 25c00e2 (Refuse folders of others, and let Ctrl-C end a run at safe points)
 
 
 def _write_results(
@@ -331,6 +385,7 @@ def _write_results(
             ("curve.png", reaction_figure(run.curve, found.plateau, found.closed_form, units)),
             ("shapes.png", shapes_figure(stage.problem, space, run.fields, units)),
         ):
+            check()
             with replacing(out / name) as part:
                 save(figure, part)
     return summary, found

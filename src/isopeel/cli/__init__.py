@@ -1,15 +1,16 @@
 """The command line."""
 
-import signal
 import sys
 from collections.abc import Sequence
+from contextlib import nullcontext
 from io import TextIOWrapper
 
 from typer.exceptions import TyperException
 
 from isopeel.cli import running, showing
-from isopeel.cli.base import BAD_INPUT, COMPLETED, INTERRUPTED, app, fail, unwritten
+from isopeel.cli.base import BAD_INPUT, COMPLETED, app, fail, unwritten
 from isopeel.errors import InputError
+from isopeel.interrupts import ending_this_process
 
 __all__ = ["app", "main", "running", "showing"]
 
@@ -23,12 +24,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if isinstance(sys.stdout, TextIOWrapper):
         # a name that the terminal's encoding lacks should not end a run
         sys.stdout.reconfigure(errors="replace")
+    with ending_this_process() if arguments is None else nullcontext():
+        return _code_of(arguments)
+
+
+def _code_of(arguments: Sequence[str] | None) -> int:
     try:
-        code = int(app(arguments, standalone_mode=False) or COMPLETED)
-        if code == INTERRUPTED and arguments is None:
-            # another Ctrl-C while the process goes down has nothing left to end
-            signal.signal(signal.SIGINT, signal.SIG_IGN)
-        return code
+        return int(app(arguments, standalone_mode=False) or COMPLETED)
     except InputError as error:
         return fail(BAD_INPUT, str(error))
     except TyperException as error:

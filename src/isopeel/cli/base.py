@@ -9,13 +9,14 @@ from typing import TYPE_CHECKING, Annotated, ParamSpec
 import typer
 
 import isopeel
+from isopeel.interrupts import INTERRUPTED, deferred
 
 if TYPE_CHECKING:
     from rich.console import Console
 
 # The commands import what they need themselves: help should not wait for a compiler.
 
-COMPLETED, BAD_INPUT, NOT_CONVERGED, INTERRUPTED = 0, 2, 3, 130
+COMPLETED, BAD_INPUT, NOT_CONVERGED = 0, 2, 3
 
 P = ParamSpec("P")
 
@@ -41,7 +42,8 @@ def command(function: Callable[P, int]) -> Callable[P, int]:
     @wraps(function)
     def run(*arguments: P.args, **options: P.kwargs) -> int:
         try:
-            return function(*arguments, **options)
+            with deferred():
+                return function(*arguments, **options)
         except KeyboardInterrupt:
             return fail(INTERRUPTED, "interrupted")
 

@@ -8,7 +8,6 @@ import typer
 from isopeel.cli.base import (
     BAD_INPUT,
     COMPLETED,
-    INTERRUPTED,
     NOT_CONVERGED,
     command,
     console,
@@ -17,6 +16,7 @@ from isopeel.cli.base import (
     unwritten,
 )
 from isopeel.errors import InputError
+from isopeel.interrupts import INTERRUPTED, telling
 
 if TYPE_CHECKING:
     from isopeel.run import Result
@@ -64,8 +64,17 @@ def run(
     strict: Annotated[
         bool, typer.Option("--strict", help="Refuse elements that do not resolve the front, or lock.")
     ] = False,
+    force: Annotated[
+        bool,
+        typer.Option("--force", help="Replace a longer or another run in DIR, whatever else is in it."),
+    ] = False,
 ) -> int:
-    """Run CASE and leave its curve, figures, summary and fields in a folder."""
+    """Run CASE and leave its curve, figures, summary and fields in a folder.
+
+    A run of the same case that is in the folder is replaced, where it goes no further. Anything else there is
+    refused without --force.
+    """
+    folder: Path | None = None
     try:
         from isopeel.case import load_case
 
@@ -83,10 +92,10 @@ def run(
         # takes a while to import: what is wrong with the case was told before
         from isopeel.rehearsal import rehearsed_beside
 
-        with rehearsed_beside():
+        with telling("interrupted", f"interrupted; {goes_on(folder)}"), rehearsed_beside():
             from isopeel.run import run_case
 
-            result = run_case(chosen, folder, console(), strict)
+            result = run_case(chosen, folder, console(), strict, force=force)
     except InputError as error:
         # what only the solver can tell of an option
         for option, value in (("mesh", mesh), ("contact_points", contact_points)):
@@ -113,7 +122,7 @@ def resume(
     try:
         from isopeel.rehearsal import rehearsed_beside
 
-        with rehearsed_beside():
+        with telling(f"interrupted; {goes_on(folder)}"), rehearsed_beside():
             from isopeel.resume import resume_case
 
             result = resume_case(folder, console(), to, control)
@@ -160,7 +169,8 @@ def paper(
         from isopeel.processes import WorkerLostError
 
         try:
-            page = make_report(chosen_parts(only or []), chosen_meshes(mesh or []), out, console())
+            with telling(f"interrupted; {kept}"):
+                page = make_report(chosen_parts(only or []), chosen_meshes(mesh or []), out, console())
         except WorkerLostError as error:
             return fail(BAD_INPUT, f"{error}; {kept}")
     except KeyboardInterrupt:

@@ -5,7 +5,8 @@ from typing import Annotated
 
 import typer
 
-from isopeel.cli.base import COMPLETED, INTERRUPTED, command, console, fail
+from isopeel.cli.base import COMPLETED, command, console, fail
+from isopeel.interrupts import INTERRUPTED, telling
 
 
 @command
@@ -63,12 +64,14 @@ def export(
     ] = None,
 ) -> int:
     """Write the fields of a run for ParaView, as Bezier cells that hold curved shapes exactly."""
+    told = "interrupted; the same command writes all files anew"
     try:
-        from isopeel.showing.export import export_run
+        with telling(told):
+            from isopeel.showing.export import export_run
 
-        export_run(folder, out, linear, console())
+            export_run(folder, out, linear, console())
     except KeyboardInterrupt:
-        return fail(INTERRUPTED, "interrupted; the same command writes all files anew")
+        return fail(INTERRUPTED, told)
     return COMPLETED
 
 

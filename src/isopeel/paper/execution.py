@@ -14,6 +14,7 @@ from typing import NamedTuple, Protocol
 from filelock import FileLock, Timeout
 
 from isopeel.errors import InputError
+from isopeel.interrupts import check
 from isopeel.paper.study import Run, with_bases
 from isopeel.processes import worker_pool
 from isopeel.results.provenance import Provenance
@@ -114,6 +115,7 @@ def _execute(waiting: list[Run], store: Store, workers: int, watcher: Watcher) -
         submit_ready()
         while futures:
             done, _ = wait(futures, _REPORT_SECONDS, FIRST_COMPLETED)
+            check()
             while not reports.empty():
                 watcher.report(reports.get())
             for future in done:

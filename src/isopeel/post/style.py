@@ -13,6 +13,7 @@ from cycler import cycler
 from matplotlib.figure import Figure
 
 from isopeel.errors import InputError
+from isopeel.results.files import MAKER
 from isopeel.splines.names import parse_space_name
 
 #: Colours that stay apart for all kinds of colour vision (Okabe and Ito, 2008), the strongest first.
@@ -76,7 +77,7 @@ def save(figure: Figure, path: Path) -> None:
     dates = {".pdf": {"CreationDate": None}, ".svg": {"Date": None}}  # the same figure, the same file
     # some settings are read only when a figure is drawn
     with style(), _undated_fonts():
-        figure.savefig(path, metadata=dates.get(path.suffix.lower()))
+        figure.savefig(path, metadata={"Creator": MAKER, **dates.get(path.suffix.lower(), {})})
 
 
 @contextmanager

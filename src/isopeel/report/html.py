@@ -35,6 +35,7 @@ _PAGE = """<!doctype html>
 <head>
 <meta charset="utf-8">
 <meta name="viewport" content="width=device-width, initial-scale=1">
+<meta name="generator" content="isopeel">
 <title>{title}</title>
 <style>
 {style}</style>

@@ -23,6 +23,7 @@ import numpy as np
 
 from isopeel.arrays import FloatArray
 from isopeel.results.curve import Curve
+from isopeel.results.files import check_is_file, new_file
 
 _MARK = b"isopeel journal 1\n"
 _IDENTITY = 16  # bytes
@@ -48,7 +49,9 @@ class Journal:
     def __init__(self, run_file: Path, identity: str) -> None:
         """Begin an empty one, in place of another."""
         self._path = journal_path(run_file)
-        self._file = self._path.open("wb", buffering=0)
+        check_is_file(self._path)
+        self._path.unlink(missing_ok=True)
+        self._file = os.fdopen(new_file(self._path), "wb", buffering=0)
         self._write([_MARK + bytes.fromhex(identity)])
         self._begin = self._file.tell()
 

@@ -101,13 +101,12 @@ def run_attributes(problem: Problem, space: RowSpace, provenance: Provenance) ->
 
 
 def write_run(path: Path, run: StoredRun) -> None:
-    """Write the file of a run, in one go: it has its old content or its new one. Raises OSError."""
-    try:
-        with replacing(path) as part:
-            part.write_bytes(_image(run))
-    except OSError as error:
-        # a disk that is full does not say where
-        raise OSError(error.errno, error.strerror, str(path)) from error
+    """Write the file of a run, in one go: it has its old content or its new one. Raises OSError.
+
+    The new content is on the disk before it takes the place of the old one, whatever ends the machine.
+    """
+    with replacing(path, durable=True) as part:
+        part.write_bytes(_image(run))
 
 
 def read_run(path: Path, *, journal: bool = True) -> StoredRun:

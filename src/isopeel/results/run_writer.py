@@ -1,5 +1,6 @@
 """Writing the file of a run while it goes on."""
 
+import os
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from errno import ENOENT
@@ -26,7 +27,7 @@ class RunWriter:
     """Consumer of steps that keeps the file of a run up to date: about once a second, and when it is closed.
 
     The steps in between are in its journal, one by one. The first save removes the `outdated` files, which
-    were made from an earlier run; `saved` says that it was made.
+    were made from an earlier run, and lists them in `removed`; `saved` says that it was made.
 
     The displacement is kept at the first step at or beyond each multiple of `field_interval` (in the
     unit of the parameter's column), and at the last step; `base` is that of the state that a stage begins
@@ -73,6 +74,8 @@ class RunWriter:
         self._journal: Journal | None = None
         self._next_save = 0.0
         self.saved: bool = False
+        #: Files of an earlier run that the first save has removed.
+        self.removed: list[Path] = []
 
     def __enter__(self) -> Self:
         """Touch nothing yet: the first step replaces an earlier run, and so does an end without one."""
@@ -149,7 +152,9 @@ class RunWriter:
             raise FileNotFoundError(ENOENT, told, str(self._path)) from error
         if not self.saved:
             for path in self._outdated:
-                path.unlink(missing_ok=True)
+                if os.path.lexists(path):
+                    path.unlink()
+                    self.removed.append(path)
             self.saved = True
             self._journal = Journal(self._path, run.identity)
         elif self._journal is not None:

@@ -105,7 +105,8 @@ def write_series(path: Path, times: Mapping[str, float]) -> None:
     )
     with replacing(path) as part:
         part.write_text(
-            '<?xml version="1.0"?>\n<VTKFile type="Collection" version="1.0" byte_order="LittleEndian">\n'
+            '<?xml version="1.0"?>\n<!-- isopeel -->\n'
+            '<VTKFile type="Collection" version="1.0" byte_order="LittleEndian">\n'
             f"<Collection>\n{sets}</Collection>\n</VTKFile>\n",
             encoding="utf-8",
         )
@@ -143,7 +144,8 @@ class _File:
 
     def content(self) -> bytes:
         head = (
-            '<?xml version="1.0"?>\n<VTKFile type="UnstructuredGrid" version="1.0" byte_order="LittleEndian"'
+            '<?xml version="1.0"?>\n<!-- isopeel -->\n'
+            '<VTKFile type="UnstructuredGrid" version="1.0" byte_order="LittleEndian"'
             ' header_type="UInt64" compressor="vtkZLibDataCompressor">\n<UnstructuredGrid>\n'
         )
         lines = "\n".join(self._lines)

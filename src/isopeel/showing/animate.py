@@ -13,10 +13,11 @@ from rich.console import Console
 
 from isopeel.errors import InputError
 from isopeel.folder import FIGURES, make_folder
+from isopeel.interrupts import check, leave_time
 from isopeel.post.figures.moving import MovingFigure, Picture
 from isopeel.post.summary import units_note
 from isopeel.progress import counted
-from isopeel.results.files import replacing
+from isopeel.results.files import MAKER, replacing
 from isopeel.showing.chosen import shown_stages
 from isopeel.stored import StoredStage
 
@@ -48,6 +49,7 @@ def animate_run(
     if not moving:
         allowed = "two stored states or more are needed; `isopeel run --fields-every` stores more"
         raise InputError("DIR", str(folder), allowed)
+    leave_time()
     for stage in moving:
         into = stage.folder / FIGURES if out is None else out / stage.folder.relative_to(folder)
         make_folder(into)
@@ -74,6 +76,7 @@ def _pictures(stage: StoredStage, size: tuple[int, int], next_one: Callable[[], 
         stage.stage.problem, stage.space, run.curve, run.fields, size, units_note(run.attributes)
     )
     for number in range(len(figure)):
+        check()
         yield figure.picture(number)
         next_one()
 
@@ -90,6 +93,7 @@ def _write_mp4(path: Path, pictures: Iterable[Picture], size: tuple[int, int], f
         quality=8,
         macro_block_size=2,
         ffmpeg_log_level="error",
+        output_params=["-metadata", f"comment={MAKER}"],
     )
     writer.send(None)
     try:
@@ -112,7 +116,9 @@ def _write_gif(path: Path, pictures: Iterable[Picture], _size: tuple[int, int], 
     palette = Image.new("P", (1, 1))
     palette.putpalette([255, 255, 255, *found[: 3 * 255]])
     same = (_in_colours_of(palette, picture) for picture in chain([first], every))
-    next(same).save(path, "GIF", save_all=True, append_images=same, duration=round(1000 / fps), loop=0)
+    next(same).save(
+        path, "GIF", save_all=True, append_images=same, duration=round(1000 / fps), loop=0, comment=MAKER
+    )
 
 
 def _in_colours_of(palette: Image.Image, picture: Picture) -> Image.Image:

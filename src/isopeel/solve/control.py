@@ -8,6 +8,7 @@ from time import perf_counter
 import numpy as np
 from threadpoolctl import ThreadpoolController
 
+from isopeel.interrupts import check, deferred
 from isopeel.solve.continuation import (
     CALM_COSINE,
     LEAST_COSINE,
@@ -51,7 +52,8 @@ def controlled(path: Path, parameters: Iterable[float], passed: Sequence[float])
     while True:
         began = perf_counter()
         # narrow bands and vectors of this length gain nothing from threads, and lose by their start
-        with libraries.limit(limits=1) if threaded else nullcontext():
+        with deferred(), libraries.limit(limits=1) if threaded else nullcontext():
+            check()
             one = next(found, None)
             if one is None:
                 return

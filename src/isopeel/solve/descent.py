@@ -6,6 +6,7 @@ import numpy as np
 
 from isopeel.arrays import FloatArray
 from isopeel.assembly.system import BandMatrix, Equilibrium, System
+from isopeel.interrupts import check
 from isopeel.solve.blocks import NotPositiveDefiniteError
 from isopeel.solve.linear import Border, Bordered, Factor, SingularError, factorize
 
@@ -37,6 +38,7 @@ def descend(system: System, start: FloatArray, parameter: float) -> Descent:
     shift = 0.0
     energy = potential_energy(system, y, parameter)
     for _ in range(_MOST_ITERATIONS):
+        check()
         u, load = system.state(y, parameter)
         equilibrium, matrix = system.linearize(u, "symmetric", load)
         try:

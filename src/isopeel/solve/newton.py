@@ -9,6 +9,7 @@ import numpy as np
 from isopeel.arrays import FloatArray
 from isopeel.assembly.system import BandMatrix, Equilibrium, System
 from isopeel.controls import Control
+from isopeel.interrupts import check
 from isopeel.solve.blocks import NotPositiveDefiniteError
 from isopeel.solve.linear import (
     Border,
@@ -133,6 +134,7 @@ def newton(
     measures: list[float] = []
     try:
         for _ in range(settings.iteration_limit):
+            check()
             made_at = y
             correction, measure, matrix = _correction(system, y, parameter)
             y = y + correction

@@ -7,6 +7,7 @@ from isopeel.assembly.constraints import constrain
 from isopeel.assembly.loads import AssembledLoad
 from isopeel.assembly.system import System
 from isopeel.errors import InputError
+from isopeel.interrupts import deferred
 from isopeel.problem import Problem
 from isopeel.solve.control import controlled
 from isopeel.solve.newton import NewtonSettings
@@ -15,6 +16,7 @@ from isopeel.solve.step import State, Step
 from isopeel.splines.rows import RowSpace
 
 
+@deferred()
 def trace(
     problem: Problem,
     space: RowSpace,

@@ -1,0 +1,175 @@
+"""What lies in the folder of a run before it begins: nothing that a user owns, or computed, is lost."""
+
+import re
+import tomllib
+from collections.abc import Callable, Iterator, Sequence
+from pathlib import Path
+from shlex import quote
+from typing import NamedTuple
+
+import numpy as np
+
+from isopeel.case import Stage
+from isopeel.case.case import LARGEST_FILE
+from isopeel.errors import InputError
+from isopeel.folder import (
+    DRAWN,
+    EXPORTED,
+    FIGURES,
+    FILES,
+    LOCK,
+    PARAVIEW,
+    REPORT,
+    STAGE_FOLDER,
+    first_names,
+    stage_files,
+)
+from isopeel.post.summary import short_unit
+from isopeel.problem import Column
+from isopeel.results.files import is_written_by_isopeel, kind_of
+from isopeel.results.journal import journal_path
+from isopeel.results.run_file import StoredRun, read_run
+from isopeel.solve.step import KINDS
+
+#: What file managers leave everywhere.
+_OF_NOBODY = (".DS_Store", "Thumbs.db", "desktop.ini")
+#: Of the size of a parameter: two ends that differ by less are the same.
+_SAME = 1e-9
+_ANOTHER = "give another folder, or --force"
+
+
+class _Length(NamedTuple):
+    """How far a run goes: the values that are asked for, and the last one, in the unit of its column."""
+
+    column: Column
+    steps: int
+    end: float | None
+
+    @property
+    def words(self) -> str:
+        end = "" if self.end is None else f", to {self.end:g} {short_unit(self.column)}"
+        return f"{self.steps} {'step' if self.steps == 1 else 'steps'}{end}"
+
+
+def check_foreign(out: Path) -> None:
+    """Raise InputError where a folder holds what is of no run, or a link in place of a folder in it."""
+    if not out.is_dir():
+        return
+    others = sorted(str(path.relative_to(out)) for path in _foreign(out, stages_too=True))
+    if others:
+        what = "that is of no run" if len(others) == 1 else "that are of no run"
+        allowed = (
+            f"it holds {first_names(others)} {what}; {_ANOTHER}, which replaces the files of a run in it, and"
+            " leaves all others"
+        )
+        raise InputError("--out", str(out), allowed)
+
+
+def check_earlier(name: str, stages: Sequence[Stage], out: Path) -> str:
+    """Say which run of a case is replaced in a folder; nothing where there is none.
+
+    Raises InputError where that is of another case, cannot be read, goes further than the `stages` of the
+    new one, or was interrupted: then it would be lost.
+    """
+    files = [path for path in (out / FILES[0], *stage_files(out)) if path.exists()]
+    runs = []
+    for file in files:
+        try:
+            runs.append(read_run(file))
+        except InputError as error:
+            allowed = f"{file.name} in it is no run that this version reads; {_ANOTHER}"
+            raise InputError("--out", str(file.parent), allowed) from error
+        other = _name(runs[-1].case_text)
+        if other != name:
+            whose = "a run of a case without a name" if other is None else f"a run of the case {other!r}"
+            raise InputError("--out", str(out), f"it holds {whose}; {_ANOTHER}, which replaces it")
+    if not any(len(run.curve) for run in runs):
+        return ""
+    there = [_reached(run) for run in runs]
+    told = "; then ".join(length.words for length in there)
+    if runs[-1].ending in ("running", "interrupted"):
+        allowed = (
+            f"it holds a run of {name!r} that was interrupted: {told}; `isopeel resume {quote(str(out))}`"
+            " goes on with it, and --force begins anew"
+        )
+        raise InputError("--out", str(out), allowed)
+    new = [_planned(stage) for stage in stages]
+    if _is_shorter(new, there):
+        shorter = "; then ".join(length.words for length in new)
+        allowed = f"it holds a longer run of {name!r}: {told}, and this one has {shorter}; {_ANOTHER}"
+        raise InputError("--out", str(out), f"{allowed}, which replaces it")
+    return f"replaces the run of {name} in {out}: {told}"
+
+
+def _foreign(folder: Path, *, stages_too: bool) -> Iterator[Path]:
+    """What in the folder of a run, or of a stage, is of no run."""
+    kept = {*FILES, journal_path(Path(FILES[0])).name, REPORT}
+    has_run = (folder / FILES[0]).exists()
+    for path in folder.iterdir():
+        about = path.lstat()
+        kind = kind_of(about.st_mode)
+        if path.name in _OF_NOBODY or _is_part(path.name) or (path.name == LOCK and not about.st_size):
+            continue
+        if kind == "a folder" and path.name == FIGURES:
+            yield from _others(path, lambda name: name.partition(".")[0] in DRAWN)
+        elif kind == "a folder" and path.name == PARAVIEW:
+            yield from _others(path, lambda name: EXPORTED.fullmatch(name) is not None)
+        elif kind == "a folder" and stages_too and STAGE_FOLDER.match(path.name):
+            yield from _foreign(path, stages_too=False)
+        elif path.name == FILES[0] and not kind:
+            pass  # which is read before it is replaced
+        elif kind or path.name not in kept or not (has_run or path.name == REPORT):
+            yield path  # the page of a run of stages lies above them
+        elif not is_written_by_isopeel(path):
+            yield path
+
+
+def _others(folder: Path, is_known: Callable[[str], bool]) -> Iterator[Path]:
+    """Files in a folder but those of known names that isopeel wrote."""
+    for path in folder.iterdir():
+        if path.name in _OF_NOBODY or _is_part(path.name):
+            continue
+        if not (is_known(path.name) and is_written_by_isopeel(path)):
+            yield path
+
+
+def _is_part(name: str) -> bool:
+    """Whether a file of this name is one that was being written when its process was killed."""
+    return re.fullmatch(r"\.[^.].*\.part\.[a-z0-9]+", name) is not None
+
+
+def _name(text: str) -> str | None:
+    """The name of a case; None where there is none."""
+    if len(text) > 2 * LARGEST_FILE:  # as it is stored it may be somewhat longer
+        return None
+    try:
+        name = tomllib.loads(text).get("name")
+    except (ValueError, RecursionError):
+        return None
+    return name if isinstance(name, str) else None
+
+
+def _reached(run: StoredRun) -> _Length:
+    curve = run.curve
+    # a curve that turns back meets a parameter again
+    asked_for = len(np.unique(curve.parameter[curve.kind == KINDS.index("requested")]))
+    return _Length(curve.parameter_column, asked_for, float(curve.parameter[-1]) if len(curve) else None)
+
+
+def _planned(stage: Stage) -> _Length:
+    column = stage.problem.drive.parameter_column
+    return _Length(column, len(stage.parameters), float(column.shown(stage.parameters[-1])))
+
+
+def _is_shorter(new: Sequence[_Length], there: Sequence[_Length]) -> bool:
+    """Whether a run has fewer steps or stages than another one, or ends before it."""
+    if len(new) < len(there) or sum(one.steps for one in new) < sum(other.steps for other in there):
+        return True
+    for one, other in zip(new, there, strict=False):
+        if one.column != other.column or one.end is None or other.end is None:
+            continue
+        if abs(one.end) < abs(other.end) - _SAME * abs(other.end) or one.end * other.end < 0:
+            return True
+        if one.steps < other.steps:
+            return True
+    return False

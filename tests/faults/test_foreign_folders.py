@@ -1,0 +1,214 @@
+"""A run replaces an earlier run of the same case that goes no further, and nothing else without --force."""
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+import isopeel
+from isopeel.cli import main
+
+SMALL = ("--mesh", "10x1", "--space", "L1", "--step", "1", "--to")
+OUT = Path("out/strip")
+
+
+@pytest.fixture(autouse=True)
+def _in_a_folder_of_its_own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    # pictures take most of the time, and what they show is of no matter here
+    monkeypatch.setattr("isopeel.run.save", lambda _, path: path.write_bytes(b"Creator\0isopeel"))
+
+
+def contents(folder: Path) -> dict[str, bytes]:
+    return {str(path): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+
+
+def the_error(capsys: pytest.CaptureFixture[str]) -> str:
+    error = capsys.readouterr().err
+    assert error.startswith("isopeel: ")
+    assert error.count("\n") == 1
+    return error
+
+
+def notes(folder: Path) -> str:
+    (folder / "notes.txt").write_text("mine")
+    return "notes.txt"
+
+
+def hidden(folder: Path) -> str:
+    (folder / ".git").mkdir()
+    (folder / ".git" / "config").write_text("mine")
+    return ".git"
+
+
+def a_table(folder: Path) -> str:
+    (folder / "curve.csv").write_text("gap,force\n0,1\n")
+    return "curve.csv"
+
+
+def a_summary(folder: Path) -> str:
+    (folder / "summary.json").write_text(json.dumps({"thesis": "all of it"}))
+    return "summary.json"
+
+
+def a_figure(folder: Path) -> str:
+    (folder / "figures").mkdir()
+    (folder / "figures" / "curve.png").write_bytes(b"\x89PNG drawn by hand")
+    return "figures/curve.png"
+
+
+def another_figure(folder: Path) -> str:
+    (folder / "figures").mkdir()
+    (folder / "figures" / "setup.svg").write_text("<svg/>")
+    return "figures/setup.svg"
+
+
+def no_run(folder: Path) -> str:
+    (folder / "run.h5").write_bytes(b"a measurement")
+    return "run.h5"
+
+
+def a_page(folder: Path) -> str:
+    (folder / "report.html").write_text("<p>isopeel is what I used</p>")
+    return "report.html"
+
+
+def in_a_stage(folder: Path) -> str:
+    (folder / "1-press").mkdir()
+    (folder / "1-press" / "curve.png").write_bytes(b"a photograph")
+    return "1-press/curve.png"
+
+
+FOREIGN = [notes, hidden, a_table, a_summary, a_figure, another_figure, no_run, a_page, in_a_stage]
+
+
+@pytest.mark.parametrize("plant", FOREIGN)
+def test_what_is_of_no_run_is_refused_and_stays(
+    plant: Callable[[Path], str], capsys: pytest.CaptureFixture[str]
+) -> None:
+    Path("mine").mkdir()
+    named, before = plant(Path("mine")), contents(Path("mine"))
+    assert main(["run", "strip", *SMALL, "1", "--out", "mine"]) == 2
+    error = the_error(capsys)
+    assert f"'mine' cannot be used; it holds {named}" in error or f"{named} in it is no run" in error
+    assert "--force" in error
+    assert contents(Path("mine")) == before
+
+
+@pytest.mark.parametrize("plant", [notes, a_table, another_figure, in_a_stage])
+def test_with_force_only_files_of_a_run_are_replaced(
+    plant: Callable[[Path], str], capsys: pytest.CaptureFixture[str]
+) -> None:
+    Path("mine").mkdir()
+    named = Path("mine", plant(Path("mine")))
+    before = named.read_bytes()
+    assert main(["run", "strip", *SMALL, "1", "--out", "mine", "--force"]) == 0
+    if plant is a_table:
+        assert f"removed {named}\n" in capsys.readouterr().out
+    else:
+        assert named.read_bytes() == before
+
+
+def test_notes_beside_a_run_of_the_case_are_refused_too(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["run", "strip", *SMALL, "1"]) == 0
+    for name in ("notes.txt", "a.md", "b.md", "c.md"):
+        (OUT / name).write_text("mine")
+    before = contents(OUT)
+    assert main(["run", "strip", *SMALL, "1"]) == 2
+    assert "it holds a.md, b.md, c.md and 1 more that are of no run" in the_error(capsys)
+    assert contents(OUT) == before
+
+
+def test_a_run_of_another_case_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["run", "strip", *SMALL, "2", "--out", "mine"]) == 0
+    other = isopeel.load_case("strip").text.replace('name = "strip"', 'name = "other"')
+    Path("other.toml").write_text(other)
+    before = contents(Path("mine"))
+    capsys.readouterr()
+    assert main(["run", "other.toml", *SMALL, "3", "--out", "mine"]) == 2
+    assert "it holds a run of the case 'strip'" in the_error(capsys)
+    assert contents(Path("mine")) == before
+    assert main(["run", "other.toml", *SMALL, "1", "--out", "mine", "--force"]) == 0
+    assert isopeel.Case.parse(isopeel.read_run(Path("mine/run.h5")).case_text).name == "other"
+
+
+@pytest.mark.parametrize("options", [("2",), ("1",), ("3", "--step", "1.5"), ("3", "--step", "3")])
+def test_a_finished_run_is_not_replaced_by_a_shorter_one(
+    options: tuple[str, ...], capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["run", "strip", *SMALL, "3"]) == 0
+    before = contents(OUT)
+    capsys.readouterr()
+    assert main(["run", "strip", *SMALL, *options]) == 2
+    error = the_error(capsys)
+    assert "it holds a longer run of 'strip': 4 steps, to 3 deg, and this one has" in error
+    assert contents(OUT) == before
+    assert main(["run", "strip", *SMALL, *options, "--force"]) == 0
+    assert contents(OUT) != before
+
+
+def test_the_same_or_a_longer_run_replaces_one_and_lists_what_goes(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    assert main(["run", "strip", *SMALL, "2"]) == 0
+    assert main(["plot", "out/strip", "--only", "curve"]) == 0
+    assert main(["report", "out/strip"]) == 0
+    capsys.readouterr()
+    assert main(["run", "strip", *SMALL, "2"]) == 0
+    told = capsys.readouterr().out
+    assert "replaces the run of strip in out/strip: 3 steps, to 2 deg" in told
+    (removed,) = [line for line in told.splitlines() if line.startswith("removed ")]
+    gone = {"curve.csv", "summary.json", "curve.png", "shapes.png", "report.html", "figures/curve.png"}
+    assert set(removed.removeprefix("removed ").split(", ")) == {f"out/strip/{name}" for name in gone}
+    for options in (("2",), ("3",), ("3", "--step", "0.5"), ("4", "--mesh", "8x1", "--step", "0.5")):
+        assert main(["run", "strip", *SMALL, *options, "--out", "other"]) == 0
+
+
+def test_a_run_with_fewer_stages_is_shorter(capsys: pytest.CaptureFixture[str]) -> None:
+    text = isopeel.load_case("strip").text
+    drive = text[text.index("[drive]") : text.index("[reading]")]
+    one = text.replace(drive, drive.replace("[drive]", "[[drive]]"))
+    two = text.replace(drive, 2 * drive.replace("[drive]", "[[drive]]"))
+    Path("one.toml").write_text(one)
+    Path("two.toml").write_text(two)
+    assert main(["run", "two.toml", *SMALL, "1", "--step", "1", "--control", "newton"]) in (0, 3)
+    before = contents(OUT)
+    capsys.readouterr()
+    assert main(["run", "one.toml", *SMALL, "1"]) == 2
+    assert "'out/strip' cannot be used; it holds" in the_error(capsys)
+    assert contents(OUT) == before
+
+
+@pytest.mark.parametrize("ending", ["interrupted", "running"])
+def test_an_unfinished_run_is_gone_on_with_unless_forced(
+    ending: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with monkeypatch.context() as patch:
+        if ending == "interrupted":
+            patch.setattr("isopeel.run.check", _interrupting(2))
+            assert main(["run", "strip", *SMALL, "3"]) == 130
+        else:
+            patch.setattr("isopeel.results.run_writer.RunWriter.end", lambda *_: None)
+            assert main(["run", "strip", *SMALL, "1"]) == 0
+    assert isopeel.read_run(OUT / "run.h5").ending == ending
+    before = contents(OUT)
+    capsys.readouterr()
+    assert main(["run", "strip", *SMALL, "3"]) == 2
+    error = the_error(capsys)
+    assert "`isopeel resume out/strip` goes on with it, and --force begins anew" in error
+    assert contents(OUT) == before
+    assert main(["resume", "out/strip", "--to", "3"]) == 0
+    assert main(["run", "strip", *SMALL, "3"]) == 0
+
+
+def _interrupting(number: int) -> Callable[[], None]:
+    count = 0
+
+    def check() -> None:
+        nonlocal count
+        count += 1
+        if count == number:
+            raise KeyboardInterrupt
+
+    return check
