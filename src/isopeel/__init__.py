@@ -1,5 +1,12 @@
 """isopeel: peeling of soft solids off adhesive surfaces by isogeometric analysis."""
 
+import sys
+
+# `python -m isopeel` looks for modules in the folder that it runs in first, whoever has put them there: what
+# is imported from now on does not come from it. Until the module is found, the first argument is "-m".
+if sys.argv[:1] == ["-m"] and not sys.flags.safe_path:
+    del sys.path[:1]
+
 from importlib import import_module
 from typing import TYPE_CHECKING
 

@@ -5,13 +5,24 @@ in another one, is part of it. So what is kept of a file is removed once any sou
 which compiled functions stand.
 """
 
+import os
 from collections.abc import Callable
 from functools import cache
 from hashlib import sha256
 from pathlib import Path
 from typing import Any, TypeVar, cast
 
-from numba import cfunc, njit
+# Numba reads settings in the folder that a process runs in, whoever has put them there: those of them that
+# name code to run are set here, to what they are without
+os.environ.setdefault("NUMBA_CACHE_DIR", "")
+os.environ.setdefault("NUMBA_CACHE_LOCATOR_CLASSES", "")
+
+from numba import cfunc, config, njit
+
+if config.DISABLE_JIT:
+    from isopeel.errors import InputError
+
+    raise InputError("NUMBA_DISABLE_JIT", config.DISABLE_JIT, "compiled functions call each other; unset it")
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
@@ -27,34 +38,38 @@ REORDERED: dict[str, Any] = {"error_model": "numpy", "fastmath": {"contract", "r
 
 def compiled(function: Function) -> Function:
     """Compile a function when it is first called, with sums in their order."""
-    _leave_out_what_is_old(function)
-    return cast("Function", njit(cache=True, **EXACT)(function))
+    return cast("Function", njit(cache=keeps(function), **EXACT)(function))
 
 
 def compiled_reordered(function: Function) -> Function:
     """Compile a function when it is first called, with sums in any order."""
-    _leave_out_what_is_old(function)
-    return cast("Function", njit(cache=True, **REORDERED)(function))
+    return cast("Function", njit(cache=keeps(function), **REORDERED)(function))
 
 
 def compiled_now(
     signature: Any, function: Callable[..., Any], options: dict[str, Any], *, keep: bool = True
 ) -> Any:
     """Compile a function to code with an `address`, by which other compiled code may call it."""
-    if keep:
-        _leave_out_what_is_old(function)
-    return cfunc(signature, cache=keep, **options)(function)
+    return cfunc(signature, cache=keep and keeps(function), **options)(function)
 
 
 def is_kept(function: Callable[..., Any]) -> bool:
     """Whether a function is there in compiled form."""
-    _leave_out_what_is_old(function)
-    return any(_folder(function).glob(f"{_module(function)}.{function.__name__}-*.nbi"))
+    return keeps(function) and any(_folder(function).glob(f"{_module(function)}.{function.__name__}-*.nbi"))
 
 
-def _leave_out_what_is_old(function: Callable[..., Any]) -> None:
-    """Remove what was kept of a function's file with other sources."""
-    _leave_out(_folder(function), _module(function), sources())
+def keeps(function: Callable[..., Any]) -> bool:
+    """Whether a function is kept once it is compiled.
+
+    What was kept of its file with other sources is removed. The place is beside the file or in the user's
+    cache folder. Where neither can be written to, it is compiled in
+    memory, anew in each process.
+    """
+    try:
+        _leave_out(_folder(function), _module(function), sources())
+    except (OSError, RuntimeError):  # the latter is Numba's, which finds no folder
+        return False
+    return True
 
 
 @cache

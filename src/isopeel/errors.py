@@ -10,10 +10,14 @@ _REPR.maxlist = _REPR.maxtuple = _REPR.maxdict = 10
 
 def one_line(text: str) -> str:
     """Make a text one line that a terminal shows as it is, whatever a user wrote into it."""
-    return "".join(
-        character if character.isprintable() else repr(character)[1:-1]
-        for character in " ".join(text.split())
-    )
+    return visible(" ".join(text.split()))
+
+
+def visible(text: str) -> str:
+    """Make what a terminal would obey, such as its escape sequences, or what turns text around, visible."""
+    if text.isprintable():
+        return text
+    return "".join(one if one.isprintable() or one in "\n\xa0" else repr(one)[1:-1] for one in text)
 
 
 class InputError(ValueError):

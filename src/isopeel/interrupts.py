@@ -14,7 +14,8 @@ import signal
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
-from threading import Event, Thread, current_thread, main_thread
+from threading import Lock, Thread, current_thread, main_thread
+from time import perf_counter, sleep
 from types import FrameType
 
 #: Exit code of a process that Ctrl-C has ended.
@@ -24,6 +25,10 @@ INTERRUPTED = 130
 _PATIENCE = 4.0
 #: As many times Ctrl-C do not wait for anything.
 _MOST = 3
+#: Seconds between two looks at whether it has been left.
+_LOOK = 0.01
+#: Seconds that a line takes to be said.
+_TO_TELL = 0.2
 #: What a bar of progress has hidden or begun on a terminal: the cursor, and a line.
 _CLEARED = b"\r\x1b[2K\x1b[?25h"
 
@@ -34,7 +39,8 @@ class _Noted:
     def __init__(self) -> None:
         self.came = 0
         self.ends_process = False
-        self.raised = Event()
+        self.line_is_free = Lock()  # which whoever says the one line does not release
+        self.raised = False  # no threading.Event: an interrupt in the middle would leave its lock taken
         self.patience = 0.0
         self.told = self.told_later = "interrupted"
         self.left_over: list[Callable[[], object]] = []
@@ -45,8 +51,8 @@ _noted = _Noted()
 
 def check() -> None:
     """Raise KeyboardInterrupt where Ctrl-C has come; once, as what follows takes a moment only."""
-    if _noted.came and not _noted.raised.is_set():
-        _noted.raised.set()
+    if _noted.came and not _noted.raised:
+        _noted.raised = True
         raise KeyboardInterrupt
 
 
@@ -110,6 +116,11 @@ def telling(told: str, told_later: str | None = None) -> Iterator[None]:
         _noted.patience = 0.0
 
 
+def may_tell() -> bool:
+    """Whether the caller is to say that Ctrl-C has come: the first who asks, where that ends the process."""
+    return not _noted.ends_process or _noted.line_is_free.acquire(blocking=False)
+
+
 def leave_time() -> None:
     """From now on there is something to write, or to end: Ctrl-C leaves some time for it."""
     _noted.patience, _noted.told = _PATIENCE, _noted.told_later
@@ -133,8 +144,7 @@ def _is_usual() -> bool:
 
 
 def _begin() -> None:
-    _noted.came = 0
-    _noted.raised.clear()
+    _noted.came, _noted.raised = 0, False
 
 
 def _note(_number: int, _frame: FrameType | None) -> None:
@@ -156,8 +166,11 @@ def _wait(reader: int) -> None:
 
 
 def _end_unless_left() -> None:
-    if not _noted.raised.wait(_noted.patience):
-        _end()
+    until = perf_counter() + _noted.patience
+    while not _noted.raised:
+        if perf_counter() >= until:
+            _end()
+        sleep(_LOOK)
 
 
 def _end() -> None:
@@ -169,7 +182,10 @@ def _end() -> None:
     with suppress(OSError):
         if os.isatty(1):
             os.write(1, _CLEARED)
-        os.write(2, f"isopeel: {_noted.told}\n".encode(errors="backslashreplace"))
+        if may_tell():
+            os.write(2, f"isopeel: {_noted.told}\n".encode(errors="backslashreplace"))
+        else:
+            sleep(_TO_TELL)
     for how in reversed(_noted.left_over):
         with suppress(OSError):
             how()

@@ -40,7 +40,7 @@ def worker_pool(workers: int, begin: Callable[[], None] | None = None) -> Iterat
     whatever way. Raises WorkerLostError where one of them is ended.
     """
     others = active_children()
-    with _Pool(workers, get_context("spawn"), _start_worker, (begin,)) as pool:
+    with _no_modules_from_here(), _Pool(workers, get_context("spawn"), _start_worker, (begin,)) as pool:
         leave_time()
         try:
             yield pool
@@ -86,6 +86,21 @@ class _Pool(ProcessPoolExecutor):
     def submit(self, task: Callable[P, O], /, *args: P.args, **kwargs: P.kwargs) -> Future[O]:
         with _interrupts_held():
             return super().submit(task, *args, **kwargs)
+
+
+@contextmanager
+def _no_modules_from_here() -> Iterator[None]:
+    """Start processes that look for no module in the folder that this one runs in, but where it does."""
+    name = "PYTHONSAFEPATH"
+    before = os.environ.get(name)
+    os.environ[name] = "1"
+    try:
+        yield
+    finally:
+        if before is None:
+            del os.environ[name]
+        else:
+            os.environ[name] = before
 
 
 @contextmanager

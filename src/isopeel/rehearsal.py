@@ -16,7 +16,7 @@ import numpy as np
 from isopeel.arrays import BoolArray, FloatArray, IntArray
 from isopeel.assembly.body_kernel import add_body
 from isopeel.assembly.system import System
-from isopeel.compilation import is_kept
+from isopeel.compilation import is_kept, keeps
 from isopeel.interrupts import cleared_up
 from isopeel.problem import strip
 from isopeel.processes import cores
@@ -32,7 +32,7 @@ _STIFFNESS = 10.0
 @contextmanager
 def rehearsed_beside() -> Iterator[None]:
     """Compile in a second process meanwhile, as long as the body's kernel is not cached."""
-    if is_kept(add_body) or cores() == 1:
+    if is_kept(add_body) or not keeps(add_body) or cores() == 1:
         yield
         return
     # not one of a pool, which would run the script again that has called this

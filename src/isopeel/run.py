@@ -54,9 +54,8 @@ class Result(NamedTuple):
     folder: Path
 
 
-<<<<<<< HEAD
-def run_case(case: Case, out: Path, console: Console, strict: bool = False) -> Result:
-    """Run a case and write its files to a folder, in place of those of an earlier run.
+def run_case(case: Case, out: Path, console: Console, strict: bool = False, *, force: bool = False) -> Result:
+    """Run a case and write its files to a folder, in place of those of an earlier run of it.
 
     A case of several stages has a folder for each of them inside, numbered and named. Returns the last
     stage that was run; the `ending` of its run says whether that came to its end, found no equilibrium or
@@ -64,35 +63,19 @@ def run_case(case: Case, out: Path, console: Console, strict: bool = False) -> R
     said before the first step, and is an error where the run is `strict`. Raises InputError where a folder
     cannot be written, another process runs in it or the memory does not suffice, OSError where a file cannot
     be written, and KeyboardInterrupt where there is no step yet; an earlier run stays until there is one.
-=======
-def run_case(case: Case, out: Path, console: Console, *, force: bool = False) -> Result:
-    """Run a case and write its files to a folder, in place of those of an earlier run of it.
-
-    A case of several stages has a folder for each of them inside, numbered and named. Returns the last
-    stage that was run; the `ending` of its run says whether that came to its end, found no equilibrium or
-    was interrupted: all that converged before is in the files. Raises InputError where a folder cannot be
-    written, another process runs in it or the memory does not suffice, OSError where a file cannot be
-    written, and KeyboardInterrupt where there is no step yet; an earlier run stays until there is one.
 
     Unless with `force`, it also raises InputError where the folder holds anything else than a run of this
     case, or a run that goes further or was interrupted.
->>>>>>> 25c00e2 (Refuse folders of others, and let Ctrl-C end a run at safe points)
     """
     if not force:
         check_foreign(out)
     # the stages are checked before any folder is made
     stages = case.stages()
     check_later_stages(case)
-<<<<<<< HEAD
-    steps = _steps(case, case.stages()[0], case.space(), None, None)
-    _say_doubts(case, console, strict)
-    for place in places(case.name, [stage.name for stage in case.stages()], out):
-        check_folder(place.folder)
-=======
     steps = _steps(case, stages[0], case.space(), None, None)
+    _say_doubts(case, console, strict)
     where = places(case.name, [stage.name for stage in stages], out)
     make_folder(out)
->>>>>>> 25c00e2 (Refuse folders of others, and let Ctrl-C end a run at safe points)
     with alone_in(out, "--out"):
         if force:
             files = ", ".join(str(place.run_file) for place in where if place.run_file.exists())
@@ -347,16 +330,15 @@ def _follow(
         writer.end("interrupted")
 
 
-<<<<<<< HEAD
 def _laboratory(case: Case, stage: Stage) -> Laboratory:
     return Laboratory.of(case.units.system(), stage.problem, case.body.width)
-=======
+
+
 def _list_removed(writer: RunWriter, console: Console) -> None:
     """Say what of an earlier run has been removed since this was called last."""
     if writer.removed:
         console.print(f"removed {', '.join(map(str, writer.removed))}", soft_wrap=True)
         writer.removed.clear()
->>>>>>> 25c00e2 (Refuse folders of others, and let Ctrl-C end a run at safe points)
 
 
 def _write_results(

@@ -1,5 +1,6 @@
 """The command line."""
 
+import os
 import sys
 from collections.abc import Sequence
 from contextlib import nullcontext
@@ -24,6 +25,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if isinstance(sys.stdout, TextIOWrapper):
         # a name that the terminal's encoding lacks should not end a run
         sys.stdout.reconfigure(errors="replace")
+    if arguments is None:
+        # processes that this one starts look for no module in the folder that it runs in
+        os.environ.setdefault("PYTHONSAFEPATH", "1")
     with ending_this_process() if arguments is None else nullcontext():
         return _code_of(arguments)
 

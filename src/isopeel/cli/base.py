@@ -2,6 +2,7 @@
 
 import shlex
 from collections.abc import Callable
+from errno import EMFILE, ENFILE
 from functools import wraps
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, ParamSpec
@@ -9,7 +10,8 @@ from typing import TYPE_CHECKING, Annotated, ParamSpec
 import typer
 
 import isopeel
-from isopeel.interrupts import INTERRUPTED, deferred
+from isopeel.errors import visible
+from isopeel.interrupts import INTERRUPTED, deferred, may_tell
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -52,21 +54,25 @@ def command(function: Callable[P, int]) -> Callable[P, int]:
 
 def console() -> "Console":
     """Standard output."""
-    from rich.console import Console
+    from isopeel.cli.terminal import PlainConsole
 
     # paths are shown as they are: [b] and :b: mean nothing in them
-    return Console(markup=False, emoji=False, highlight=False)
+    return PlainConsole(markup=False, emoji=False, highlight=False)
 
 
 def fail(code: int, message: str) -> int:
     """Say on standard error what went wrong, and return the exit code for it."""
-    typer.echo(f"isopeel: {message}", err=True)
+    if code != INTERRUPTED or may_tell():
+        typer.echo(visible(f"isopeel: {message}"), err=True)
     return code
 
 
 def unwritten(error: OSError, folder: Path | None = None) -> str:
     """What is told of a file that could not be written, of the run in a folder if there is one."""
-    told = f"{error.filename or 'a file'} cannot be written: {error.strerror}"
+    if error.errno in (EMFILE, ENFILE):
+        told = f"{error.filename or 'a file'} cannot be opened: {error.strerror}; `ulimit -n` allows more"
+    else:
+        told = f"{error.filename or 'a file'} cannot be written: {error.strerror or error}"
     if folder is None or not any(folder.glob("**/run.h5")):
         return told
     return f"{told}; `isopeel resume {shlex.quote(str(folder))}` goes on with what is saved"

@@ -80,6 +80,17 @@ def check_is_file(path: Path) -> None:
         raise OSError(errno.EEXIST, f"it is {kind}, and no file", str(path))
 
 
+def check_readable(path: Path) -> None:
+    """Raise OSError where a path leads to no file, as to a pipe, which would be waited for, or to nothing."""
+    number = os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0))
+    try:
+        kind = kind_of(os.fstat(number).st_mode)
+    finally:
+        os.close(number)
+    if kind:
+        raise OSError(errno.EINVAL, f"it is {kind}, and no file", str(path))
+
+
 def kind_of(mode: int) -> str:
     """What something is by its mode, if it is no file."""
     kinds = {

@@ -15,6 +15,7 @@ Beside it, while the run goes on and where it was killed, lies its journal (`iso
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
+from errno import EMFILE, ENFILE
 from pathlib import Path
 from types import MappingProxyType
 from typing import Literal, NamedTuple, get_args
@@ -29,7 +30,7 @@ from isopeel.problem import Column, Problem
 from isopeel.results import untrusted
 from isopeel.results.curve import Curve
 from isopeel.results.fields import Fields
-from isopeel.results.files import replacing
+from isopeel.results.files import check_readable, replacing
 from isopeel.results.journal import Record, read_journal
 from isopeel.results.provenance import Provenance
 from isopeel.results.untrusted import UntrustedError
@@ -116,9 +117,7 @@ def read_run(path: Path, *, journal: bool = True) -> StoredRun:
     of a run.
     """
     try:
-        # a pipe or a device could be waited for without an end
-        if not path.is_file():
-            raise UntrustedError("it is no file")
+        check_readable(path)
         with h5py.File(path, "r") as file:
             if untrusted.attribute(file, "format") != _FORMAT:
                 raise UntrustedError("it is not the file of a run of this version")
@@ -126,7 +125,11 @@ def read_run(path: Path, *, journal: bool = True) -> StoredRun:
         if not journal or run.last is None:
             return run
         return _followed_by(run, read_journal(path, run.identity, run.curve, len(run.last.displacement)))
-    except (OSError, KeyError, ValueError, TypeError, RuntimeError, ArithmeticError) as error:
+    except OSError as error:
+        if error.errno in (EMFILE, ENFILE):
+            raise  # which is not the fault of the file
+        raise InputError("FILE", str(path), f"the file of a run is needed: {error}") from error
+    except (KeyError, ValueError, TypeError, RuntimeError, ArithmeticError) as error:
         raise InputError("FILE", str(path), f"the file of a run is needed: {error}") from error
 
 

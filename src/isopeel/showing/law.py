@@ -8,6 +8,7 @@ from rich.table import Table
 
 from isopeel.case import load_case
 from isopeel.errors import InputError
+from isopeel.folder import check_overwritten
 from isopeel.physics.adhesion import AdhesionLaw
 from isopeel.physics.adhesion.mirrored import Mirrored
 from isopeel.post.figures import law_figure, save
@@ -18,7 +19,7 @@ from isopeel.units import UnitSystem, shown
 LAWS = discover("isopeel.physics.adhesion")
 
 
-def show_law(name: str, out: Path | None, console: Console) -> None:
+def show_law(name: str, out: Path | None, console: Console, *, force: bool = False) -> None:
     """Print the numbers of a law, and draw it to a file.
 
     `name` is that of a law, which then has the strength and the work of adhesion of the shipped strip's, or
@@ -31,6 +32,7 @@ def show_law(name: str, out: Path | None, console: Console) -> None:
         law = law.law
     path = out or Path("out") / f"{Path(name).stem}.png"
     character = law_character(law)
+    check_overwritten("--out", [path], force)
     path.parent.mkdir(parents=True, exist_ok=True)
     try:
         save(law_figure(law), path)

@@ -8,12 +8,13 @@ from rich.table import Table
 
 from isopeel.case import parse_mesh
 from isopeel.errors import InputError
+from isopeel.folder import check_overwritten
 from isopeel.post.figures import save, space_figure
 from isopeel.splines.names import SplineFamily, parse_space_name
 from isopeel.splines.rows import RowSpace, row_space
 
 
-def show_space(name: str, mesh: str, out: Path | None, console: Console) -> None:
+def show_space(name: str, mesh: str, out: Path | None, console: Console, *, force: bool = False) -> None:
     """Print what the rows of a space are made of on a mesh, and draw its functions to a file.
 
     Raises InputError for a name, a mesh or a kind of file that makes no sense, OSError where the file
@@ -22,6 +23,7 @@ def show_space(name: str, mesh: str, out: Path | None, console: Console) -> None
     try:
         space = row_space(name, parse_mesh("--mesh", mesh))
         path = out or Path("out") / f"{space.name}.png"
+        check_overwritten("--out", [path], force)
         path.parent.mkdir(parents=True, exist_ok=True)
         save(space_figure(space), path)
     except InputError as error:
