@@ -19,10 +19,10 @@ os.environ.setdefault("NUMBA_CACHE_LOCATOR_CLASSES", "")
 
 from numba import cfunc, config, njit
 
-if config.DISABLE_JIT:
+if vars(config)["DISABLE_JIT"]:
     from isopeel.errors import InputError
 
-    raise InputError("NUMBA_DISABLE_JIT", config.DISABLE_JIT, "compiled functions call each other; unset it")
+    raise InputError("NUMBA_DISABLE_JIT", 1, "compiled functions call each other; unset it")
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 

@@ -36,7 +36,7 @@ def obeyed(text: str) -> set[str]:
 def test_a_console_shows_it_in_any_place(text: str) -> None:
     file = io.StringIO()
     console = PlainConsole(file=file, markup=False, emoji=False, highlight=False, width=100)
-    table = Table(text, Text(text), title=text)
+    table = Table(text, "", title=text)
     table.add_row(text, Text(text))
     for one in (text, Text(text), table):
         console.print(one)

@@ -63,9 +63,9 @@ def test_a_lock_that_nobody_holds_is_none() -> None:
 def test_a_link_at_its_name_is_refused() -> None:
     Path("mine").write_text("mine")
     Path("out", LOCK).symlink_to(Path("mine").absolute())
-    with pytest.raises(InputError, match=r"\.lock in it must be a file, and it is a symbolic link"):
-        with alone_in(Path("out"), "--out"):
-            pass
+    refused = pytest.raises(InputError, match=r"\.lock in it must be a file, and it is a symbolic link")
+    with refused, alone_in(Path("out"), "--out"):
+        pass
     assert Path("mine").read_text() == "mine"
     Path("other/1-press").mkdir()
     Path("other/1-press", LOCK).symlink_to(Path("mine").absolute())
