@@ -94,21 +94,23 @@ def test_runs_are_compared(runs: Path, tmp_path: Path, capsys: pytest.CaptureFix
     arguments = ("--out", str(tmp_path), "--format", "svg")
     assert main(["compare", str(runs / "L1"), str(runs / "N2"), *arguments]) == 0
     shown = capsys.readouterr().out
-    assert "L0 = 1 nm, E0 = 2 GPa" in shown
+    assert "forces, moments and energies per width" in shown
     with (tmp_path / "compare.csv").open(newline="") as file:
         one, other = csv.DictReader(file)
     assert (one["run"], one["space"], one["dofs"]) == ("L1", "L1", "246")
     assert (other["run"], other["space"], other["dofs"]) == ("N2", "N2", "252")
-    assert (one["plateau"], one["amplitude"]) == ("", "")
+    assert (one["plateau [N m/m]"], one["amplitude [N m/m]"]) == ("", "")
     first, second = (read_run(runs / name / "run.h5").curve for name in ("L1", "N2"))
-    difference = second.reaction - first.reaction
+    # E0 L0^2 = 2 GPa nm^2, in N m/m
+    difference = (second.reaction - first.reaction) * 2e-9
     with (tmp_path / "differences.csv").open(newline="") as file:
         heading, *rows = csv.reader(file)
-    assert heading == ["theta_deg", "N2"]
-    np.testing.assert_array_equal(
-        np.array(rows, dtype=np.float64), np.stack([first.parameter, difference], 1)
-    )
-    assert float(other["largest_difference"]) == difference[np.abs(difference).argmax()]
+    assert heading == ["theta [deg]", "N2 [N m/m]"]
+    # by the round-off of moments, of which differences are small ones
+    expected = np.stack([first.parameter, difference], 1)
+    np.testing.assert_allclose(np.array(rows, dtype=np.float64), expected, rtol=1e-9, atol=1e-24)
+    largest = float(other["largest_difference [N m/m]"])
+    assert largest == pytest.approx(difference[np.abs(difference).argmax()], rel=1e-9)
     assert "less that of L1" in (tmp_path / "compare.svg").read_text()
 
 
@@ -116,7 +118,7 @@ def test_runs_that_cannot_be_compared(runs: Path, tmp_path: Path, capsys: pytest
     one, press = runs / "L1", runs / "staged" / "1-press"
     assert "two folders of runs" in refused(capsys, "compare", one)
     assert "more than once" in refused(capsys, "compare", one, one)
-    assert "that of the first run is moment (E0 L0^3)" in refused(capsys, "compare", one, press)
+    assert "that of the first run is moment (N m/m)" in refused(capsys, "compare", one, press)
     assert "--format: 'doc' cannot be used" in refused(capsys, "compare", one, runs / "N2", "--format", "doc")
     (tmp_path / "file").touch()
     error = refused(capsys, "compare", one, runs / "N2", "--out", tmp_path / "file")
@@ -231,7 +233,7 @@ def test_what_cannot_be_viewed(
     monkeypatch.setattr(sys, "platform", "linux")
     assert "there is none to open a window on" in refused(capsys, "view", one)
     assert "must end in .png" in refused(capsys, "view", one, "--screenshot", tmp_path / "a.jpg")
-    assert "displacements are stored from 0 to 20 deg" in refused(capsys, "view", one, "--at", "26")
+    assert "displacements are stored from 0 deg to 20 deg" in refused(capsys, "view", one, "--at", "26")
     monkeypatch.setitem(sys.modules, "pyvista", None)
     error = refused(capsys, "view", one, "--screenshot", tmp_path / "a.png")
     assert "pip install 'isopeel[view]'" in error

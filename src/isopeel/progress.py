@@ -6,20 +6,27 @@ from contextlib import contextmanager
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
-from isopeel.problem import Drive
+from isopeel.problem import Column, Drive
 from isopeel.solve.step import Step
 
 _REFRESHES_PER_SECOND = 5
 
 
 @contextmanager
-def progress(console: Console, drive: Drive, steps: int, before: int = 0) -> Iterator[Callable[[Step], None]]:
+def progress(
+    console: Console,
+    drive: Drive,
+    steps: int,
+    before: int = 0,
+    told: Callable[[Column, float], str] | None = None,
+) -> Iterator[Callable[[Step], None]]:
     """Show a bar while the context is open, and give the function that moves it to a step.
 
     The bar begins after the steps `before`, and says that kernels are compiled until the first one
     arrives. Nothing is shown where the console is no terminal.
     """
     bar = _bar(console)
+    write = told or (lambda column, value: f"{value:.6g} {column.unit}")
     parameter, reaction = drive.parameter_column, drive.reaction_column
 
     met: set[float] = set()
@@ -28,11 +35,12 @@ def progress(console: Console, drive: Drive, steps: int, before: int = 0) -> Ite
         # a curve that turns back meets a parameter again
         if step.kind == "requested":
             met.add(step.parameter)
+        found = write(reaction, reaction.factor * step.reaction)
         bar.update(
             task,
             completed=before + len(met),
-            description=f"{parameter.shown(step.parameter):7.2f} {parameter.unit}  "
-            f"{reaction.name} {reaction.factor * step.reaction:.6g}  {len(step.iterations)} iterations",
+            description=f"{write(parameter, parameter.shown(step.parameter))}  "
+            f"{reaction.name} {found}  {len(step.iterations)} iterations",
         )
 
     with bar:

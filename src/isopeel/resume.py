@@ -9,6 +9,7 @@ from rich.console import Console
 from isopeel.case import Case, Stage
 from isopeel.errors import InputError
 from isopeel.folder import alone_in, places, run_files
+from isopeel.post.laboratory import Laboratory
 from isopeel.results.run_file import StoredRun, read_run
 from isopeel.run import Result, check_later_stages, go_through
 from isopeel.solve.step import KINDS
@@ -48,7 +49,7 @@ def _found(folder: Path, to: str | None, control: str | None) -> tuple[Case, dic
         if place.run_file in files:
             # a later stage goes on from the end of this one, whatever has been lost before
             stored[number] = read_run(place.run_file, journal=False)
-            _check_way(stored[number], stage, folder, to)
+            _check_way(case, stored[number], stage, folder, to)
         elif stored:
             break
     if not stored:
@@ -56,13 +57,14 @@ def _found(folder: Path, to: str | None, control: str | None) -> tuple[Case, dic
     return case, stored
 
 
-def _check_way(run: StoredRun, stage: Stage, folder: Path, to: str | None) -> None:
+def _check_way(case: Case, run: StoredRun, stage: Stage, folder: Path, to: str | None) -> None:
     """Raise InputError where the steps of a stored run are not the first ones of a stage."""
     column = run.curve.parameter_column
     steps = [column.shown(parameter) for parameter in stage.parameters]
     asked_for = run.curve.parameter[run.curve.kind == KINDS.index("requested")]
     if not np.isin(asked_for, steps).all():
         field, value = ("DIR", str(folder)) if to is None else ("--to", to)
-        reached = f"{len(run.curve)} to {run.curve.parameter[-1]:g} {column.unit}"
+        laboratory = Laboratory.of(case.units.system(), stage.problem)
+        reached = f"{len(run.curve)} to {laboratory.parameter(column, float(run.curve.parameter[-1]))}"
         allowed = f"the steps so far, {reached}, are not on the way to it"
         raise InputError(field, value, allowed)

@@ -32,9 +32,8 @@ from isopeel.post.laboratory import Laboratory
 from isopeel.post.locking import locking_notes
 from isopeel.post.mesh_error import mesh_changes
 from isopeel.post.resolution import estimate_notes
-from isopeel.post.summary import Findings, find, short_unit, summarize, summary_rows, units_note
+from isopeel.post.summary import Findings, find, in_laboratory, summarize, summary_rows
 from isopeel.post.table import write_curve
-from isopeel.problem import Column
 from isopeel.progress import progress
 from isopeel.results.curve import Curve
 from isopeel.results.files import replacing
@@ -248,7 +247,8 @@ def _run_stage(
     with deferred():
         try:
             with writer:
-                _follow(steps, stage, _met(stage, found), writer, console)
+                laboratory = _laboratory(case, stage)
+                _follow(steps, stage, _met(stage, found), writer, console, laboratory)
         finally:
             _list_removed(writer, console)
             # whatever comes in between, the table holds what the file does
@@ -276,14 +276,13 @@ def _complete(
     return run
 
 
-def failure_message(failure: Failure, column: Column, out: Path, folder: Path) -> str:
-    """Say at which parameter and why a run found no equilibrium, with its iterations.
+def failure_message(failure: Failure, at: str, out: Path, folder: Path) -> str:
+    """Say `at` which parameter and why a run found no equilibrium, with its iterations.
 
     `out` has the files of its stage, and `folder` those of all.
     """
-    unit = short_unit(column)
     lines = [
-        f"no equilibrium at {failure.parameter:g} {unit}: {failure.reason}",
+        f"no equilibrium at {at}: {failure.reason}",
         f"cause: {failure.cause}; {failure.hint}",
         *["iteration  energy residual per unknown"][: len(failure.iterations)],
         *(f"{number:9d}  {measure:.3e}" for number, measure in enumerate(failure.iterations, start=1)),
@@ -307,11 +306,12 @@ def _follow(
     met: int,
     writer: RunWriter,
     console: Console,
+    laboratory: Laboratory,
 ) -> None:
     """Hand the steps to their consumers, and note how they end."""
     drive = stage.problem.drive
     try:
-        with progress(console, drive, len(stage.parameters), met) as show:
+        with progress(console, drive, len(stage.parameters), met, laboratory.parameter) as show:
             for step in steps:
                 writer.append(step)
                 show(step)
@@ -362,10 +362,10 @@ def _write_results(
         part.write_text(text + "\n", encoding="utf-8")
     # figures take longer than one who pressed Ctrl-C should wait
     if len(run.curve) and run.ending != "interrupted":
-        units = units_note(summary["units"])
+        curve, plateau, closed_form, _ = in_laboratory(run.curve, found)
         for name, figure in (
-            ("curve.png", reaction_figure(run.curve, found.plateau, found.closed_form, units)),
-            ("shapes.png", shapes_figure(stage.problem, space, run.fields, units)),
+            ("curve.png", reaction_figure(curve, plateau, closed_form)),
+            ("shapes.png", shapes_figure(stage.problem, space, run.fields, found.laboratory)),
         ):
             check()
             with replacing(out / name) as part:

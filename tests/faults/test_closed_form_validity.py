@@ -103,3 +103,21 @@ def test_a_run_far_off_its_closed_form_gets_a_note(mesh: str, work: float) -> No
     deviation = told.reading("steady force")["deviation_percent"]
     assert abs(deviation) > 5
     assert f"steady force: the run is {deviation:+.3g} % off Kendall's tape" in told.notes("closed form")[0]
+
+
+def test_a_later_stage_is_held_against_the_steady_state_it_comes_to() -> None:
+    turned = """[[drive]]
+kind = "rotation"
+side = "right"
+to = "60 deg"
+step = "10 deg"
+[[drive]]
+"""
+    reading = '[reading]\nwindow = ["3 mm", "4 mm"]\n[output]\nfields_every = "0.5 mm"'
+    text = SOFT.format(
+        **(USUAL | {"work": 0.004, "strength": 0.03, "to": 4.0, "step": 0.1, "reading": reading})
+    )
+    told = told_by(text.replace("[drive]\n", turned))
+    steady = told.reading("steady force")
+    assert steady["closed_form"]["source"] == "Kendall's tape"
+    assert abs(steady["deviation_percent"]) < 1

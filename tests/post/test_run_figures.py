@@ -22,12 +22,14 @@ from isopeel.post.figures import (
 from isopeel.post.figures.labels import power_of_ten
 from isopeel.post.figures.moving import MovingFigure
 from isopeel.post.front import front_profile, process_zone
+from isopeel.post.laboratory import Laboratory
 from isopeel.post.reading import oscillation, read_plateau
 from isopeel.post.style import line_style
 from isopeel.post.summary import Findings
 from isopeel.problem import Column
 from isopeel.results.run_file import StoredRun
 from isopeel.solve.step import KINDS
+from isopeel.units import UnitSystem
 
 ANGLE, MOMENT = Column("theta_deg", "degree"), Column("moment", "E0 L0^3", words="moment $M$")
 PERIOD = 2.0
@@ -138,7 +140,7 @@ def test_a_snap_back_is_dashed_between_its_limit_points() -> None:
 
 def test_tractions_are_those_of_the_states(bent: FloatArray) -> None:
     profiles = {at: front_profile(PROBLEM, SPACE, at / 20 * bent) for at in (0.0, 10.0, 20.0)}
-    figure = tractions_figure(profiles, ANGLE, "L0 = 1 nm, E0 = 2 GPa")
+    figure = tractions_figure(profiles, ANGLE, Laboratory(UnitSystem(), 200.0))
     whole, fronts = figure.axes
     _, *lines = whole.lines
     assert [line.get_label() for line in lines] == ["0°", "10°", "20°"]
@@ -152,7 +154,10 @@ def test_tractions_are_those_of_the_states(bent: FloatArray) -> None:
     x, tension = data(fronts.lines[1])
     assert x[tension.argmax()] == pytest.approx(0, abs=1e-12)
     assert tension.max() == zone.peak
-    assert figure.get_supxlabel() == "$L_0$ = 1 nm, $E_0$ = 2 GPa"
+    assert whole.get_xlabel() == "distance along the face / nm"
+    assert whole.get_ylabel() == "tension $-T$ / MPa"
+    # ticks are those of internal values, in E0 = 2 GPa, written in MPa
+    assert whole.yaxis.get_major_formatter()(0.05, 0) == "100"
     with pytest.raises(InputError, match="one state at least"):
         tractions_figure({}, ANGLE)
 

@@ -136,13 +136,15 @@ def resume(
 def _ended(result: "Result", folder: Path) -> int:
     """Tell how a run ended, and return the exit code for it."""
     from isopeel.run import failure_message
+    from isopeel.stored import stored_stages
 
     run, stage_folder = result
     if run.ending == "interrupted":
         return fail(INTERRUPTED, f"interrupted; {goes_on(folder)}")
     if run.failure is not None:
-        column = run.curve.parameter_column
-        return fail(NOT_CONVERGED, failure_message(run.failure, column, stage_folder, folder))
+        (stored,) = stored_stages(stage_folder)
+        at = stored.laboratory.parameter(run.curve.parameter_column, run.failure.parameter)
+        return fail(NOT_CONVERGED, failure_message(run.failure, at, stage_folder, folder))
     return COMPLETED
 
 

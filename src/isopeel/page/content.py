@@ -15,6 +15,8 @@ from isopeel.page.packing import packed, packed_positions, packed_stress
 from isopeel.page.region import substrate_region
 from isopeel.post.figures.reaction import is_reached, unstable_pieces, widest_turn
 from isopeel.post.front import front_profile
+from isopeel.post.laboratory import Laboratory
+from isopeel.post.law import law_character
 from isopeel.post.states import (
     SMOOTH,
     BodyState,
@@ -25,8 +27,8 @@ from isopeel.post.states import (
     stress_scale,
     whole_window,
 )
-from isopeel.post.summary import Findings
-from isopeel.problem import Column
+from isopeel.post.summary import Findings, Shown, in_laboratory
+from isopeel.problem import Column, Problem
 from isopeel.results.curve import Curve
 from isopeel.results.fields import Fields
 from isopeel.results.run_file import StoredRun
@@ -48,6 +50,7 @@ def stage_content(stored: StoredStage, found: Findings, most_bytes: int) -> Cont
     where the stored displacements are no numbers.
     """
     run, problem = stored.run, stored.stage.problem
+    shown = in_laboratory(run.curve, found)
     steps = field_steps(run)
     if not all(np.isfinite(displacement).all() for displacement in run.fields.values()):
         raise InputError("DIR", str(stored.folder), "it holds displacements that are no numbers")
@@ -63,10 +66,11 @@ def stage_content(stored: StoredStage, found: Findings, most_bytes: int) -> Cont
     rings, surface = substrate_region(problem.adhesion.substrate, _around([window, *fronts.values()]))
     return {
         "title": stored.title,
-        "curve": _curve(run.curve),
-        "views": _views(run.curve, found),
-        "theory": _theory(run.curve, found),
-        "window": found.plateau and list(found.plateau.window),
+        "units": _units(found.laboratory, problem),
+        "curve": _curve(shown.curve, found.laboratory),
+        "views": _views(shown),
+        "theory": _theory(shown),
+        "window": shown.plateau and list(shown.plateau.window),
         "scale": scale,
         "grid": _grid(last),
         "whole": [*window.x, *window.y],
@@ -126,7 +130,20 @@ def _size(stored: StoredStage, state: BodyState) -> int:
     return len(json.dumps(_shown_state(stored, 0, state, front, 1.0)))
 
 
-def _curve(curve: Curve) -> Content:
+def _units(laboratory: Laboratory, problem: Problem) -> Content:
+    """Units of what is drawn of the body, and the factors to them from the values in the page."""
+    law = problem.adhesion.law
+    # the adhesion's tension is of the size of W over the opening, and that of the strength where it is known
+    try:
+        strength = law_character(law).strength
+    except InputError:
+        strength = problem.body.material.youngs_modulus
+    found = {"length": laboratory.unit("length"), "stress": laboratory.unit("stress", strength)}
+    return {name: {"name": plain(unit.name), "factor": unit.factor} for name, unit in found.items()}
+
+
+def _curve(curve: Curve, laboratory: Laboratory) -> Content:
+    energy = laboratory.unit("energy")
     pieces = np.zeros(len(curve), dtype=np.int64)
     pieces[1:] = unstable_pieces(curve)
     pieces[curve.kind == KINDS.index("jump")] = 2
@@ -134,17 +151,19 @@ def _curve(curve: Curve) -> Content:
         "parameter": column_words(curve.parameter_column) | {"values": packed(curve.parameter, "f8")},
         "reaction": column_words(curve.reaction_column) | {"values": packed(curve.reaction, "f8")},
         "iterations": packed(curve.iterations, "i4"),
-        "stored_energy": packed(curve.stored_energy, "f4"),
-        "adhesive_energy": packed(curve.adhesive_energy, "f4"),
-        "released_energy": packed(curve.released_energy, "f4"),
+        "stored_energy": packed(curve.stored_energy * energy.factor, "f4"),
+        "adhesive_energy": packed(curve.adhesive_energy * energy.factor, "f4"),
+        "released_energy": packed(curve.released_energy * energy.factor, "f4"),
+        "energy_unit": energy.name,
         "kind": packed(curve.kind, "u1"),
         "pieces": packed(pieces, "u1"),  # before each step: stable, unstable, jumped
         "kinds": list(KINDS),
     }
 
 
-def _views(curve: Curve, found: Findings) -> list[Content]:
+def _views(found: Shown) -> list[Content]:
     """The parts of the curve to look at: all of it, and what is worth a closer look."""
+    curve = found.curve
     values = curve.reaction
     low, high = float(values.min()), float(values.max())
     if found.closed_form is not None and is_reached(found.closed_form, curve):
@@ -174,8 +193,8 @@ def _wider(low: float, high: float, share: float) -> list[float]:
     return [low - margin, high + margin]
 
 
-def _theory(curve: Curve, found: Findings) -> Content | None:
-    closed_form = found.closed_form
+def _theory(found: Shown) -> Content | None:
+    curve, closed_form = found.curve, found.closed_form
     if closed_form is None or not is_reached(closed_form, curve):
         return None
     return {"source": closed_form.source, "reaction": closed_form.reaction, "onset": closed_form.onset}

@@ -1,6 +1,7 @@
 """The texts of a page: what can be read of a stage without its script. What comes from a run is escaped."""
 
 from collections.abc import Iterable, Sequence
+from functools import partial
 from html import escape
 from typing import Any
 
@@ -31,12 +32,15 @@ def paragraph(text: str, kind: str = "") -> str:
 def ending(stored: StoredStage) -> str:
     """How a stage ended, with cause and hint where it did not come to its end."""
     run, column = stored.run, stored.run.curve.parameter_column
-    unit = plain(column.unit) if column.unit == "degree" else f" {plain(column.unit)}"
+    told = partial(stored.laboratory.parameter, column)
     steps = f"{len(run.curve)} {'step' if len(run.curve) == 1 else 'steps'}"
     if len(run.curve):
-        steps += f", to {run.curve.parameter[-1]:g}{unit}"
+        steps += f", to {_units(told(float(run.curve.parameter[-1])))}"
     if run.failure is not None:
-        return _box(_failure(run.failure, unit) + paragraph(f"What converged before: {steps}."))
+        return _box(
+            _failure(run.failure, _units(told(run.failure.parameter)))
+            + paragraph(f"What converged before: {steps}.")
+        )
     match run.ending:
         case "completed":
             return paragraph(f"Completed: {steps}.")
@@ -47,10 +51,10 @@ def ending(stored: StoredStage) -> str:
     return _box(paragraph(words))
 
 
-def _failure(failure: Failure, unit: str) -> str:
+def _failure(failure: Failure, at: str) -> str:
     residuals = ", ".join(f"{measure:.1e}" for measure in failure.iterations)
     lines = [
-        f"No equilibrium at {failure.parameter:g}{unit}: {failure.reason}.",
+        f"No equilibrium at {at}: {failure.reason}.",
         f"Cause: {failure.cause}. What to try: {failure.hint}.",
         *([f"Energy residual per unknown before each correction: {residuals}."] if residuals else []),
     ]
@@ -78,7 +82,7 @@ def _units(text: str) -> str:
 
 def states_table(stored: StoredStage, shown: int) -> str:
     """The stored states as a table, for those who look at numbers."""
-    curve, steps = stored.run.curve, field_steps(stored.run)
+    curve, steps = stored.laboratory.curve(stored.run.curve), field_steps(stored.run)
     columns = [column_words(column) for column in (curve.parameter_column, curve.reaction_column)]
     headings = ["step", *(f"{column['words']} / {column['unit']}" for column in columns), "iterations"]
     rows = (

@@ -3,13 +3,14 @@
 A run computes and stores in the units L0 and E0 of its case. Whatever is shown is converted here.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import Literal, NamedTuple, TypeAlias
 
 import numpy as np
 
 from isopeel.problem import Column, Problem
+from isopeel.results.curve import Curve
 from isopeel.units import UnitSystem
 
 #: What is measured. Forces, moments and energies are per width, unless the width is known.
@@ -134,10 +135,24 @@ class Laboratory:
             return f"{value:.{DIGITS}g} {column.unit}"
         return self.text(value, kind_of(column))
 
-    def labelled(self, column: Column) -> tuple[Column, float]:
-        """A column in this unit, for axes of figures, and the factor from its values."""
-        unit = self.column(column)
-        return Column(column.name, unit.name, column.factor * unit.factor, column.words), unit.factor
+    def curve(self, curve: Curve) -> Curve:
+        """A curve whose parameter, reaction and columns are in these units, to be shown; energies stay."""
+        columns, values = [], []
+        for column, internal in (
+            (curve.parameter_column, curve.parameter),
+            (curve.reaction_column, curve.reaction),
+        ):
+            unit = self.column(column)
+            name = "degree" if unit.name == "deg" else unit.name
+            columns.append(Column(column.name, name, column.factor * unit.factor, column.words))
+            values.append(internal * unit.factor)
+        return replace(
+            curve,
+            parameter_column=columns[0],
+            reaction_column=columns[1],
+            parameter=values[0],
+            reaction=values[1],
+        )
 
     def note(self) -> str:
         """What outputs are measured in, in words."""

@@ -1,7 +1,7 @@
 """The summary of a run: what was read from it, for a JSON file."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 from functools import partial
 from math import isfinite
 from typing import Any, NamedTuple
@@ -61,10 +61,13 @@ def find(
     """Read a run of a problem on a space, to be shown in the units of a laboratory."""
     laboratory = laboratory or Laboratory.of(UnitSystem(), problem)
     curve = run.curve
-    # what theory says is of a body that begins at rest
-    said = theory(problem, space) if run.base is None else None
-    form = said.form if said else None
-    unproven = said.reason if said else ""
+    said = theory(problem, space)
+    form, unproven = said.form, said.reason
+    if form is not None and run.base is not None:
+        # a stage after another one comes to the same steady state, but not by the same way; what lies on the
+        # substrate without being held was stretched by the stage before
+        slides = problem.adhesion.sliding_length is None and problem.drive.load is not None
+        form = None if slides else replace(form, onset=None)
     period = form.period if form else None
     plateau = read_plateau(curve, window, period) if window else None
     found = fronts(problem, space, run.fields)
@@ -77,6 +80,8 @@ def find(
         steady, reason = _own_window(problem, curve, found, form, laboratory)
     elif form is not None:
         reason = "the end was not lifted far enough for a tape to turn into its direction"
+    if steady is None and run.base is not None:
+        form = None
     if form is not None and reason:
         unproven, form = f"{form.source} is not shown: {reason}", None
     readings: list[Reading] = []
@@ -138,6 +143,42 @@ def _invalid(
         return None
     lengths = [crack_length_at(found, at) for at in window]
     return invalid(form, lengths, joint_ends(problem)[1], laboratory.length)
+
+
+class Shown(NamedTuple):
+    """A curve and what was read from it in laboratory units, for figures and tables of several runs."""
+
+    curve: Curve
+    plateau: PlateauReading | None
+    closed_form: Expected | None
+    period: float | None
+
+
+def in_laboratory(curve: Curve, found: Findings) -> Shown:
+    """Convert a curve, its plateau and its closed form to the units that they are shown in."""
+    laboratory, plateau, form = found.laboratory, found.plateau, found.closed_form
+    p, r = (laboratory.column(column).factor for column in (curve.parameter_column, curve.reaction_column))
+    return Shown(
+        laboratory.curve(curve),
+        plateau
+        and replace(
+            plateau,
+            window=(plateau.window[0] * p, plateau.window[1] * p),
+            mean=plateau.mean * r,
+            drift=plateau.drift * r / p,
+            amplitude=plateau.amplitude * r,
+            steepest_rise=plateau.steepest_rise * r / p,
+            steepest_fall=plateau.steepest_fall * r / p,
+        ),
+        form
+        and replace(
+            form,
+            reaction=form.reaction * r,
+            onset=None if form.onset is None else form.onset * p,
+            period=None if form.period is None else form.period * p,
+        ),
+        None if found.period is None else found.period * p,
+    )
 
 
 def _steady(

@@ -15,7 +15,6 @@ from isopeel.errors import InputError
 from isopeel.folder import FIGURES, make_folder
 from isopeel.interrupts import check, leave_time
 from isopeel.post.figures.moving import MovingFigure, Picture
-from isopeel.post.summary import units_note
 from isopeel.progress import counted
 from isopeel.results.files import MAKER, replacing
 from isopeel.showing.chosen import shown_stages
@@ -72,9 +71,7 @@ def _pixels(size: str) -> tuple[int, int]:
 
 def _pictures(stage: StoredStage, size: tuple[int, int], next_one: Callable[[], None]) -> Iterator[Picture]:
     run = stage.run
-    figure = MovingFigure(
-        stage.stage.problem, stage.space, run.curve, run.fields, size, units_note(run.attributes)
-    )
+    figure = MovingFigure(stage.stage.problem, stage.space, run.curve, run.fields, size, stage.laboratory)
     for number in range(len(figure)):
         check()
         yield figure.picture(number)

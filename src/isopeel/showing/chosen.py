@@ -7,7 +7,6 @@ import numpy as np
 
 from isopeel.case.values import as_written, read_quantity
 from isopeel.errors import InputError
-from isopeel.post.summary import short_unit
 from isopeel.stored import StoredStage, stored_stages
 from isopeel.units import measured_in
 
@@ -57,7 +56,10 @@ def _nearest(stage: StoredStage, written: str) -> float:
         raise InputError("--at", written, str(error)) from error
     room = stage.run.field_interval / 2
     if not stored.min() - room <= value <= stored.max() + room:
-        unit = short_unit(drive.parameter_column)
-        reach = f"from {stored.min():g} to {stored.max():g} {unit}"
+        ends = (
+            stage.laboratory.parameter(drive.parameter_column, float(end))
+            for end in (stored.min(), stored.max())
+        )
+        reach = "from {} to {}".format(*ends)
         raise InputError("--at", written, f"displacements are stored {reach}")
     return float(stored[np.abs(stored - value).argmin()])

@@ -2,6 +2,7 @@
 
 import csv
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +16,7 @@ from isopeel.folder import make_folder
 from isopeel.post.comparison import Compared, comparison, difference
 from isopeel.post.figures import comparison_figure, save
 from isopeel.post.style import check_format
-from isopeel.post.summary import short_unit, units_note
+from isopeel.post.summary import in_laboratory, short_unit
 from isopeel.results.curve import Curve
 from isopeel.results.files import replacing
 from isopeel.showing.chosen import shown_stage
@@ -35,26 +36,38 @@ def compare_runs(folders: Sequence[Path], suffix: str, out: Path, console: Conso
     stages = [shown_stage(folder) for folder in folders]
     for folder, stage in zip(folders, stages, strict=True):
         _check_alike(folder, stage, stages[0])
-    runs = [Compared(name, one.run, one.found()) for name, one in zip(_names(folders), stages, strict=True)]
+    runs = [_shown(name, one) for name, one in zip(_names(folders), stages, strict=True)]
     make_folder(out)
     rows = comparison(runs)
-    _write(out / "compare.csv", rows[0], (row.values() for row in rows))
+    _write(out / "compare.csv", _headings(rows[0], runs[0].run.curve), (row.values() for row in rows))
     _write_differences(out / "differences.csv", runs)
     path = out / f"compare.{suffix}"
     with replacing(path) as part:
-        save(comparison_figure(runs, units_note(stages[0].run.attributes)), part)
+        save(comparison_figure(runs), part)
     console.print(_table(rows, runs[0].run.curve))
-    console.print(f"{units_note(stages[0].run.attributes)}; for a width of L0")
+    console.print(stages[0].laboratory.note(), soft_wrap=True)
     console.print(f"drawn in {path}, beside compare.csv and differences.csv", soft_wrap=True)
+
+
+def _shown(name: str, stage: StoredStage) -> Compared:
+    """A run in laboratory units."""
+    found = stage.found()
+    curve, plateau, closed_form, period = in_laboratory(stage.run.curve, found)
+    read = replace(found, plateau=plateau, closed_form=closed_form, period=period)
+    window = found.window
+    if window is not None:
+        factor = stage.laboratory.column(stage.run.curve.parameter_column).factor
+        read = replace(read, window=(window[0] * factor, window[1] * factor))
+    return Compared(name, replace(stage.run, curve=curve), read)
 
 
 def _check_alike(folder: Path, stage: StoredStage, first: StoredStage) -> None:
     """Raise InputError where the curve of a stage is not of the quantities of the first."""
 
     def told(one: StoredStage) -> str:
-        parameter, reaction = one.run.curve.parameter_column, one.run.curve.reaction_column
-        units = units_note(one.run.attributes)
-        return f"{reaction.name} ({reaction.unit}) over {parameter.name} ({parameter.unit}), {units}"
+        curve = one.laboratory.curve(one.run.curve)
+        parameter, reaction = curve.parameter_column, curve.reaction_column
+        return f"{reaction.name} ({reaction.unit}) over {parameter.name} ({parameter.unit})"
 
     if told(stage) != told(first):
         allowed = f"its curve is {told(stage)}; that of the first run is {told(first)}"
@@ -72,6 +85,24 @@ def _names(folders: Sequence[Path]) -> list[str]:
     return names
 
 
+def _headings(row: dict[str, Any], curve: Curve) -> list[str]:
+    """The columns of the table with their units, as in the table of a curve."""
+    parameter, reaction = short_unit(curve.parameter_column), curve.reaction_column.unit
+    slope = f"{reaction} per {parameter}"
+    units = {
+        "reached": parameter,
+        "plateau": reaction,
+        "amplitude": reaction,
+        "steepest_rise": slope,
+        "steepest_fall": slope,
+        "onset": parameter,
+        "seconds_per_step": "s",
+        "largest_difference": reaction,
+        "largest_difference_at": parameter,
+    }
+    return [f"{name} [{units[name]}]" if name in units else name for name in row]
+
+
 def _write(path: Path, heading: Iterable[str], rows: Iterable[Iterable[object]]) -> None:
     with replacing(path) as part, part.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file)
@@ -86,7 +117,9 @@ def _write_differences(path: Path, runs: Sequence[Compared]) -> None:
     apart = [difference(other.run.curve, curve) for other in others]
     parameters = np.unique(np.concatenate([one.parameter for one in apart]))
     columns = [dict(zip(one.parameter.tolist(), one.reaction.tolist(), strict=True)) for one in apart]
-    heading = [curve.parameter_column.name, *(other.name for other in others)]
+    parameter, reaction = curve.parameter_column, curve.reaction_column
+    first_heading = f"{parameter.name.removesuffix('_deg')} [{short_unit(parameter)}]"
+    heading = [first_heading, *(f"{other.name} [{reaction.unit}]" for other in others)]
     _write(path, heading, ([at, *(column.get(at) for column in columns)] for at in parameters.tolist()))
 
 
@@ -99,7 +132,7 @@ def _table(rows: Sequence[dict[str, Any]], curve: Curve) -> Table:
         ("mesh", "mesh", ""),
         ("dofs", "DOFs", ""),
         ("reached", f"reached / {unit}", "g"),
-        ("plateau", f"plateau / {reaction}", ".6f"),
+        ("plateau", f"plateau / {reaction}", ".6g"),
         ("amplitude", f"amplitude / {reaction}", ".3e"),
         ("steepest_rise", f"steepest rise / {reaction}/{unit}", "+.3e"),
         ("steepest_fall", f"steepest fall / {reaction}/{unit}", "+.3e"),

@@ -12,6 +12,7 @@ from isopeel.folder import check_overwritten
 from isopeel.physics.adhesion import AdhesionLaw
 from isopeel.physics.adhesion.mirrored import Mirrored
 from isopeel.post.figures import law_figure, save
+from isopeel.post.laboratory import Laboratory
 from isopeel.post.law import LawCharacter, law_character
 from isopeel.registry import discover
 from isopeel.units import UnitSystem, shown
@@ -35,7 +36,7 @@ def show_law(name: str, out: Path | None, console: Console, *, force: bool = Fal
     check_overwritten("--out", [path], force)
     path.parent.mkdir(parents=True, exist_ok=True)
     try:
-        save(law_figure(law), path)
+        save(law_figure(law, Laboratory(units)), path)
     except InputError as error:
         raise InputError(
             "--out" if error.field == "figure" else error.field, error.value, error.allowed

@@ -20,9 +20,10 @@ from isopeel.post.figures import (
 )
 from isopeel.post.figures.shapes import MOST_SHAPES, spread
 from isopeel.post.front import front_profile
+from isopeel.post.laboratory import Laboratory
 from isopeel.post.reading import unreadable
 from isopeel.post.style import check_format
-from isopeel.post.summary import Findings, units_note
+from isopeel.post.summary import Findings, Shown, in_laboratory
 from isopeel.results.files import replacing
 from isopeel.showing.chosen import shown_stages, stored_parameters
 from isopeel.stored import StoredStage
@@ -36,8 +37,12 @@ class _Shown(NamedTuple):
     at: list[float]
 
     @property
-    def units(self) -> str:
-        return units_note(self.stored.run.attributes)
+    def units(self) -> Laboratory:
+        return self.found.laboratory
+
+    @property
+    def read(self) -> Shown:
+        return in_laboratory(self.stored.run.curve, self.found)
 
 
 def plot_run(
@@ -96,13 +101,14 @@ def _unread(shown: _Shown) -> str:
 
 
 def _curve(shown: _Shown) -> Figure:
-    return reaction_figure(shown.stored.run.curve, shown.found.plateau, shown.found.closed_form, shown.units)
+    curve, plateau, closed_form, _ = shown.read
+    return reaction_figure(curve, plateau, closed_form)
 
 
 def _plateau(shown: _Shown) -> Figure:
-    plateau = shown.found.plateau
+    curve, plateau, _, period = shown.read
     assert plateau is not None  # it was looked at before
-    return plateau_figure(shown.stored.run.curve, plateau, shown.found.period, shown.units)
+    return plateau_figure(curve, plateau, period)
 
 
 def _shapes(shown: _Shown) -> Figure:

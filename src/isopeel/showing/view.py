@@ -17,7 +17,6 @@ from isopeel.physics.batch import evaluate_substrate
 from isopeel.post.fields import SampledFields
 from isopeel.post.states import BodyState, Window, body_state, common_view
 from isopeel.post.style import FIELD_MAP, SHADE, VERMILION
-from isopeel.post.summary import short_unit, units_note
 from isopeel.problem import Problem
 from isopeel.results.files import replacing
 from isopeel.showing.chosen import shown_stage, stored_parameters
@@ -121,8 +120,7 @@ class Viewer:
             self.plotter.add_mesh(substrate, color=SHADE, lighting=False)
             edges = substrate.extract_feature_edges(feature_edges=False, manifold_edges=False)
             self.plotter.add_mesh(edges, color="black", line_width=1, lighting=False)
-        units = units_note(stage.run.attributes)
-        self.plotter.add_text(units, position="lower_right", font_size=8, color="black")
+        self.plotter.add_text(stage.laboratory.note(), position="lower_right", font_size=8, color="black")
         self.plotter.view_xy()
         self.plotter.enable_parallel_projection()
         low, high = np.transpose([window.x, window.y])
@@ -142,7 +140,7 @@ class Viewer:
         self._body.points = _points(state.fields.position)
         self._body[_FIELD] = state.fields.first_invariant.ravel()
         self._face.points = _points(state.adhering, self._above)
-        text = f"{state.parameter:g} {short_unit(self._column)}"
+        text = self._stage.laboratory.parameter(self._column, state.parameter)
         self.plotter.add_text(text, position="upper_left", font_size=12, color="black", name="parameter")
 
     def add_slider(self, number: int) -> None:

@@ -62,16 +62,17 @@ function shown(value, digits = 6) {
 class Axes {
   /**
    * `equal` widens the part so that lengths are the same both ways. `names` are of x and y, the latter written
-   * on top, where it needs no turning of one's head; `whole` where there are whole numbers only.
+   * on top, where it needs no turning of one's head, with the `factors` from values to the numbers at the ticks;
+   * `whole` where there are whole numbers only.
    */
   constructor(canvas, [left, right], [low, high], names, { equal = false, whole = false } = {}) {
-    Object.assign(this, cleared(canvas), { colors: colors(), names });
+    Object.assign(this, cleared(canvas), { colors: colors(), names, factors: names.factors || { x: 1, y: 1 } });
     const { context, width, height } = this;
     context.fillStyle = this.colors.paper;
     context.fillRect(0, 0, width, height);
     this.top = 26;
     this.bottom = height - 40;
-    const largest = Math.max(Math.abs(low), Math.abs(high));
+    const largest = Math.max(Math.abs(low), Math.abs(high)) * this.factors.y;
     const exponent = Math.floor(Math.log10(largest || 1));
     this.exponent = exponent < -2 || exponent > 4 ? exponent : 0;
     const rows = Math.max(2, Math.min(6, Math.floor((this.bottom - this.top) / 36)));
@@ -89,14 +90,14 @@ class Axes {
   setRanges(xRange, yRange, rows, whole) {
     this.xRange = xRange;
     this.yRange = yRange;
-    const scale = 10 ** this.exponent;
+    const scale = 10 ** this.exponent / this.factors.y;
     this.yTicks = ticksOf(yRange.map((value) => value / scale), rows);
     if (whole) this.yTicks = wholeOf(this.yTicks);
     const widths = this.yTicks.values.map(
       (value) => this.context.measureText(withMinus(value.toFixed(this.yTicks.digits))).width);
     this.left = Math.max(...widths, 8) + 14;
     this.right = this.width - 10;
-    this.xTicks = ticksOf(xRange, Math.max(2, Math.min(8, (this.right - this.left) / 70)));
+    this.xTicks = ticksOf(xRange.map((value) => value * this.factors.x), Math.max(2, Math.min(8, (this.right - this.left) / 70)));
     if (whole) this.xTicks = wholeOf(this.xTicks);
   }
 
@@ -144,7 +145,7 @@ class Axes {
     context.textAlign = "center";
     context.textBaseline = "top";
     for (const value of this.xTicks.values) {
-      const x = this.x(value);
+      const x = this.x(value / this.factors.x);
       context.moveTo(x, bottom);
       context.lineTo(x, bottom + 4);
       const text = withMinus(value.toFixed(this.xTicks.digits));
@@ -154,7 +155,7 @@ class Axes {
     context.textAlign = "right";
     context.textBaseline = "middle";
     for (const value of this.yTicks.values) {
-      const y = this.y(value * 10 ** this.exponent);
+      const y = this.y(value * 10 ** this.exponent / this.factors.y);
       context.moveTo(left, y);
       context.lineTo(left - 4, y);
       context.fillText(withMinus(value.toFixed(this.yTicks.digits)), left - 7, y);

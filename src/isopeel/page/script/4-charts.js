@@ -12,6 +12,7 @@ class Curve {
     this.storedEnergy = numbersOf(stored.stored_energy, Float32Array);
     this.adhesiveEnergy = numbersOf(stored.adhesive_energy, Float32Array);
     this.releasedEnergy = numbersOf(stored.released_energy, Float32Array);
+    this.energyUnit = stored.energy_unit;
     this.kind = numbersOf(stored.kind, Uint8Array);
     this.pieces = numbersOf(stored.pieces, Uint8Array);
     this.kinds = stored.kinds;
@@ -45,7 +46,7 @@ class Curve {
     return best;
   }
 
-  /** A value with its symbol and unit, such as "M = 1.63 E₀ L₀³". */
+  /** A value with its symbol and unit, such as "F = 1.63 N/m". */
   static told(column, k, digits) {
     const gap = column.unit === "°" ? "" : "\u00a0";
     return `${shown(column.values[k], digits)}${gap}${column.unit}`;
@@ -68,11 +69,11 @@ class Curve {
       `adhesive energy ${shown(this.adhesiveEnergy[k], 5)}`,
       ...(kind === "jump" ? [`released ${shown(this.releasedEnergy[k], 3)}`] : []),
     ];
-    return `${parts.join(" · ")} E₀ L₀³`;
+    return `${parts.join(" · ")} ${this.energyUnit}`;
   }
 
   label(column) {
-    return `${column.words} / ${column.unit === "°" ? "degree" : column.unit}`;
+    return `${column.words} / ${column.unit === "°" ? "degree" : column.unit.includes("/") ? `(${column.unit})` : column.unit}`;
   }
 
   /** Stable states solid, unstable ones dashed, what a jump leapt over dotted. */
@@ -187,6 +188,7 @@ class Curve {
 /** Tractions along the face that adheres. */
 class Tractions {
   constructor(stage, states) {
+    this.units = stage.units;
     this.position = numbersOf(stage.side.position, Float32Array);
     this.points = stage.side.points;
     this.whole = [this.position[0], this.position[this.position.length - 1]]; // the ends of the face
@@ -211,7 +213,12 @@ class Tractions {
 
   draw(canvas, state, close) {
     const part = this.partOf(state);
-    const names = { x: "place along the undeformed face / L₀", y: "tension / E₀" };
+    const { length, stress } = this.units;
+    const names = {
+      x: `place along the undeformed face / ${length.name}`,
+      y: `tension / ${stress.name}`,
+      factors: { x: length.factor, y: stress.factor },
+    };
     const axes = new Axes(canvas, close ? part : this.whole, this.yRange, names);
     axes.inside((context) => {
       const { shade, curve, mark, line } = axes.colors;

@@ -145,7 +145,8 @@ class Stage {
     const { content, canvas } = this;
     const state = this.states[this.chosen];
     this.drawCurve();
-    const names = { x: "x / L₀", y: "y / L₀" };
+    const { name, factor } = content.units.length;
+    const names = { x: `x / ${name}`, y: `y / ${name}`, factors: { x: factor, y: factor } };
     const [left, right, low, high] = content.whole;
     const [l, r, b, t] = state.front;
     this.fit(canvas.body, (right - left) / (high - low));

@@ -13,12 +13,12 @@ from isopeel.post.comparison import Compared, difference
 from isopeel.post.figures.labels import axis_label, mathematical, power_of_ten
 from isopeel.post.figures.reaction import draw_branches
 from isopeel.post.reading import oscillation
-from isopeel.post.style import TWO_COLUMNS, line_style, note_units, style
+from isopeel.post.style import TWO_COLUMNS, line_style, style
 
 _MOST_COLUMNS = 4
 
 
-def comparison_figure(runs: Sequence[Compared], units: str = "") -> Figure:
+def comparison_figure(runs: Sequence[Compared]) -> Figure:
     """Draw the curves of runs, their differences from the first, and the oscillations of their plateaus.
 
     Differences are drawn at the parameters that a run shares with the first one, oscillations where a plateau
@@ -47,7 +47,6 @@ def comparison_figure(runs: Sequence[Compared], units: str = "") -> Figure:
             _draw_oscillations(panels["b"], read, looks)
         names = [Line2D([], [], **look, label=name) for name, look in looks.items()]
         figure.legend(handles=names, loc="outside upper left", ncols=min(len(names), _MOST_COLUMNS))
-        note_units(figure, units)
         return figure
 
 
@@ -71,9 +70,9 @@ def _draw_differences(axes: Axes, runs: Sequence[Compared], looks: dict[str, dic
 def _draw_oscillations(axes: Axes, runs: Sequence[Compared], looks: dict[str, dict[str, Any]]) -> None:
     waves = {}
     for compared in runs:
-        plateau, theory = compared.found.plateau, compared.found.closed_form
+        plateau = compared.found.plateau
         assert plateau is not None  # those that have one are given
-        waves[compared.name] = oscillation(compared.run.curve, plateau, theory.period if theory else None)
+        waves[compared.name] = oscillation(compared.run.curve, plateau, compared.found.period)
     everything = np.concatenate([wave.values for wave in waves.values()])
     exponent = power_of_ten(everything, float(np.abs(runs[0].run.curve.reaction).max()))
     for name, wave in waves.items():

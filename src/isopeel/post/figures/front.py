@@ -17,11 +17,12 @@ from isopeel.post.figures.body import (
     draw_substrate,
     mark_adhering,
 )
-from isopeel.post.figures.labels import shown_parameter
+from isopeel.post.figures.labels import plane_axes, scaled_axis, shown_parameter
 from isopeel.post.figures.tractions import ALONG, broken, draw_length, shade_element
 from isopeel.post.front import FrontProfile, ProcessZone, front_profile, process_zone
+from isopeel.post.laboratory import Laboratory
 from isopeel.post.states import Window, body_state, front_window
-from isopeel.post.style import BLUE, ORANGE, TWO_COLUMNS, note_units, style
+from isopeel.post.style import BLUE, ORANGE, TWO_COLUMNS, style
 from isopeel.problem import Problem
 from isopeel.splines.rows import RowSpace
 
@@ -31,7 +32,11 @@ _MARGIN = 0.25  # of a process zone that is wider than the window, beside it
 
 
 def front_figure(
-    problem: Problem, space: RowSpace, parameter: float, displacement: FloatArray, units: str = ""
+    problem: Problem,
+    space: RowSpace,
+    parameter: float,
+    displacement: FloatArray,
+    units: Laboratory | None = None,
 ) -> Figure:
     """Draw the front of coefficients (size, 2) of a displacement, at a parameter in its column's unit.
 
@@ -58,7 +63,8 @@ def front_figure(
         height = min(width / window.aspect, 4.5)
         figure = Figure(figsize=(TWO_COLUMNS, height + 3.3), layout="constrained")
         upper, lower = figure.subplots(2, 1, height_ratios=(height, 1.9))
-        upper.set(xlim=window.x, ylim=window.y, aspect="equal", xlabel="$x / L_0$", ylabel="$y / L_0$")
+        upper.set(xlim=window.x, ylim=window.y, aspect="equal")
+        plane_axes(upper, units)
         draw_substrate(upper, problem.adhesion.substrate, window)
         mesh = draw_field(upper, state.fields, scale, 1)
         draw_elements(upper, state.fields, 2)
@@ -67,11 +73,10 @@ def front_figure(
         shafts = LineCollection(list(_evenly(arrows, window)), colors=BLUE, linewidths=0.7, zorder=3.5)
         upper.add_collection(shafts, autolim=False)
         upper.plot(*arrows[:, 1].T, color=BLUE, linewidth=1.0, zorder=3.5)
-        at = shown_parameter(problem.drive.parameter_column, parameter)
+        at = shown_parameter(problem.drive.parameter_column, parameter, units)
         upper.set_title(f"front at {at}: $I_1$ of the body, and the force of the adhesion on it", loc="left")
         figure.colorbar(mesh, ax=upper, label=FIELD_LABEL, aspect=20, pad=0.02)
-        _draw_tensions(lower, profile, seen)
-        note_units(figure, units)
+        _draw_tensions(lower, profile, seen, units)
         return figure
 
 
@@ -134,7 +139,9 @@ def _seen(profile: FrontProfile, window: Window) -> tuple[float, float]:
     return max(middle - reach, float(x[0])), min(middle + reach, float(x[-1]))
 
 
-def _draw_tensions(axes: Axes, profile: FrontProfile, seen: tuple[float, float]) -> None:
+def _draw_tensions(
+    axes: Axes, profile: FrontProfile, seen: tuple[float, float], units: Laboratory | None
+) -> None:
     x = profile.position
     axes.axhline(0, color="black", linewidth=0.5, zorder=1)
     curves = (
@@ -151,7 +158,7 @@ def _draw_tensions(axes: Axes, profile: FrontProfile, seen: tuple[float, float])
     if zone is not None and seen[0] <= zone.start and zone.end <= seen[1]:
         draw_length(axes, zone.start, zone.end, zone.peak / 2)
         axes.annotate(
-            f"process zone {zone.length:.3g} $L_0$",
+            f"process zone {units.text(zone.length, 'length', 3) if units else f'{zone.length:.3g} $L_0$'}",
             (zone.end, zone.peak / 2),
             (5, 0),
             textcoords="offset points",
@@ -162,6 +169,8 @@ def _draw_tensions(axes: Axes, profile: FrontProfile, seen: tuple[float, float])
     values = np.concatenate([-profile.adhesive_traction[inside], -profile.body_traction[inside]])
     low, high = float(np.nanmin(values, initial=0.0)), float(np.nanmax(values, initial=0.0))
     room = 0.08 * (high - low or 1.0)
-    axes.set(xlim=seen, ylim=(low - room, high + room), xlabel=ALONG, ylabel="tension / $E_0$")
+    axes.set(xlim=seen, ylim=(low - room, high + room))
+    scaled_axis(axes.xaxis, ALONG, "length", units)
+    scaled_axis(axes.yaxis, "tension", "stress", units, max(-low, high))
     axes.set_title("tension per reference area; every other element is shaded", loc="left")
     axes.legend(loc="best")

@@ -4,8 +4,11 @@ import re
 from math import floor, log10
 
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.axis import Axis
 
 from isopeel.arrays import FloatArray
+from isopeel.post.laboratory import Kind, Laboratory
 from isopeel.problem import Column
 
 
@@ -14,9 +17,36 @@ def axis_label(column: Column) -> str:
     return f"{column.words or column.name} / {mathematical(column.unit)}"
 
 
+def scaled_axis(
+    axis: Axis, words: str, kind: Kind, laboratory: Laboratory | None, size: float | None = None
+) -> None:
+    """Label an axis of internal values with a quantity in laboratory units; in L0 and E0 without those.
+
+    The unit is that of a `size` (internal), by default that of lengths of the body.
+    """
+    if laboratory is None:
+        scales = {"length": "L0", "stress": "E0"}.get(kind, "")
+        axis.set_label_text(f"{words} / {mathematical(scales)}")
+        return
+    name, factor = laboratory.unit(kind, size)
+    axis.set_label_text(f"{words} / {mathematical(name)}")
+    # ticks of all decades and of all powers of ten are alike
+    axis.set_major_formatter(lambda value, _: f"{value * factor:.6g}".replace("-", "\N{MINUS SIGN}"))
+
+
+def plane_axes(axes: Axes, laboratory: Laboratory | None) -> None:
+    """Label the axes of a picture of the body."""
+    scaled_axis(axes.xaxis, "$x$", "length", laboratory)
+    scaled_axis(axes.yaxis, "$y$", "length", laboratory)
+
+
 def mathematical(unit: str) -> str:
     """Set scales such as E0 L0^3 in mathematical type."""
-    return f"${re.sub('(?<=[A-Z])0', '_0', unit)}$" if re.search("[A-Z]0", unit) else unit
+    if re.search("[A-Z]0", unit):
+        return f"${re.sub('(?<=[A-Z])0', '_0', unit)}$"
+    # what stands behind a slash is one unit
+    plain = unit.replace("um", "\N{MICRO SIGN}m").replace("^2", "\N{SUPERSCRIPT TWO}")
+    return f"({plain})" if "/" in plain else plain
 
 
 def scientific(value: float) -> str:
@@ -25,8 +55,10 @@ def scientific(value: float) -> str:
     return rf"${digits}\times 10^{{{int(exponent)}}}$"
 
 
-def shown_parameter(column: Column, value: float) -> str:
+def shown_parameter(column: Column, value: float, laboratory: Laboratory | None = None) -> str:
     """A parameter of a drive with its unit, as "110°"."""
+    if laboratory is not None and column.unit != "degree":
+        return laboratory.parameter(column, value)
     return f"{value:g}" + ("°" if column.unit == "degree" else f" {mathematical(column.unit)}")
 
 

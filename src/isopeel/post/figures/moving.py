@@ -9,10 +9,11 @@ from matplotlib.figure import Figure
 
 from isopeel.arrays import FloatArray
 from isopeel.post.figures.body import FIELD_LABEL, draw_field, draw_outline, draw_substrate, mark_adhering
-from isopeel.post.figures.labels import axis_label, shown_parameter
+from isopeel.post.figures.labels import axis_label, plane_axes, shown_parameter
 from isopeel.post.figures.reaction import draw_branches
+from isopeel.post.laboratory import Laboratory
 from isopeel.post.states import BodyState, body_state, common_view
-from isopeel.post.style import ORANGE, TWO_COLUMNS, note_units, style
+from isopeel.post.style import ORANGE, TWO_COLUMNS, style
 from isopeel.problem import Problem
 from isopeel.results.curve import Curve
 from isopeel.splines.rows import RowSpace
@@ -34,9 +35,10 @@ class MovingFigure:
         curve: Curve,
         fields: Mapping[float, FloatArray],
         size: tuple[int, int],
-        units: str = "",
+        units: Laboratory | None = None,
     ) -> None:
-        self._problem = problem
+        self._problem, self._units = problem, units
+        shown = curve if units is None else units.curve(curve)
         self._space, self._fields = space, fields
         self._parameters = list(fields)
         window, self._scale = common_view(problem, space, fields)
@@ -48,22 +50,22 @@ class MovingFigure:
             self._figure = Figure(figsize=inches, dpi=dots, layout="constrained")
             self._canvas = FigureCanvasAgg(self._figure)
             self._body, curve_axes = self._figure.subplots(1, 2, width_ratios=(1.5, 1))
-            self._body.set(xlim=window.x, ylim=window.y, xlabel="$x / L_0$", ylabel="$y / L_0$")
+            self._body.set(xlim=window.x, ylim=window.y)
+            plane_axes(self._body, units)
             self._body.set_aspect("equal")
             draw_substrate(self._body, problem.adhesion.substrate, window)
-            draw_branches(curve_axes, curve)
-            curve_axes.set_xlabel(axis_label(curve.parameter_column))
-            curve_axes.set_ylabel(axis_label(curve.reaction_column))
+            draw_branches(curve_axes, shown)
+            curve_axes.set_xlabel(axis_label(shown.parameter_column))
+            curve_axes.set_ylabel(axis_label(shown.reaction_column))
             (self._marker,) = curve_axes.plot(
                 [], [], "o", color=ORANGE, markeredgecolor="black", markersize=7, zorder=5
             )
-            self._places = _places(curve, self._parameters)
+            self._places = _places(curve, shown, self._parameters)
             mesh = draw_field(self._body, self._state(0).fields, self._scale, 1)
             self._drawn: list[Artist] = [mesh]
             self._figure.colorbar(
                 mesh, ax=self._body, label=FIELD_LABEL, location="bottom", aspect=40, pad=0.02
             )
-            note_units(self._figure, units)
             # laid out once, with a title: pictures that are laid out one by one would tremble
             self._body.set_title("0", loc="left")
             for _ in range(2):
@@ -89,7 +91,7 @@ class MovingFigure:
             draw_outline(self._body, state.fields, 2)
             mark_adhering(self._body, state, 1.2, 3)
             self._drawn = [artist for artist in self._body.get_children() if artist not in before]
-            at = shown_parameter(self._problem.drive.parameter_column, state.parameter)
+            at = shown_parameter(self._problem.drive.parameter_column, state.parameter, self._units)
             self._body.set_title(at, loc="left")
             self._marker.set_data(*self._places[:, number : number + 1])
             self._canvas.draw()  # type: ignore[no-untyped-call]
@@ -97,11 +99,11 @@ class MovingFigure:
         return pixels[..., :3].copy()
 
 
-def _places(curve: Curve, parameters: list[float]) -> FloatArray:
+def _places(curve: Curve, shown: Curve, parameters: list[float]) -> FloatArray:
     """Where states are on a curve, (2, states): a curve that turns back meets a parameter more than once.
 
     What is stored for a parameter is what came last there.
     """
     last = len(curve) - 1
     steps = [last - int(np.abs(curve.parameter[::-1] - value).argmin()) for value in parameters]
-    return np.stack([curve.parameter[steps], curve.reaction[steps]])
+    return np.stack([shown.parameter[steps], shown.reaction[steps]])

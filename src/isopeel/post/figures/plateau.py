@@ -8,13 +8,11 @@ from matplotlib.figure import Figure
 
 from isopeel.post.figures.labels import axis_label, mathematical, power_of_ten, scientific
 from isopeel.post.reading import Oscillation, PlateauReading, oscillation
-from isopeel.post.style import BLUE, DASHES, GREY, SHADE, TWO_COLUMNS, VERMILION, note_units, style
+from isopeel.post.style import BLUE, DASHES, GREY, SHADE, TWO_COLUMNS, VERMILION, style
 from isopeel.results.curve import Curve
 
 
-def plateau_figure(
-    curve: Curve, plateau: PlateauReading, period: float | None = None, units: str = ""
-) -> Figure:
+def plateau_figure(curve: Curve, plateau: PlateauReading, period: float | None = None) -> Figure:
     """Draw the reaction around the window, and its oscillation in it, without the mean and the drift.
 
     With the steepest steps and the amplitude, as they were read with the same `period`.
@@ -25,7 +23,6 @@ def plateau_figure(
         left, right = figure.subplots(1, 2)
         _draw_window(left, curve, plateau, read)
         _draw_oscillation(right, curve, plateau, read, period)
-        note_units(figure, units)
         return figure
 
 

@@ -11,7 +11,7 @@ from isopeel.arrays import FloatArray
 from isopeel.post.closed_form import Expected
 from isopeel.post.figures.labels import axis_label, mathematical, power_of_ten, scientific
 from isopeel.post.reading import PlateauReading
-from isopeel.post.style import BLUE, DASHES, DOTS, GREY, ONE_COLUMN, SHADE, TWO_COLUMNS, note_units, style
+from isopeel.post.style import BLUE, DASHES, DOTS, GREY, ONE_COLUMN, SHADE, TWO_COLUMNS, style
 from isopeel.results.curve import Curve
 from isopeel.solve.step import KINDS
 
@@ -20,12 +20,11 @@ def reaction_figure(
     curve: Curve,
     plateau: PlateauReading | None = None,
     closed_form: Expected | None = None,
-    units: str = "",
 ) -> Figure:
     """Draw the reaction over the drive's parameter, and in further panels the plateau, if one was read, and
     the widest snap-back of a curve that turns back.
 
-    The closed form is drawn where the run reaches its onset of peeling; `units` says what L0 and E0 are.
+    The closed form is drawn where the run reaches its onset of peeling.
     """
     with style():
         turn = widest_turn(curve)
@@ -33,7 +32,6 @@ def reaction_figure(
         width = ONE_COLUMN if panels == 1 else TWO_COLUMNS
         figure = Figure(figsize=(width, 2.6), layout="constrained")
         first, *others = figure.subplots(1, panels, squeeze=False)[0]
-        note_units(figure, units)
         _whole(first, curve, closed_form)
         if plateau:
             first.axvspan(*plateau.window, color=SHADE, linewidth=0)

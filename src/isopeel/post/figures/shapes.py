@@ -18,9 +18,10 @@ from isopeel.post.figures.body import (
     draw_substrate,
     mark_adhering,
 )
-from isopeel.post.figures.labels import shown_parameter
+from isopeel.post.figures.labels import plane_axes, shown_parameter
+from isopeel.post.laboratory import Laboratory
 from isopeel.post.states import BodyState, adheres_to, body_state, front_window, stress_scale, whole_window
-from isopeel.post.style import DASHES, SHADE, TWO_COLUMNS, VERMILION, note_units, style
+from isopeel.post.style import DASHES, SHADE, TWO_COLUMNS, VERMILION, style
 from isopeel.problem import Problem
 from isopeel.splines.rows import RowSpace
 
@@ -33,7 +34,7 @@ def shapes_figure(
     problem: Problem,
     space: RowSpace,
     fields: Mapping[float, FloatArray],
-    units: str = "",
+    units: Laboratory | None = None,
     at: Sequence[float] = (),
 ) -> Figure:
     """Draw deformed shapes coloured by I1 = tr(sigma)/E, and below the delamination front of the last one.
@@ -41,7 +42,7 @@ def shapes_figure(
     `fields` maps values of the drive's parameter, in the unit of its column, to displacement coefficients
     (size, 2), in the order of the run. The last one is drawn, and up to MOST_SHAPES - 1 before it, evenly
     spread, whose driven ends are far enough apart to be told from each other; or all those `at` parameters
-    that are given. `units` are written below, as "L0 = 1 nm, E0 = 2 GPa". Raises InputError where there are
+    that are given. Lengths are in `units`, and in L0 without. Raises InputError where there are
     no fields.
     """
     if not fields:
@@ -58,20 +59,21 @@ def shapes_figure(
         figure = Figure(figsize=(TWO_COLUMNS, sum(heights) + 1.6), layout="constrained")
         upper, lower = figure.subplots(2, 1, height_ratios=heights)
         for axes, window in ((upper, whole), (lower, front)):
-            axes.set(xlim=window.x, ylim=window.y, aspect="equal", xlabel="$x / L_0$", ylabel="$y / L_0$")
+            axes.set(xlim=window.x, ylim=window.y, aspect="equal")
+            plane_axes(axes, units)
             draw_substrate(axes, problem.adhesion.substrate, window)
         for order, state in enumerate(states, start=1):
             draw_field(upper, state.fields, scale, order)
             draw_outline(upper, state.fields, order + 0.2)
             mark_adhering(upper, state, 1.2, order + 0.4)
-            _label_state(upper, problem, state)
+            _label_state(upper, problem, state, units)
         corner, size = (front.x[0], front.y[0]), (np.ptp(front.x), np.ptp(front.y))
         upper.add_patch(Rectangle(corner, *size, fill=False, linewidth=0.8, linestyle=DASHES, zorder=9))
         mesh = draw_field(lower, last.fields, scale, 1)
         draw_elements(lower, last.fields, 2)
         draw_outline(lower, last.fields, 3)
         mark_adhering(lower, last, 1.8, 4)
-        at_last = shown_parameter(problem.drive.parameter_column, last.parameter)
+        at_last = shown_parameter(problem.drive.parameter_column, last.parameter, units)
         lower.set_title(f"front at {at_last}", loc="left")
         figure.colorbar(mesh, ax=[upper, lower], label=FIELD_LABEL, aspect=40, pad=0.02)
         handles = [
@@ -82,7 +84,6 @@ def shapes_figure(
             Line2D([], [], color="black", linewidth=0.8, linestyle=DASHES, label="enlarged below"),
         ]
         figure.legend(handles=handles, loc="outside upper left", ncols=3)
-        note_units(figure, units)
         return figure
 
 
@@ -104,7 +105,7 @@ def _apart(states: list[BodyState]) -> list[BodyState]:
     return kept
 
 
-def _label_state(axes: Axes, problem: Problem, state: BodyState) -> None:
+def _label_state(axes: Axes, problem: Problem, state: BodyState, units: Laboratory | None) -> None:
     """Write the parameter next to the driven side, on the outside."""
     side = problem.drive.side
     along = state.driven[2] - state.driven[0]
@@ -112,7 +113,7 @@ def _label_state(axes: Axes, problem: Problem, state: BodyState) -> None:
     outwards *= 1 if side in ("right", "bottom") else -1
     x, y = outwards
     axes.annotate(
-        shown_parameter(problem.drive.parameter_column, state.parameter),
+        shown_parameter(problem.drive.parameter_column, state.parameter, units),
         state.driven[1],
         4 * outwards,  # in points
         textcoords="offset points",

@@ -8,18 +8,21 @@ from matplotlib.figure import Figure
 
 from isopeel.arrays import FloatArray
 from isopeel.errors import InputError
-from isopeel.post.figures.labels import shown_parameter
+from isopeel.post.figures.labels import scaled_axis, shown_parameter
 from isopeel.post.front import FrontProfile, process_zone
-from isopeel.post.style import SHADE, TWO_COLUMNS, line_style, note_units, style
+from isopeel.post.laboratory import Laboratory
+from isopeel.post.style import SHADE, TWO_COLUMNS, line_style, style
 from isopeel.problem import Column
 
-TENSION = "tension $-T$ / $E_0$"
-ALONG = "distance along the face / $L_0$"
+TENSION = "tension $-T$"
+ALONG = "distance along the face"
 #: What is shown of a front, seen from its peak, in lengths of the longest process zone.
 _AROUND = 3.0
 
 
-def tractions_figure(profiles: Mapping[float, FrontProfile], column: Column, units: str = "") -> Figure:
+def tractions_figure(
+    profiles: Mapping[float, FrontProfile], column: Column, units: Laboratory | None = None
+) -> Figure:
     """Draw the adhesive tension along the face for states, by their parameter in the unit of a column.
 
     On the left along all of it, on the right the fronts laid over each other, each seen from its peak, where
@@ -34,9 +37,11 @@ def tractions_figure(profiles: Mapping[float, FrontProfile], column: Column, uni
         panels = figure.subplots(1, 1 if longest is None else 2, sharey=True, squeeze=False)[0].tolist()
         for axes in panels:
             axes.axhline(0, color="black", linewidth=0.5, zorder=1)
-        panels[0].set(xlabel=ALONG, ylabel=TENSION)
+        scaled_axis(panels[0].xaxis, ALONG, "length", units)
+        largest = max(float(np.abs(profile.adhesive_traction).max()) for profile in profiles.values())
+        scaled_axis(panels[0].yaxis, TENSION, "stress", units, largest)
         for number, (value, profile) in enumerate(profiles.items()):
-            look = line_style(number) | {"label": shown_parameter(column, value), "linewidth": 1.1}
+            look = line_style(number) | {"label": shown_parameter(column, value, units), "linewidth": 1.1}
             # the tension is that of positions, which do not jump between elements
             position, tension = profile.position.ravel(), -profile.adhesive_traction.ravel()
             panels[0].plot(position, tension, **look)
@@ -48,10 +53,9 @@ def tractions_figure(profiles: Mapping[float, FrontProfile], column: Column, uni
             panels[0].set_title("all of the face that adheres", loc="left")
             panels[1].set_title("the fronts, laid over each other", loc="left")
             panels[1].set_xlim(-_AROUND * longest, _AROUND * longest)
-            panels[1].set_xlabel("distance from the peak / $L_0$")
+            scaled_axis(panels[1].xaxis, "distance from the peak", "length", units, longest)
         handles, labels = panels[0].get_legend_handles_labels()
         figure.legend(handles, labels, loc="outside upper left", ncols=min(len(labels), 8))
-        note_units(figure, units)
         return figure
 
 
