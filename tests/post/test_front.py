@@ -31,8 +31,10 @@ from isopeel.post.front import (
     front_profile,
     layer_decay,
     process_zone,
+    process_zones,
 )
 from isopeel.problem import Traction
+from isopeel.problem.shapes.quarter_cylinder import QuarterCylinder
 from isopeel.splines.nurbs import Side, annulus_sector
 
 EQUILIBRIUM = 0.4 / 15 ** (1 / 6)
@@ -317,3 +319,29 @@ def test_bad_input_is_named() -> None:
         front_figure({"L1": still}, 1.0)
     with pytest.raises(InputError, match="needs a front"):
         front_figure(dict.fromkeys(("L1", "L2", "L4"), still), 1.0)
+
+
+@pytest.mark.parametrize("space", ["N2.1", "L1+N2.1", "N4"])
+def test_zones_of_many_states_are_those_of_their_profiles(space: str) -> None:
+    """By one matrix, on the same points; a quarter cylinder has weights."""
+    strip_space = isopeel.row_space(space, (60, 2))
+    cylinder = QuarterCylinder(200.0).surface()
+    round_space = isopeel.row_space("N2", (60, 6), 2, (200, 200))
+    flat = isopeel.strip()
+    contact = replace(flat, body=replace(flat.body, shape=cylinder), adhesion=replace(flat.adhesion, end=0.5))
+    for problem, on in ((flat, strip_space), (contact, round_space)):
+        rng = np.random.default_rng(3)
+        lifted = np.zeros((on.size, 2))
+        first = on.rows[0].size
+        lifted[:first, 1] = 1.5 * np.linspace(0, 1, first) ** 2 + 1e-3 * rng.random(first)
+        fields = {1.0: 0 * lifted, 2.0: lifted}
+        zones = process_zones(problem, on, fields)
+        profiles = {at: process_zone(front_profile(problem, on, fields[at])) for at in fields}
+        assert [at for at, zone in profiles.items() if zone is not None] == list(zones)
+        assert 2.0 in zones
+        for at, zone in zones.items():
+            expected = profiles[at]
+            assert expected is not None
+            assert (zone.peak, zone.position, zone.start, zone.end) == pytest.approx(
+                (expected.peak, expected.position, expected.start, expected.end), rel=1e-9
+            )

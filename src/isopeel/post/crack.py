@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from isopeel.arrays import FloatArray
-from isopeel.post.front import ProcessZone, front_profile, process_zone
+from isopeel.post.front import ProcessZone, process_zones
 from isopeel.problem import Problem
 from isopeel.results.curve import Curve
 from isopeel.solve.step import KINDS
@@ -37,12 +37,11 @@ class Release(NamedTuple):
 def fronts(problem: Problem, space: RowSpace, fields: Mapping[float, FloatArray]) -> dict[float, Front]:
     """Find the front in states, as `front_figure` takes them, by parameter; those without are left out."""
     origin = load_position(problem)
-    found = {}
-    for parameter, displacement in fields.items():
-        zone = process_zone(front_profile(problem, space, displacement))
-        if zone is not None:
-            found[parameter] = Front(zone, None if origin is None else abs(zone.position - origin))
-    return found
+    zones = process_zones(problem, space, fields)
+    return {
+        parameter: Front(zone, None if origin is None else abs(zone.position - origin))
+        for parameter, zone in zones.items()
+    }
 
 
 def load_position(problem: Problem) -> float | None:

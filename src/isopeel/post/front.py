@@ -1,5 +1,6 @@
 """The peeling front: the adhesive stress there, its extent, and how it dies out in the part still held."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -77,11 +78,7 @@ def front_profile(
         raise InputError("points", points.tolist(), "two or more that rise, from 0 to 1 at most")
     adhesion = problem.adhesion
     law, substrate, side = adhesion.law, adhesion.substrate, adhesion.side
-    along = space.across if side in ("left", "right") else space.rows[0]
-    knots = along.breakpoints
-    inside = knots[(knots > adhesion.start) & (knots < adhesion.end)]
-    ends = np.concatenate([[adhesion.start], inside, [adhesion.end]])
-    parameters = ends[:-1, None] + np.diff(ends)[:, None] * points
+    knots, parameters = _adhering(problem, space, points)
     fields = sample_side(problem, space, displacement, side, parameters)
     gap, normal, curvature = evaluate_substrate(substrate.kernel, substrate.parameters, fields.position)
     _, traction, derivative = evaluate_law(law.kernel, law.parameters, gap, curvature)
@@ -98,6 +95,48 @@ def front_profile(
     )
 
 
+def _adhering(problem: Problem, space: RowSpace, points: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Breakpoints of the side, and parameters (n, k) of points (k,) of the elements where they adhere."""
+    adhesion = problem.adhesion
+    along = space.across if adhesion.side in ("left", "right") else space.rows[0]
+    knots = along.breakpoints
+    inside = knots[(knots > adhesion.start) & (knots < adhesion.end)]
+    ends = np.concatenate([[adhesion.start], inside, [adhesion.end]])
+    return knots, ends[:-1, None] + np.diff(ends)[:, None] * points
+
+
+def process_zones(
+    problem: Problem, space: RowSpace, fields: Mapping[float, FloatArray]
+) -> dict[float, ProcessZone]:
+    """The zones of `process_zone` in states, by parameter; those without a front are left out.
+
+    On the lower side of the body, where only the first row of functions is not zero, positions are products
+    with one matrix for all states: that takes a hundredth of the time of `front_profile`.
+    """
+    adhesion = problem.adhesion
+    if adhesion.side != "bottom" or adhesion.traction != "reference":
+        profiles = {at: front_profile(problem, space, displacement) for at, displacement in fields.items()}
+        zones = {at: process_zone(profile) for at, profile in profiles.items()}
+        return {at: zone for at, zone in zones.items() if zone is not None}
+    knots, parameters = _adhering(problem, space, POINTS)
+    boundary, row = problem.body.shape.boundary("bottom"), space.rows[0]
+    position, rest = _distance(boundary, knots, parameters), boundary.evaluate(parameters.ravel())
+    values, first = row.basis(parameters.ravel(), 0)
+    weights = space.weighted(problem.body.shape).weights
+    numbers = first[:, None] + np.arange(row.degree + 1)
+    functions = values[0] * (1.0 if weights is None else weights[0][numbers])
+    functions /= functions.sum(axis=1, keepdims=True)
+    substrate, law, found = adhesion.substrate, adhesion.law, {}
+    for at, displacement in fields.items():
+        place = rest + np.einsum("kp,kpi->ki", functions, displacement[numbers])
+        gap, _, curvature = evaluate_substrate(substrate.kernel, substrate.parameters, place)
+        _, traction, derivative = evaluate_law(law.kernel, law.parameters, gap, curvature)
+        zone = _zone(position.ravel(), -traction, derivative > 0)
+        if zone is not None:
+            found[at] = zone
+    return found
+
+
 def process_zone(profile: FrontProfile) -> ProcessZone | None:
     """The stretch around the peak where the attraction exceeds half of it, by linear interpolation.
 
@@ -105,7 +144,10 @@ def process_zone(profile: FrontProfile) -> ProcessZone | None:
     is that of the points looked at. None where there is no front: the attraction stays above half its peak
     up to an end of the part that adheres, or the law softens on both sides of the peak, or on none.
     """
-    position, attraction = profile.position.ravel(), -profile.adhesive_traction.ravel()
+    return _zone(profile.position.ravel(), -profile.adhesive_traction.ravel(), profile.softening.ravel())
+
+
+def _zone(position: FloatArray, attraction: FloatArray, softens: NDArray[np.bool_]) -> ProcessZone | None:
     peak = int(np.argmax(attraction))
     half = attraction[peak] / 2
     below = np.flatnonzero(attraction < half)
@@ -113,7 +155,7 @@ def process_zone(profile: FrontProfile) -> ProcessZone | None:
     if not before.size or not after.size:
         return None
     first, last = before[-1], after[0]
-    softening = profile.softening.ravel()[[first, last]]
+    softening = softens[[first, last]]
     if softening.all() or not softening.any():
         return None
     start = np.interp(half, attraction[first : first + 2], position[first : first + 2])
