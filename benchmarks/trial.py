@@ -3,9 +3,10 @@
 import csv
 import sys
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from math import isclose, isfinite
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Annotated
 
 import typer
@@ -17,6 +18,7 @@ from isopeel.case import shipped_cases
 from isopeel.processes import cores
 from printing import wide_console
 from trials.case import Trial
+from trials.drawing import refined
 from trials.drawing import trial as drawn_trial
 from trials.running import Attempt, Outcome, Shipped
 from trials.tables import Found, counts, gains, listed
@@ -30,10 +32,16 @@ _COLUMNS = (
 )
 
 
-def outcomes(trials: Sequence[Trial], processes: int, limit: float, bar: Progress) -> Found:
-    """Run trials; those that take longer than the limit are ended."""
-    task = bar.add_task("cases", total=len(trials))
-    done = run_all([Attempt(trial) for trial in trials], processes, limit, lambda *_: bar.advance(task))
+def outcomes(
+    trials: Sequence[Trial], processes: int, limit: float, finished: Callable[[Trial, Outcome], None]
+) -> Found:
+    """Run trials, and tell when each is finished; those that take longer than the limit are ended."""
+    # of this process, as those that run out of time leave theirs behind
+    with TemporaryDirectory(prefix="isopeel-trial-") as folder:
+        tasks = [Attempt(trial, Path(folder)) for trial in trials]
+        done = run_all(
+            tasks, processes, limit, lambda number, one: finished(trials[number], _outcome(one, limit))
+        )
     return [(trial, _outcome(one, limit)) for trial, one in zip(trials, done, strict=True)]
 
 
@@ -45,22 +53,15 @@ def _outcome(done: object, limit: float) -> Outcome:
     return Outcome("crashed", cause="the process was lost", seconds=0.0)
 
 
-def write(path: Path, found: Found) -> None:
-    """Write one line per case."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    with path.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file)
-        writer.writerow(_COLUMNS)
-        for trial, outcome in found:
-            drawn, gain = trial.drawn, outcome.gain and outcome.gain.share
-            writer.writerow(
-                [
-                    *(trial.seed, trial.number, trial.family, drawn.kind, verdict(trial, outcome).value),
-                    *(outcome.ending, outcome.value, drawn.answer.value, deviation(trial, outcome)),
-                    *(drawn.element, outcome.theory, outcome.steps, outcome.seconds, gain),
-                    *(" | ".join(outcome.doubts), outcome.cause),
-                ]
-            )
+def _row(trial: Trial, outcome: Outcome) -> list[object]:
+    """One line of the table of every case."""
+    drawn, gain = trial.drawn, outcome.gain and outcome.gain.share
+    return [
+        *(trial.seed, trial.number, trial.family, drawn.kind, verdict(trial, outcome).value),
+        *(outcome.ending, outcome.value, drawn.answer.value, deviation(trial, outcome)),
+        *(drawn.element, outcome.theory, outcome.steps, outcome.seconds, gain),
+        *(" | ".join(outcome.doubts), outcome.cause),
+    ]
 
 
 def report(found: Found, console: Console, *, everything: bool) -> None:
@@ -94,7 +95,8 @@ def _percent(part: int, whole: int) -> str:
 def run_shipped(processes: int, console: Console) -> None:
     """Run the shipped cases, and print what energy each gained without work."""
     names = shipped_cases()
-    done = run_all([Shipped(name) for name in names], processes, 600.0, lambda *_: None)
+    with TemporaryDirectory(prefix="isopeel-trial-") as folder:
+        done = run_all([Shipped(name, Path(folder)) for name in names], processes, 600.0, lambda *_: None)
     for name, one in zip(names, done, strict=True):
         outcome = _outcome(one, 600.0)
         gain = "-" if outcome.gain is None else f"{outcome.gain.share:.1e} at {outcome.gain.parameter:.5g}"
@@ -114,6 +116,9 @@ def main(
     limit: Annotated[float, typer.Option(min=1, help="Seconds of the processor for a case.")] = LIMIT,
     out: Annotated[Path, typer.Option(help="Table of every case.")] = Path("out/trial.csv"),
     everything: Annotated[bool, typer.Option("--all", help="List every case.")] = False,
+    fine: Annotated[
+        bool, typer.Option("--fine", help="On fine meshes, which shows the closed forms.")
+    ] = False,
     shipped: Annotated[
         bool, typer.Option("--shipped", help="Check the energy of the shipped cases too.")
     ] = False,
@@ -122,14 +127,25 @@ def main(
     seeds, console, began = seed or [1], wide_console(), time.perf_counter()
     trials = [drawn_trial(one, number) for one in seeds for number in only or range(count)]
     trials = [trial for trial in trials if not family or trial.family in family]
+    if fine:
+        trials = [refined(trial) for trial in trials]
     if only:
         for trial in trials:
             print(trial.text)
             for name, text in trial.drawn.files.items():
                 print(f"# {name}\n# {text}\n")
-    with Progress(console=Console(stderr=True), transient=True) as bar:
-        found = outcomes(trials, processes or cores(), limit, bar)
-    write(out, found)
+    out.parent.mkdir(parents=True, exist_ok=True)
+    bar = Progress(console=Console(stderr=True), transient=True)
+    with bar, out.open("w", newline="", encoding="utf-8") as file:
+        writer, task = csv.writer(file), bar.add_task("cases", total=len(trials))
+        writer.writerow(_COLUMNS)
+
+        def finished(trial: Trial, outcome: Outcome) -> None:
+            writer.writerow(_row(trial, outcome))
+            file.flush()
+            bar.advance(task)
+
+        found = outcomes(trials, processes or cores(), limit, finished)
     for one in seeds:
         console.print(f"seed {one}")
         report([pair for pair in found if pair[0].seed == one], console, everything=everything or bool(only))

@@ -14,7 +14,7 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "benchmarks"))
 from isopeel.case import Case, load_case
 from isopeel.post.closed_form import double_cantilever_force, kendall_force, sliding_tape_force
 from trials.dice import Dice
-from trials.drawing import FAMILIES, trial
+from trials.drawing import FAMILIES, refined, trial
 from trials.energy import works
 from trials.families import cantilevers, columns, cylinders, double_cantilevers, tapes
 from trials.quantities import LENGTHS, written
@@ -48,6 +48,14 @@ def test_a_case_is_a_case_file(number: int, tmp_path: Path) -> None:
     case = load_case(tmp_path / "case.toml")
     assert len(case.stages()[0].parameters) <= 160
     assert drawn.drawn.answer.value > 0
+
+
+def test_a_refined_case_differs_in_its_mesh_alone() -> None:
+    one = next(trial(1, number) for number in range(99) if trial(1, number).family == "cylinders")
+    fine = refined(one)
+    assert fine.drawn.answer == one.drawn.answer
+    changed = {name for name in one.drawn.sections if fine.drawn.sections[name] != one.drawn.sections[name]}
+    assert changed == {"discretization"}
 
 
 def test_poissons_ratios_go_from_0_to_0_4999() -> None:
@@ -172,5 +180,5 @@ def test_a_task_that_is_out_of_time_is_ended_and_others_go_on() -> None:
 def test_cheap_cases_are_right(tmp_path: Path) -> None:
     for number in CHEAP:
         one = trial(1, number)
-        assert verdict(one, Attempt(one)()) is Verdict.RIGHT
+        assert verdict(one, Attempt(one, tmp_path)()) is Verdict.RIGHT
     assert Case.parse(trial(1, CHEAP[0]).text).name == f"trial-1-{CHEAP[0]}"

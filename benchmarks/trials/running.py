@@ -7,18 +7,20 @@ import traceback
 from dataclasses import dataclass
 from fractions import Fraction
 from io import StringIO
-from math import nan
+from math import isnan, nan
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any, Literal, NamedTuple, TypeAlias
 
+import numpy as np
 from rich.console import Console
 
 from isopeel.case import load_case
 from isopeel.errors import InputError
 from isopeel.folder import places
-from isopeel.results.run_file import read_run
+from isopeel.results.run_file import StoredRun, read_run
 from isopeel.run import run_case
+from isopeel.solve.step import KINDS
 from isopeel.units import parse_quantity
 from trials.case import Reading, Trial
 from trials.energy import Gain, largest_gain
@@ -44,13 +46,14 @@ class Outcome:
 
 @dataclass(frozen=True)
 class Attempt:
-    """The task of running a trial in a folder of its own."""
+    """The task of running a trial in a folder of its own, within another."""
 
     trial: Trial
+    within: Path
 
     def __call__(self) -> Outcome:
         """Run it."""
-        with TemporaryDirectory(prefix="isopeel-trial-") as folder:
+        with TemporaryDirectory(dir=self.within) as folder:
             return run_text(
                 self.trial.text, dict(self.trial.drawn.files), Path(folder), self.trial.drawn.answer.reading
             )
@@ -58,13 +61,14 @@ class Attempt:
 
 @dataclass(frozen=True)
 class Shipped:
-    """The task of running a shipped case, for its energies."""
+    """The task of running a shipped case, for its energies, in a folder within another."""
 
     name: str
+    within: Path
 
     def __call__(self) -> Outcome:
         """Run it."""
-        with TemporaryDirectory(prefix="isopeel-trial-") as folder:
+        with TemporaryDirectory(dir=self.within) as folder:
             return _run(self.name, Path(folder) / "out", "largest")
 
 
@@ -90,6 +94,8 @@ def _run(source: str | Path, out: Path, reading: Reading) -> Outcome:
     except Exception:
         return Outcome("crashed", cause=traceback.format_exc(), seconds=time.process_time() - began)
     found = read(summary, reading)
+    if reading == "buckling" and isnan(found.value):
+        found = Read(_bifurcation(result.run, summary["units"]))
     failure = summary["failure"]
     return Outcome(
         "completed" if summary["completed"] else "not converged",
@@ -130,6 +136,19 @@ def read(summary: dict[str, Any], reading: Reading) -> Read:
             theory = row["closed_form"]["value"] if row["closed_form"] else nan
             return Read(row["value"] * unit, theory * unit)
     return Read()
+
+
+def _bifurcation(run: StoredRun, units: dict[str, Any]) -> float:
+    """The force at the first bifurcation of a curve, which its table has; nan where it has none."""
+    curve = run.curve
+    steps = np.flatnonzero(np.array(KINDS)[curve.kind] == "bifurcation")
+    if not len(steps):
+        return nan
+    raised = curve.parameter_column.name == "force"
+    column, values = (
+        (curve.parameter_column, curve.parameter) if raised else (curve.reaction_column, curve.reaction)
+    )
+    return abs(float(values[steps[0]])) * unit_of(column.unit, units, moment=False)
 
 
 def unit_of(written: str, units: dict[str, Any], *, moment: bool) -> float:

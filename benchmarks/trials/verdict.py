@@ -38,7 +38,9 @@ def verdict(trial: Trial, outcome: Outcome) -> Verdict:
     off = abs(deviation(trial, outcome))
     if not isfinite(off) or off > RIGHT:
         return Verdict.NOTED if outcome.doubts else Verdict.SILENT
-    if not outcome.doubts:
+    # where the answer is the load at which stability is lost, the note that says so is no doubt
+    buckles = trial.drawn.answer.reading == "buckling"
+    if all(buckles and doubt.startswith("stability") for doubt in outcome.doubts):
         return Verdict.RIGHT
     return Verdict.WARNED_CLOSE if off <= CLOSE else Verdict.WARNED
 
