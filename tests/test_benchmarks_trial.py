@@ -20,7 +20,7 @@ from trials.families import cantilevers, columns, cylinders, double_cantilevers,
 from trials.quantities import LENGTHS, written
 from trials.running import Attempt, Outcome, unit_of
 from trials.sheets import poissons_ratio
-from trials.verdict import Verdict, verdict, warned_by_default
+from trials.verdict import CLOSE, Verdict, deviation, verdict, warned_by_default
 from trials.workers import Lost, run_all
 
 #: A pad, a cantilever and a strip by a moment, on meshes that do.
@@ -180,5 +180,7 @@ def test_a_task_that_is_out_of_time_is_ended_and_others_go_on() -> None:
 def test_cheap_cases_are_right(tmp_path: Path) -> None:
     for number in CHEAP:
         one = trial(1, number)
-        assert verdict(one, Attempt(one, tmp_path)()) is Verdict.RIGHT
+        found = Attempt(one, tmp_path)()
+        assert found.ending == "completed"
+        assert abs(deviation(one, found)) < CLOSE
     assert Case.parse(trial(1, CHEAP[0]).text).name == f"trial-1-{CHEAP[0]}"
