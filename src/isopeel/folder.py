@@ -151,7 +151,7 @@ def _is_ours(path: Path) -> bool:
     if path.suffix not in (".csv", ".md"):
         return False
     beside = path.parent.parent if path.parent.name == "tables" else path.parent
-    anchors = [beside / REPORT, *beside.glob("compare.*"), *beside.glob(f"{FIGURES}/*.*")]
+    anchors = [beside / REPORT, *beside.glob("compare.[!c]*"), *beside.glob(f"{FIGURES}/*.*")]
     return any(is_written_by_isopeel(anchor) for anchor in anchors)
 
 

@@ -202,6 +202,33 @@ def test_an_unfinished_run_is_gone_on_with_unless_forced(
     assert main(["run", "strip", *SMALL, "3"]) == 0
 
 
+@pytest.mark.parametrize(
+    ("command", "file"),
+    [
+        (["law", "exponential", "--out", "mine.png"], "mine.png"),
+        (["spaces", "L1", "--out", "mine.svg"], "mine.svg"),
+        (["report", "out/strip", "--out", "mine.html"], "mine.html"),
+        (["plot", "out/strip", "--only", "curve", "--out", "mine"], "mine/curve.png"),
+        (["compare", "out/strip", "other", "--out", "mine"], "mine/compare.csv"),
+        (["compare", "out/strip", "other", "--out", "mine"], "mine/compare.png"),
+        (["export", "out/strip", "--out", "mine"], "mine/body-0000.vtu"),
+    ],
+)
+def test_no_other_command_replaces_what_isopeel_did_not_write(
+    command: list[str], file: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for folder in ("out/strip", "other"):
+        assert main(["run", "strip", *SMALL, "1", "--out", folder]) == 0
+    Path("mine").mkdir()
+    Path(file).write_text("my own work with isopeel")
+    capsys.readouterr()
+    assert main(command) == 2
+    assert f"isopeel did not write {file}" in the_error(capsys)
+    assert Path(file).read_text() == "my own work with isopeel"
+    assert main([*command, "--force"]) == 0
+    assert main(command) == 0  # which it wrote itself
+
+
 def _interrupting(number: int) -> Callable[[], None]:
     count = 0
 

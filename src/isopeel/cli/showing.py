@@ -8,6 +8,10 @@ import typer
 from isopeel.cli.base import COMPLETED, command, console, fail
 from isopeel.interrupts import INTERRUPTED, telling
 
+_ForceOption = Annotated[
+    bool, typer.Option("--force", help="Replace a file of the same name that isopeel did not write.")
+]
+
 
 @command
 def plot(
@@ -30,11 +34,12 @@ def plot(
     out: Annotated[
         Path | None, typer.Option(metavar="DIR", help="Folder of the figures; DIR/figures when left out.")
     ] = None,
+    force: _ForceOption = False,
 ) -> int:
     """Draw the figures of a stored run: its curve and plateau, deformed shapes, front and tractions."""
     from isopeel.showing.plot import plot_run
 
-    plot_run(folder, only or [], at or [], suffix, out, console())
+    plot_run(folder, only or [], at or [], suffix, out, console(), force=force)
     return COMPLETED
 
 
@@ -44,11 +49,12 @@ def report(
     out: Annotated[
         Path | None, typer.Option(metavar="FILE", help="File of the page; DIR/report.html when left out.")
     ] = None,
+    force: _ForceOption = False,
 ) -> int:
     """Write a run as one HTML page, with its curve, shapes, front and tractions, that opens anywhere."""
     from isopeel.page.write import write_page
 
-    console().print(f"the report is {write_page(folder, out)}", soft_wrap=True)
+    console().print(f"the report is {write_page(folder, out, force=force)}", soft_wrap=True)
     return COMPLETED
 
 
@@ -62,6 +68,7 @@ def export(
         int | None,
         typer.Option(metavar="N", help="Cut each element into N x N straight cells, not into Bezier cells."),
     ] = None,
+    force: _ForceOption = False,
 ) -> int:
     """Write the fields of a run for ParaView, as Bezier cells that hold curved shapes exactly."""
     told = "interrupted; the same command writes all files anew"
@@ -69,7 +76,7 @@ def export(
         with telling(told):
             from isopeel.showing.export import export_run
 
-            export_run(folder, out, linear, console())
+            export_run(folder, out, linear, console(), force=force)
     except KeyboardInterrupt:
         return fail(INTERRUPTED, told)
     return COMPLETED
@@ -84,11 +91,12 @@ def compare(
     out: Annotated[Path, typer.Option(metavar="DIR", help="Folder of the table and the figure.")] = Path(
         "out/compare"
     ),
+    force: _ForceOption = False,
 ) -> int:
     """Lay the curves of stored runs over each other, and tabulate what was read from them."""
     from isopeel.showing.compare import compare_runs
 
-    compare_runs(folders, suffix, out, console())
+    compare_runs(folders, suffix, out, console(), force=force)
     return COMPLETED
 
 
@@ -104,11 +112,12 @@ def animate(
     out: Annotated[
         Path | None, typer.Option(metavar="DIR", help="Folder of the file; DIR/figures when left out.")
     ] = None,
+    force: _ForceOption = False,
 ) -> int:
     """Animate a stored run: the deformed body, and beside it the curve with a mark that moves along it."""
     from isopeel.showing.animate import animate_run
 
-    animate_run(folder, suffix, fps, size, out, console())
+    animate_run(folder, suffix, fps, size, out, console(), force=force)
     return COMPLETED
 
 
@@ -149,11 +158,12 @@ def spaces(
     out: Annotated[
         Path | None, typer.Option(metavar="FILE", help="File of the figure; out/NAME.png when left out.")
     ] = None,
+    force: _ForceOption = False,
 ) -> int:
     """Draw the functions of a spline space, and tell its degrees, continuities, supports and DOFs."""
     from isopeel.showing.spaces import show_space
 
-    show_space(name, mesh, out, console())
+    show_space(name, mesh, out, console(), force=force)
     return COMPLETED
 
 
@@ -165,9 +175,10 @@ def law(
     out: Annotated[
         Path | None, typer.Option(metavar="FILE", help="File of the figure; out/NAME.png when left out.")
     ] = None,
+    force: _ForceOption = False,
 ) -> int:
     """Draw a law of adhesion, and tell its strength, work of adhesion and stiffness."""
     from isopeel.showing.law import show_law
 
-    show_law(name, out, console())
+    show_law(name, out, console(), force=force)
     return COMPLETED

@@ -13,7 +13,7 @@ import numpy as np
 
 import isopeel
 from isopeel.errors import InputError
-from isopeel.folder import REPORT
+from isopeel.folder import REPORT, check_overwritten
 from isopeel.page import markup
 from isopeel.page.content import Content, column_words, stage_content
 from isopeel.page.packing import packed
@@ -28,7 +28,7 @@ MOST_BYTES = 4_000_000
 _LEVELS = 255  # of the stress, as `packed_stress` has them
 
 
-def write_page(folder: Path, out: Path | None = None) -> Path:
+def write_page(folder: Path, out: Path | None = None, *, force: bool = False) -> Path:
     """Write what a folder holds of a run as one HTML page, DIR/report.html when no file is given.
 
     The page loads nothing: it opens without a network, now and later. A case of several stages has them one
@@ -37,6 +37,7 @@ def write_page(folder: Path, out: Path | None = None) -> Path:
     """
     stages = stored_stages(folder)
     path = out or folder / REPORT
+    check_overwritten("--out", [path], force)
     text = page(stages)
     with replacing(path) as part:
         part.write_text(text, "utf-8", newline="\n")

@@ -12,7 +12,7 @@ from PIL import Image
 from rich.console import Console
 
 from isopeel.errors import InputError
-from isopeel.folder import FIGURES, make_folder
+from isopeel.folder import FIGURES, check_overwritten, make_folder
 from isopeel.interrupts import check, leave_time
 from isopeel.post.figures.moving import MovingFigure, Picture
 from isopeel.progress import counted
@@ -29,7 +29,14 @@ _USUAL_PACE = (2.0, 25.0)
 
 
 def animate_run(
-    folder: Path, suffix: str, fps: float | None, size: str, out: Path | None, console: Console
+    folder: Path,
+    suffix: str,
+    fps: float | None,
+    size: str,
+    out: Path | None,
+    console: Console,
+    *,
+    force: bool = False,
 ) -> None:
     """Animate the states whose displacement is stored in the folder of a run, to one file for each stage.
 
@@ -51,6 +58,7 @@ def animate_run(
     leave_time()
     for stage in moving:
         into = stage.folder / FIGURES if out is None else out / stage.folder.relative_to(folder)
+        check_overwritten("--out", [into / f"animation.{suffix}"], force)
         make_folder(into)
         count = len(stage.run.fields)
         pace = fps or min(max(count / _USUAL_SECONDS, _USUAL_PACE[0]), _USUAL_PACE[1])

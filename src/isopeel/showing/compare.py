@@ -12,7 +12,7 @@ from rich.console import Console
 from rich.table import Column, Table
 
 from isopeel.errors import InputError
-from isopeel.folder import make_folder
+from isopeel.folder import check_overwritten, make_folder
 from isopeel.post.comparison import Compared, comparison, difference
 from isopeel.post.figures import comparison_figure, save
 from isopeel.post.style import check_format
@@ -23,7 +23,9 @@ from isopeel.showing.chosen import shown_stage
 from isopeel.stored import StoredStage
 
 
-def compare_runs(folders: Sequence[Path], suffix: str, out: Path, console: Console) -> None:
+def compare_runs(
+    folders: Sequence[Path], suffix: str, out: Path, console: Console, *, force: bool = False
+) -> None:
     """Print a table of the runs in folders, and write it with a figure and the differences to another folder.
 
     The files are compare.csv, differences.csv (each run less the first, at the parameters that both have) and
@@ -37,6 +39,8 @@ def compare_runs(folders: Sequence[Path], suffix: str, out: Path, console: Conso
     for folder, stage in zip(folders, stages, strict=True):
         _check_alike(folder, stage, stages[0])
     runs = [_shown(name, one) for name, one in zip(_names(folders), stages, strict=True)]
+    written = [out / name for name in ("compare.csv", "differences.csv", f"compare.{suffix}")]
+    check_overwritten("--out", written, force)
     make_folder(out)
     rows = comparison(runs)
     _write(out / "compare.csv", _headings(rows[0], runs[0].run.curve), (row.values() for row in rows))

@@ -6,7 +6,7 @@ from pathlib import Path
 from rich.console import Console
 
 from isopeel.errors import InputError
-from isopeel.folder import make_folder
+from isopeel.folder import EXPORTED, check_overwritten, make_folder
 from isopeel.post.grids import body_grids, body_mesh, side_grids, side_mesh
 from isopeel.results.vtk import write_grid, write_series
 from isopeel.stored import StoredStage, stored_stages
@@ -17,7 +17,9 @@ MOST_PIECES = 20
 _BODY, _SIDE = "body", "adhesive-side"
 
 
-def export_run(folder: Path, out: Path | None, linear: int | None, console: Console) -> None:
+def export_run(
+    folder: Path, out: Path | None, linear: int | None, console: Console, *, force: bool = False
+) -> None:
     """Write the stored fields of the run in a folder as series of grids, for ParaView and other readers.
 
     They go to `out`, by default to `paraview` beside the file of the run; for a case of several stages there
@@ -37,6 +39,8 @@ def export_run(folder: Path, out: Path | None, linear: int | None, console: Cons
             place = stage.folder / "paraview" if out is None else out
             if out is not None and len(stages) > 1:
                 place = out / stage.folder.name
+            known = [path for path in place.glob("*") if EXPORTED.fullmatch(path.name)]
+            check_overwritten("--out", known, force)
             _export(stage, place, linear)
             unit = run.curve.parameter_column.unit
             told = "" if run.ending == "completed" else f" (the run {_ENDINGS[run.ending]})"

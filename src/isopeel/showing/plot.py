@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from rich.console import Console
 
 from isopeel.errors import InputError
-from isopeel.folder import FIGURES, make_folder
+from isopeel.folder import FIGURES, check_overwritten, make_folder
 from isopeel.post.figures import (
     front_figure,
     plateau_figure,
@@ -52,6 +52,8 @@ def plot_run(
     suffix: str,
     out: Path | None,
     console: Console,
+    *,
+    force: bool = False,
 ) -> None:
     """Draw figures of the run in a folder, by default all of PARTS, each to a file of its own.
 
@@ -76,6 +78,7 @@ def plot_run(
             stored_parameters(stage, at),
         )
         into = stage.folder / FIGURES if out is None else out / stage.folder.relative_to(folder)
+        check_overwritten("--out", [into / f"{part}.{suffix}" for part in only or PARTS], force)
         make_folder(into)
         for part in only or PARTS:
             draw = PARTS[part]
