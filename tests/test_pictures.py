@@ -316,5 +316,6 @@ def test_a_new_run_takes_away_what_was_drawn_of_the_old_one(tmp_path: Path) -> N
     assert main(["plot", str(tmp_path), "--only", "curve", "--format", "pdf"]) == 0
     mine = tmp_path / "figures" / "mine.pdf"
     mine.touch()
-    assert main(run) == 0
+    assert main(run) == 2  # as it holds what is of no run
+    assert main([*run, "--force"]) == 0
     assert list((tmp_path / "figures").iterdir()) == [mine]
