@@ -43,7 +43,8 @@ from isopeel.solve.linear import factorize
 from isopeel.solve.newton import NewtonSettings
 from isopeel.solve.step import Step
 from isopeel.solve.trace import trace
-from isopeel.splines.rows import row_space
+from isopeel.splines.nurbs import NurbsSurface
+from isopeel.splines.rows import RowSpace, row_space
 
 PACKAGES = ("physics.adhesion", "physics.materials", "physics.substrates", "problem.shapes", "problem.drives")
 LAWS, MATERIALS, *_ = FOUND = [discover(f"isopeel.{package}") for package in PACKAGES]
@@ -63,6 +64,16 @@ class Peeling:
     to: float
     back: bool
     mesh: tuple[int, int]
+
+    @property
+    def space(self) -> RowSpace:
+        """The space of the displacement."""
+        return fitting(self.problem.body.shape, self.mesh)
+
+
+def fitting(shape: NurbsSurface, mesh: tuple[int, int]) -> RowSpace:
+    """Quadratic functions along the body, and across it the degree that turns its shape rigidly."""
+    return row_space("N2", mesh, shape.spaces[1].degree)
 
 
 def peeling(
@@ -207,7 +218,7 @@ def peeled(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFact
     places = [0.0]
     for start, end in pairwise(ends):
         places += [*(start + (end - start) * (NODES + 1) / 2), end]
-    return Peeled(made, ends, list(trace(made.problem, row_space("N2", made.mesh), places)))
+    return Peeled(made, ends, list(trace(made.problem, made.space, places)))
 
 
 def test_work_of_the_drive_is_what_the_energies_take(peeled: Peeled) -> None:
@@ -228,7 +239,7 @@ def test_work_of_the_drive_is_what_the_energies_take(peeled: Peeled) -> None:
 
 def test_newton_converges_quadratically(peeled: Peeled) -> None:
     """In steps of up to an eighth of the way, and up to round-off."""
-    space = row_space("N2", peeled.peeling.mesh)
+    space = peeled.peeling.space
     # nothing is known before the first step, which is taken with care
     places = peeled.peeling.to * np.array([0, 1 / 64, 1 / 16, *np.arange(1, 9) / 8])
     steps = trace(peeled.peeling.problem, space, places, NewtonSettings(plain=True))
@@ -243,7 +254,7 @@ def test_newton_converges_quadratically(peeled: Peeled) -> None:
 
 
 def test_a_path_goes_on_from_its_file_bit_for_bit(peeled: Peeled, tmp_path: Path) -> None:
-    problem, space = peeled.peeling.problem, row_space("N2", peeled.peeling.mesh)
+    problem, space = peeled.peeling.problem, peeled.peeling.space
     cut = 4 * len(peeled.steps) // 5  # on the way back where there is one
     attributes = run_attributes(problem, space, Provenance({}, "", "", "", ""))
     with RunWriter(tmp_path / "run.h5", problem.drive, "", attributes) as file:
@@ -261,7 +272,7 @@ def test_a_path_goes_on_from_its_file_bit_for_bit(peeled: Peeled, tmp_path: Path
 def test_tangent_is_the_derivative_of_the_residual(peeled: Peeled) -> None:
     """K^-1 of central differences of the residual gives back their direction, around a random state."""
     problem = peeled.peeling.problem
-    system = System(problem, row_space("N2", (20, 2)))
+    system = System(problem, fitting(problem.body.shape, (20, 2)))
     rng = np.random.default_rng(3)
     y, direction = 0.02 * rng.standard_normal((2, system.count))
     if problem.adhesion.irreversible:
