@@ -95,7 +95,7 @@ def test_a_run_goes_further_than_it_was_asked_to(capsys: pytest.CaptureFixture[s
     assert isopeel.Case.parse(isopeel.read_run(OUT / "run.h5").case_text).drive[0].to == "9.0 deg"
     capsys.readouterr()
     assert main(["resume", "out/strip", "--to", "4"]) == 2
-    assert "--to: '4' cannot be used; the steps so far, 10 to 9 degree, are not" in capsys.readouterr().err
+    assert "--to: '4' cannot be used; the steps so far, 10 to 9 deg, are not" in capsys.readouterr().err
 
 
 def test_a_run_without_an_equilibrium_stays_as_it_is(capsys: pytest.CaptureFixture[str]) -> None:
