@@ -12,8 +12,13 @@ from isopeel.problem import Problem
 from isopeel.splines.nurbs import NurbsSurface
 from isopeel.splines.rows import RIGID, RowSpace
 
-#: Motions are told apart from none by more than this share of the body's own size.
-_ROUND_OFF = 1e-9
+#: Motions and gaps are told apart from none by more than this share of the body's own size.
+ROUND_OFF = 1e-9
+
+
+def extent(problem: Problem) -> float:
+    """The size of the body: of the box about its control points."""
+    return float(np.ptp(problem.body.shape.control_points.reshape(-1, 2), axis=0).max())
 
 
 def check_start(
@@ -36,11 +41,11 @@ def check_start(
     if base is not None:
         positions = positions + np.einsum("eqm,emi->eqi", side.values, base[side.functions])
     gap, normal, curvature = evaluate_substrate(substrate.kernel, substrate.parameters, positions)
-    extent = float(np.ptp(problem.body.shape.control_points.reshape(-1, 2), axis=0).max())
+    size = extent(problem)
     if not np.isfinite(gap).all():
         raise InputError("substrate", type(substrate).__name__, "it must have a closest point to every point")
     deepest = np.unravel_index(np.argmin(gap), gap.shape)
-    if base is None and gap[deepest] < -_ROUND_OFF * extent:
+    if base is None and gap[deepest] < -ROUND_OFF * size:
         place = "{:.4g} at X = ({:.4g}, {:.4g})".format(gap[deepest], *positions[deepest])
         raise InputError("substrate.gap", place, "the body must not overlap the substrate at the start")
     if (1 + curvature * gap <= 0).any():
@@ -56,7 +61,7 @@ def check_start(
     rows = [np.einsum("ni,nim->nm", d[acts], _motions(positions[acts])) for d in directions]
     points = space.interpolate(problem.body.shape.evaluate)
     rows += _constrained(constraints, load, _motions(points))
-    free = _free_motion(np.concatenate(rows), extent)
+    free = _free_motion(np.concatenate(rows), size)
     if free is not None:
         raise InputError(
             "held", free, "nothing holds the body against it; hold a side, or let it adhere there"
@@ -116,6 +121,6 @@ def _free_motion(rows: FloatArray, extent: float) -> str | None:
     _, sizes, motions = np.linalg.svd(
         np.vstack([rows, np.zeros((3, 3))]) / [1.0, 1.0, extent], full_matrices=False
     )
-    if sizes[-1] > _ROUND_OFF * max(sizes[0], 1.0):
+    if sizes[-1] > ROUND_OFF * max(sizes[0], 1.0):
         return None
     return ("a motion along x", "a motion along y", "a rotation")[int(np.argmax(np.abs(motions[-1])))]

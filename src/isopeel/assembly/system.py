@@ -13,9 +13,10 @@ from isopeel.assembly.constraints import Constraints, constrain, half_bandwidth
 from isopeel.assembly.equations import Equations, Sums, add_forces
 from isopeel.assembly.loads import AssembledLoad
 from isopeel.assembly.loops import Loops, compile_loops
-from isopeel.assembly.start import check_start
+from isopeel.assembly.start import ROUND_OFF, check_start, extent
 from isopeel.assembly.tables import BodyTable, SideTable, body_table, side_table
 from isopeel.errors import InputError
+from isopeel.physics.adhesion.irreversible import NOT_CLOSED
 from isopeel.physics.batch import evaluate_substrate
 from isopeel.problem import Problem
 from isopeel.splines.rows import RowSpace
@@ -115,7 +116,8 @@ class System:
         side = side_table(shape, self.space, adhesion.side, part, contact_points)
         # only the projected force asks for the deformation gradient
         self.adhesive: SideTable = side if adhesion.traction == "projected" else side.of_values()
-        #: Largest openings so far at the points of the adhesive force, (E, Q), for irreversible adhesion.
+        #: Largest openings so far at the points of the adhesive force, (E, Q), for irreversible adhesion;
+        #: `NOT_CLOSED` at those that have not closed yet.
         self.openings: FloatArray = frozen(np.zeros(self.adhesive.weights.shape))
         self.load: AssembledLoad | None = AssembledLoad.of(
             problem.drive, shape, self.space, self.constraints, base
@@ -124,6 +126,12 @@ class System:
         self.tangents: FloatArray = check_start(
             problem, self.space, self.adhesive, self.constraints, self.load, base
         )
+        # gaps are known to the round-off of positions
+        self._closed: float = ROUND_OFF * extent(problem)
+        if adhesion.irreversible:
+            # the body as it is made: a base that comes with a history brings its openings
+            never = frozen(np.full(self.adhesive.weights.shape, NOT_CLOSED))
+            self.openings = self._opened(self._opening(np.zeros((space.size, 2))), never)
         #: Young's modulus times the area of the body: what energies are measured against.
         self.energy_scale: float = problem.body.material.youngs_modulus * self.body.area
         self._workspaces: dict[Storage, FloatArray] = {}
@@ -252,11 +260,20 @@ class System:
 
     def accept(self, displacement: FloatArray) -> None:
         """Take note of the openings of an equilibrium, coefficients (size, 2), for the next one."""
+        if self.problem.adhesion.irreversible:
+            self.openings = self._opened(self._opening(displacement), self.openings)
+
+    def _opening(self, displacement: FloatArray) -> FloatArray:
+        """Gap beyond the equilibrium gap (E, Q) at the points of the adhesive force."""
         adhesion, side = self.problem.adhesion, self.adhesive
-        if adhesion.irreversible:
-            position = side.positions + np.einsum("eqm,emi->eqi", side.values, displacement[side.functions])
-            gap, _, _ = evaluate_substrate(adhesion.substrate.kernel, adhesion.substrate.parameters, position)
-            self.openings = frozen(np.maximum(self.openings, gap - adhesion.law.equilibrium_gap))
+        position = side.positions + np.einsum("eqm,emi->eqi", side.values, displacement[side.functions])
+        gap, _, _ = evaluate_substrate(adhesion.substrate.kernel, adhesion.substrate.parameters, position)
+        return gap - adhesion.law.equilibrium_gap
+
+    def _opened(self, opening: FloatArray, before: FloatArray) -> FloatArray:
+        """Largest openings (E, Q) with one more, after those before; see `physics.adhesion.irreversible`."""
+        waits = (before < 0) & (opening > self._closed)
+        return frozen(np.where(waits, NOT_CLOSED, np.maximum(np.maximum(before, 0.0), opening)))
 
     def equilibrium(self, displacement: FloatArray, load: float = 0.0) -> Equilibrium:
         """Energies, forces and residual of coefficients u (size, 2) under a load of a size."""

@@ -18,6 +18,7 @@ from isopeel.post.mesh_error import MeshChange
 from isopeel.post.reading import PlateauReading, onset_angle, plateau_mean, read_plateau, unreadable
 from isopeel.post.readings import FAR, LAST, Reading, drive_test, halves, read, steady_window
 from isopeel.post.resolution import Zones, oscillation_notes, zone_notes
+from isopeel.post.stability import stability_notes
 from isopeel.problem import Column, Problem
 from isopeel.results.curve import Curve
 from isopeel.results.notes import Note
@@ -421,6 +422,7 @@ def _notes(run: StoredRun, found: Findings, onset: float | None) -> list[Note]:
         depth = laboratory.text(found.inside, "length", 2)
         text = f"a part that does not adhere, and feels no substrate, lies up to {depth} inside it"
         notes.append(Note("penetration", text))
+    notes += stability_notes(run.curve, laboratory)
     for reading in found.readings:
         deviation = reading.deviation
         # a crack's length differs from that of an arm clamped at its front by what the front gives way

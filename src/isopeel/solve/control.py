@@ -9,6 +9,7 @@ import numpy as np
 from threadpoolctl import ThreadpoolController
 
 from isopeel.interrupts import check, deferred
+from isopeel.solve.branching import gone_over
 from isopeel.solve.continuation import (
     CALM_COSINE,
     LEAST_COSINE,
@@ -64,7 +65,12 @@ def controlled(path: Path, parameters: Iterable[float], passed: Sequence[float])
 def _plain(path: Path, parameters: Iterable[float]) -> Iterator[Found]:
     for parameter in parameters:
         try:
-            yield path.equilibrium(parameter)
+            found = path.equilibrium(parameter)
+            misfit = path.misfit(found)
+            # what falls to another branch has been passed by published studies; nothing rises to one
+            if misfit.gains and path.verified(found).gains:
+                found = _balanced(path, found)
+            yield found
         except ConvergenceError as error:
             raise _diagnosed(path, error, parameter) from error
 
@@ -79,8 +85,9 @@ def _diagnosed(path: Path, error: ConvergenceError, parameter: float) -> Converg
         point, radius = curve.start, curve.radius
         for _ in range(_MOST_SEARCHED):
             point, found, radius = _next(path, curve, point, radius, step, [parameter])
-            if any(k is None for k, _ in found):
-                return ConvergenceError(error.reason, error.iterations, parameter, "limit point")
+            for k, at in found:
+                if k is None:
+                    return _at_limit(path, error, parameter, at.parameter)
             if found:
                 # the curve goes on to the parameter
                 break
@@ -90,13 +97,26 @@ def _diagnosed(path: Path, error: ConvergenceError, parameter: float) -> Converg
     return error
 
 
+def _at_limit(path: Path, error: ConvergenceError, parameter: float, limit: float) -> ConvergenceError:
+    """The failure of a step to a parameter beyond a limit point."""
+    column = path.system.problem.drive.parameter_column
+    at = f"{column.shown(limit):.6g} {column.unit}"
+    load = path.system.load
+    if load is not None and not path.system.load_is_unknown:
+        reason = f"the largest load is reached: no equilibrium above {at}, where the load has a limit point"
+        return ConvergenceError(reason, error.iterations, parameter, "limit load")
+    reason = f"the path turns back at {at}; {error.reason}"
+    return ConvergenceError(reason, error.iterations, parameter, "limit point")
+
+
 def _cut(path: Path, parameters: Iterable[float]) -> Iterator[Found]:
     """Steps that are cut where they fail, and grow again; where the smallest fails, a jump.
 
+    A step fails where it finds no equilibrium, or one whose energy does not come from the work of the drive.
     What is reached by a cut step is a step of its own: a path goes on from there bit for bit, and an
-    irreversible joint has opened there.
+    irreversible joint has opened there. Where stability is lost, it goes over to the stable branch.
     """
-    for parameter in parameters:
+    for parameter, is_last in _with_last(parameters):
         last = path.history[-1].parameter if path.history else parameter
         size = whole = parameter - last
         while True:
@@ -104,21 +124,70 @@ def _cut(path: Path, parameters: Iterable[float]) -> Iterator[Found]:
             aim = parameter if whole_rest else last + size
             kind: Kind = "requested" if whole_rest else "between"
             try:
-                found = path.equilibrium(aim, kind)
+                found = _balanced(path, path.equilibrium(aim, kind))
                 size *= 2
             except ConvergenceError as error:
                 if whole and abs(size) > abs(whole) / 2**_HALVINGS:
                     size = min(abs(size), abs(parameter - last)) / 2 * np.sign(whole)
                     continue
-                if not path.has_energy:
-                    raise _diagnosed(path, error, aim) from error
-                found = path.landed(path.guesses(aim), aim)
-                size = whole
+                found = _jumped(path, error, aim)
+                past = path.past_of(found.result, aim)
+                if whole and path.misfit(found).fits and path.on_one_branch(path.history[-1], past):
+                    # a search has found what Newton's method did not
+                    found = found._replace(kind=kind)
+                # a new branch is begun with whole steps, of the old one little may be left
+                size = whole if found.kind == "jump" else 2 * size
                 whole_rest = aim == parameter
-            yield found._replace(resumes=whole_rest)
-            last = aim
+            if found.negative is None:
+                found = found._replace(negative=path.negative_eigenvalues(found))
+            if found.negative is None and is_last and whole_rest:
+                # a path that goes further has not been asked here: a stable state stays as it is
+                found = found._replace(negative=path.negative_eigenvalues(found, told=True) or None)
+            if found.negative:
+                for over in gone_over(path, found):
+                    whole_rest = over.kind != "bifurcation" and over.parameter == parameter
+                    last, before = over.parameter, last
+                    yield over._replace(resumes=whole_rest)
+                size = 2 * (last - before) or whole
+            else:
+                yield found._replace(resumes=whole_rest)
+                last = aim
             if whole_rest:
                 break
+
+
+def _with_last(parameters: Iterable[float]) -> Iterator[tuple[float, bool]]:
+    """Values, and whether each is the last one."""
+    values = iter(parameters)
+    value = next(values, None)
+    while value is not None:
+        following = next(values, None)
+        yield value, following is None
+        value = following
+
+
+def _balanced(path: Path, found: Found) -> Found:
+    """What was found, where its energy comes from the work of the drive; raises ConvergenceError."""
+    misfit = path.verified(found)
+    if misfit.fits:
+        return found
+    path.forget()
+    if misfit.gains:
+        reason = f"the energy grows by {misfit.gained:.3g} without work of the drive: it is another branch"
+    else:
+        reason = f"the step releases an energy of {-misfit.gained:.3g}, by a jump or by what it leaves out"
+    raise ConvergenceError(reason, found.result.iterations, found.parameter, "energy without work")
+
+
+def _jumped(path: Path, error: ConvergenceError, parameter: float) -> Found:
+    """What a path jumps to where its smallest step fails; raises ConvergenceError with the cause of that."""
+    if not path.has_energy:
+        raise _diagnosed(path, error, parameter) from error
+    try:
+        return path.jumped(parameter)
+    except ConvergenceError as failure:
+        cause = _diagnosed(path, error, parameter)
+        raise (failure if cause is error else cause) from failure
 
 
 def _along_the_curve(path: Path, values: Sequence[float], index: int, *, jumps: bool) -> Iterator[Found]:

@@ -5,6 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from isopeel.arrays import FloatArray
+from isopeel.assembly.start import extent
 from isopeel.assembly.system import BandMatrix, Equilibrium, System
 from isopeel.interrupts import check
 from isopeel.solve.blocks import NotPositiveDefiniteError
@@ -17,6 +18,9 @@ _SHORTEST = 2.0**-30  # of a step
 _SUFFICIENT = 1e-4  # of the decrease that the slope promises
 _ROUND_OFF = 1e-12  # of the displacement
 _FLAT = 1e-13  # of the energy: a decrease below it is round-off
+#: Sizes of the body: what has moved by more, under a force that is raised, flies away. A body that folds over
+#: moves by two of its sizes at most.
+_AWAY = 10.0
 
 
 class Descent(NamedTuple):
@@ -24,6 +28,7 @@ class Descent(NamedTuple):
 
     unknown_values: FloatArray
     at_floor: bool = False
+    away: bool = False  # by many sizes of the body: the energy has no lower bound
 
 
 def descend(system: System, start: FloatArray, parameter: float) -> Descent:
@@ -36,14 +41,24 @@ def descend(system: System, start: FloatArray, parameter: float) -> Descent:
     """
     y = start
     shift = 0.0
+    far = _AWAY * extent(system.problem)
+    begun, _ = system.state(start, parameter)
     energy = potential_energy(system, y, parameter)
     for _ in range(_MOST_ITERATIONS):
         check()
         u, load = system.state(y, parameter)
+        if np.abs(u - begun).max() > far:
+            return Descent(y, away=True)
         equilibrium, matrix = system.linearize(u, "symmetric", load)
         try:
+            held = 0.0
+            if system.load_is_unknown:
+                # the control holds one direction, along which the tangent alone may be soft or falling
+                column = system.control(u, parameter)[1]
+                size = float(np.abs(matrix.entries[:, 0]).mean()) / float(column @ column)
+                held = size if matrix.add_outer(column, size) else 0.0
             factor, shift = _positive_definite(matrix, shift)
-            direction = -_solve(system, factor, equilibrium, u, parameter)
+            direction = -_solve(system, factor, equilibrium, u, parameter, held)
         except (NotPositiveDefiniteError, SingularError):
             # forces that are not finite, which Newton's method will tell of
             return Descent(y)
@@ -92,9 +107,11 @@ def _positive_definite(matrix: BandMatrix, shift: float) -> tuple[Factor, float]
 
 
 def _solve(
-    system: System, factor: Factor, equilibrium: Equilibrium, u: FloatArray, parameter: float
+    system: System, factor: Factor, equilibrium: Equilibrium, u: FloatArray, parameter: float, held: float
 ) -> FloatArray:
+    """The correction by a factor of the tangent, with `held` times the control's outer product in it."""
     if not system.load_is_unknown:
         return factor.solve(equilibrium.residual)
     missed, column, row = system.control(u, parameter)
-    return Bordered.of(factor, Border(column, row)).solve(np.append(equilibrium.residual, missed))
+    right_side = np.append(equilibrium.residual + held * missed * column, missed)
+    return Bordered.of(factor, Border(column, row)).solve(right_side)

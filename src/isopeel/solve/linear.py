@@ -12,7 +12,7 @@ from isopeel.solve.blocks import BlockedFactor, energy
 
 #: Of the energy of a solution: an iteration corrects what is left, and learns what it is.
 _ENOUGH = 0.01
-_GOLDEN_RATIO = (1 + 5**0.5) / 2
+GOLDEN_RATIO = (1 + 5**0.5) / 2
 
 
 class Factor(Protocol):
@@ -35,7 +35,7 @@ def approximate(matrix: BandMatrix) -> BlockedFactor:
     """
     factor = BlockedFactor.of(matrix.entries, np.float32)
     # multiples of the golden ratio, less what is whole of them: it has a share of all motions
-    anything = np.mod(np.arange(factor.count) * _GOLDEN_RATIO, 1.0) - 0.5
+    anything = np.mod(np.arange(factor.count) * GOLDEN_RATIO, 1.0) - 0.5
     start = factor.solve(anything)
     soft = factor.solve(start)
     needed = energy(matrix.entries, soft)

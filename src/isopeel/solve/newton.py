@@ -23,6 +23,9 @@ from isopeel.solve.linear import (
 Cause = Literal[
     "inverted element",
     "limit point",
+    "limit load",
+    "energy without work",
+    "instability",
     "stalled residual",
     "line search",
     "non-finite traction",
@@ -40,6 +43,9 @@ _NEAR = 0.03
 HINTS: dict[Cause, str] = {
     "inverted element": "take smaller steps, or a mesh that is finer where the element is",
     "limit point": "go beyond it with control = continuation, or jump where forces have an energy, or refine",
+    "limit load": "stay below it, or prescribe the displacement where the load acts (control = displacement)",
+    "energy without work": "take control = auto, which looks for the stable branch, or smaller steps",
+    "instability": "follow the unstable branch by control = continuation, or refine the mesh",
     "stalled residual": "take smaller steps, or control = continuation",
     "line search": "take smaller steps, or a finer mesh",
     "non-finite traction": "take smaller steps, or see whether the body meets the substrate",
@@ -84,6 +90,9 @@ class NewtonResult:
     equilibrium: Equilibrium
     iterations: tuple[float, ...]
     exact: bool = True  # so nearly that reactions need no correction by what is left
+    #: Whether the last tangent on the way was positive definite under what is held: None where none was made,
+    #: or forces have no potential. False only says that Cholesky's method does not tell.
+    definite: bool | None = None
 
 
 class ConvergenceError(ArithmeticError):
@@ -136,18 +145,20 @@ def newton(
         for _ in range(settings.iteration_limit):
             check()
             made_at = y
-            correction, measure, matrix = _correction(system, y, parameter)
+            correction, measure, matrix, definite = _correction(system, y, parameter)
             y = y + correction
             near = len(measures) > 0 and threshold < measure < _NEAR * measures[-1]
             measures.append(measure)
-            if near and finish is not None and matrix is not None:
+            if near and finish is not None and definite and not system.load_is_unknown:
                 found = finish(made_at, matrix, y, parameter)
                 if found is not None:
                     return replace(found, iterations=(*measures, *found.iterations))
                 finish = None
             if measure <= threshold:
                 u, load = system.state(y, parameter)
-                return NewtonResult(y, u, load, _accepted(system, u, load), tuple(measures))
+                return NewtonResult(
+                    y, u, load, _accepted(system, u, load), tuple(measures), definite=definite
+                )
     except _StoppedError as error:
         raise ConvergenceError(str(error), tuple(measures), parameter, error.cause) from error
     reason = (
@@ -170,8 +181,8 @@ class _StoppedError(ArithmeticError):
 
 def _correction(
     system: System, y: FloatArray, parameter: float
-) -> tuple[FloatArray, float, BandMatrix | None]:
-    """Newton's correction of a state, its energy residual per unknown, and the tangent if it is definite."""
+) -> tuple[FloatArray, float, BandMatrix, bool | None]:
+    """Newton's correction of a state, its energy residual per unknown, the tangent, and if it is definite."""
     u, load = system.state(y, parameter)
     equilibrium, matrix = system.linearize(u, load=load)
     residual = equilibrium.residual
@@ -179,21 +190,23 @@ def _correction(
         raise _unsound(system, u)
     try:
         if system.load_is_unknown:
-            correction, residual = _under_control(system, u, load, parameter, residual, matrix)
-            definite = False
+            correction, residual, again = _under_control(system, u, load, parameter, residual, matrix)
         else:
             factor, again = _factorized(system, u, load, matrix)
-            correction, definite = -factor.solve(residual), matrix.storage == "symmetric" and not again
+            correction = -factor.solve(residual)
     except SingularError as error:
         raise _StoppedError(f"the tangent is singular: {error}", "singular tangent") from error
     measure = abs(float(residual @ correction)) / len(correction)
-    return correction, measure, matrix if definite else None
+    return correction, measure, matrix, not again if matrix.storage == "symmetric" else None
 
 
 def _under_control(
     system: System, u: FloatArray, load: float, parameter: float, residual: FloatArray, matrix: BandMatrix
-) -> tuple[FloatArray, FloatArray]:
-    """The correction with that of an unknown load at its end, and the residual with that of its control."""
+) -> tuple[FloatArray, FloatArray, bool]:
+    """The correction with that of an unknown load at its end, the residual with that of its control.
+
+    Last comes whether the tangent was made again because it is indefinite.
+    """
     missed, column, row = system.control(u, parameter)
     # where the load itself could pull the body away, K is indefinite, but seldom what its control adds to it
     size = float(np.abs(matrix.entries[:, 0]).mean()) / float(column @ column)
@@ -202,7 +215,7 @@ def _under_control(
     factor = Bordered.of(inner, Border(column, row))
     held = held and not again  # the tangent that was made again is what it is
     right_side = np.append(residual + (size * missed * column if held else 0.0), missed)
-    return -factor.solve(right_side), np.append(residual, missed)
+    return -factor.solve(right_side), np.append(residual, missed), again
 
 
 def _factorized(system: System, u: FloatArray, load: float, matrix: BandMatrix) -> tuple[Factor, bool]:

@@ -8,19 +8,24 @@ from weakref import ref
 import numpy as np
 
 from isopeel.arrays import FloatArray
+from isopeel.assembly.start import extent
 from isopeel.assembly.system import Equilibrium, System
 from isopeel.errors import InputError
+from isopeel.physics.batch import evaluate_substrate
+from isopeel.solve.balance import MISFIT, NO_MISFIT, ROUND_OFF, Misfit, gain_allowed, misfit, released
 from isopeel.solve.descent import descend, potential_energy
 from isopeel.solve.newton import ConvergenceError, NewtonResult, NewtonSettings, newton
 from isopeel.solve.predictor import Predictor, extrapolate
 from isopeel.solve.quasi_newton import QuasiNewton
+from isopeel.solve.stability import stability
 from isopeel.solve.step import PARABOLA_POINTS, Kind, Past, State, Step
 
-#: Energy that a step may seem to release, of the drive's work in a usual step: errors of the trapezoidal rule
-#: are some 1e-4 of it where a path is steep, and the smallest jumps over a snap-back some 1e-2.
-MISFIT = 1e-3
 #: Of the change of the unknowns in a step: what a parabola may miss them by.
 _FORESEEN = 0.3
+#: Of the change of the unknowns in a step: two states that differ by more are of two branches.
+_ELSEWHERE = 0.01
+#: Halvings of a step by which its branch is followed, where its energy does not seem to come from its work.
+_DEEPEST = 6
 
 
 class Found(NamedTuple):
@@ -31,16 +36,27 @@ class Found(NamedTuple):
     kind: Kind
     negative: int | None = None
     resumes: bool = True
+    is_elsewhere: bool = False  # on another branch than the states before, which would mislead the next guess
 
 
 class Path:
     """A path on its way: what the solver knows of it."""
 
-    def __init__(self, system: System, settings: NewtonSettings, start: Sequence[State]) -> None:
+    def __init__(
+        self, system: System, settings: NewtonSettings, start: Sequence[State], *, begins: bool = False
+    ) -> None:
+        """Take the states that it starts from; it `begins` where the last of them need be no equilibrium."""
         self.system = system
         self.settings = settings
         self._predictor = Predictor(system)
         self._number = 0
+        self._begins = begins or not start
+        self._judged: tuple[NewtonResult | None, Past | None] = None, None
+        #: Energy that any step may gain without work.
+        self.gain_allowed: float = gain_allowed(system)
+        #: Size of the body, and its control points (size, 2).
+        self.extent: float = extent(system.problem)
+        self.points: FloatArray = system.space.interpolate(system.problem.body.shape.evaluate)
         past = start[-1].past if start else ()
         for kept in past:
             if any(
@@ -75,12 +91,12 @@ class Path:
         """Take a note of an equilibrium that was found, and make a step of it, on the way since a time."""
         system, result, parameter = self.system, found.result, found.parameter
         at, u, y = result.equilibrium, result.displacement, result.unknown_values
-        released = 0.0
+        released_energy = 0.0
         last = self.history[-1] if self.history else None
-        if found.kind == "jump":
+        if found.kind == "jump" or found.is_elsewhere:
             # states of the branch that was left would mislead the next guess
             self._predictor.forget()
-        past = self.past(parameter, y, u, result.load, at)
+        past = self.past_of(result, parameter)
         reaction = past.rate if system.load is None else system.reaction(at, u, result.load, parameter)
         self._predictor.remember(past, u)
         if not result.exact:
@@ -89,7 +105,8 @@ class Path:
             past = self.history[-1] = past._replace(rate=past.rate + missed)
             reaction += missed if system.load is None else -missed
         if last is not None and self.has_energy:
-            released = _released(last, past)
+            released_energy = released(last, past)
+        self._begins = False
         system.accept(u)
         u.setflags(write=False)
         y.setflags(write=False)
@@ -107,7 +124,7 @@ class Path:
             seconds=perf_counter() - began,
             openings=system.openings,
             unknown_values=y,
-            released_energy=released,
+            released_energy=released_energy,
             kind=found.kind,
             negative_eigenvalues=found.negative,
             resumes=found.resumes,
@@ -119,6 +136,99 @@ class Path:
         """What is kept of an equilibrium, of unknowns y (count,) and coefficients u (size, 2)."""
         adhesive_energy = at.adhesive_energy + at.dissipated_energy
         return Past(parameter, y, *self.system.potential(at, u, load, parameter), adhesive_energy)
+
+    def past_of(self, result: NewtonResult, parameter: float) -> Past:
+        """The same of what was found."""
+        known, past = self._judged
+        if past is None or known is not result:
+            past = self.past(
+                parameter, result.unknown_values, result.displacement, result.load, result.equilibrium
+            )
+            self._judged = result, past
+        return past
+
+    def misfit(self, found: Found) -> Misfit:
+        """What a step to what was found gains or releases, as its ends tell, and those before."""
+        if not self.has_energy:
+            return NO_MISFIT
+        past = self.past_of(found.result, found.parameter)
+        if not self.history or (self._begins and self.history[-1].parameter != found.parameter):
+            # the body as it is, or as a stage let go of it, is no equilibrium, and its reaction means nothing
+            if self.history:
+                return NO_MISFIT
+            at_rest = potential_energy(self.system, np.zeros(self.system.count), found.parameter)
+            gained = past.energy - at_rest
+            return Misfit(gained, gained > self.gain_allowed, releases=False)
+        one = self.history[-1]
+        if one.parameter == found.parameter:
+            gained = past.energy - one.energy
+            return Misfit(gained, gained > self.gain_allowed, releases=False)
+        work = max(abs(one.rate), abs(past.rate)) * abs(past.parameter - one.parameter)
+        if abs(released(one, past)) <= min(self.gain_allowed, MISFIT * work):
+            # as in nearly all steps, at no more than a few sums
+            return NO_MISFIT
+        return misfit(self.history, past, self.gain_allowed)
+
+    def verified(self, found: Found) -> Misfit:
+        """The same, by the branch that the path is on, where the ends of the step do not tell enough.
+
+        The branch is followed by smaller steps as far as it goes. Where it comes to the same state, all is
+        well. Where it ends before, the body has jumped there, with the work of the drive so far.
+        """
+        whole = self.misfit(found)
+        if whole.fits or not self.history or self.history[-1].parameter == found.parameter:
+            return whole
+        one, other = self.history[-1], self.past_of(found.result, found.parameter)
+        last = self._followed(other.parameter)
+        rest = other.parameter - last.parameter
+        gained = other.energy - last.energy - max(last.rate * rest, other.rate * rest)
+        if rest:
+            work = max(abs(one.rate), abs(other.rate)) * abs(other.parameter - one.parameter)
+            return Misfit(gained, gained > self.gain_allowed, -gained > self.gain_allowed + MISFIT * work)
+        n = self.system.constraints.count
+        apart, moved = (np.abs(other.unknown_values - past.unknown_values)[:n].max() for past in (last, one))
+        elsewhere = bool(apart > _ELSEWHERE * moved)
+        gains = gained > self.gain_allowed
+        return Misfit(gained, gains, elsewhere and not gains)
+
+    def _followed(self, parameter: float) -> Past:
+        """The last state towards a parameter on the branch that the path is on, by halved steps."""
+        states = self.history[-PARABOLA_POINTS:]
+        size = whole = parameter - states[-1].parameter
+        while (rest := parameter - states[-1].parameter) and abs(size) > abs(whole) / 2**_DEEPEST:
+            size = rest if abs(size) >= abs(rest) else size
+            at = parameter if size == rest else states[-1].parameter + size
+            guess = extrapolate({past.parameter: past.exact for past in states}, at, self.system.count)
+            try:
+                result = newton(self.system, guess, at, self.settings)
+            except ConvergenceError:
+                size /= 2
+                continue
+            past = self.past(at, result.unknown_values, result.displacement, result.load, result.equilibrium)
+            # some of these make one step
+            if misfit(states, past, self.gain_allowed / 4).fits:
+                states = [*states, past][-PARABOLA_POINTS:]
+            else:
+                size /= 2
+        return states[-1]
+
+    def negative_eigenvalues(self, found: Found, *, told: bool = False) -> int | None:
+        """Count those at what was found, where its tangents tell, or where that is to be `told` for sure."""
+        if not self.has_energy:
+            return None
+        if found.result.definite is None and not told:
+            if self._quasi_newton is None:
+                return None
+            softer, falls = self._quasi_newton.has_softened(found.result, found.parameter)
+            if softer:
+                # the tangent of the next step tells
+                self.forget()
+            if not falls:
+                return None
+        if found.result.definite:
+            return 0
+        known = stability(self.system, found.result.unknown_values, found.parameter)
+        return None if known is None else known.negative
 
     def equilibrium(self, parameter: float, kind: Kind = "requested") -> Found:
         """By the kept tangent or by Newton's method; raises ConvergenceError."""
@@ -158,13 +268,26 @@ class Path:
             if not self.fits(last, past, parameter - last.parameter):
                 self.forget()
                 return None
-        return Found(parameter, found, "requested", 0 if self._quasi_newton is not None else None)
+        regular = Found(parameter, found, "requested")
+        return regular._replace(negative=self.negative_eigenvalues(regular))
+
+    def fits(self, one: Past, other: Past, step: float) -> bool:
+        """Whether two states can lie on one branch, by their energies; `step` is a usual one of the path."""
+        misfits = released(one, other)
+        most = MISFIT * max(abs(one.rate), abs(other.rate)) * abs(step)
+        # from a limit point on, where the rate goes with the root of the parameter, the trapezoidal rule is
+        # off by half of this
+        change = abs((other.rate - one.rate) * (other.parameter - one.parameter)) / 3
+        return abs(misfits) <= most and -misfits <= self.gain_allowed + change
 
     @staticmethod
-    def fits(one: Past, other: Past, step: float) -> bool:
-        """Whether two states can lie on one branch, by their energies; `step` is a usual one of the path."""
-        work = max(abs(one.rate), abs(other.rate)) * abs(step)
-        return abs(_released(one, other)) <= MISFIT * work
+    def on_one_branch(one: Past, other: Past) -> bool:
+        """Whether the energy between two near states comes from the work, whatever is allowed of it."""
+        change = abs(other.rate - one.rate) * abs(other.parameter - one.parameter) / 6
+        round_off = ROUND_OFF * max(abs(one.energy), abs(other.energy))
+        return abs(released(one, other)) <= change + round_off + MISFIT * abs(
+            one.rate * (other.parameter - one.parameter)
+        )
 
     def forget(self) -> None:
         """Make a new tangent at the next step: the kept one is of elsewhere."""
@@ -188,6 +311,9 @@ class Path:
             if np.isfinite(potential_energy(self.system, start, parameter)):
                 break
         descent = descend(self.system, start, parameter)
+        if descent.away:
+            reason = "the body comes off and moves away: its energy has no lower bound"
+            raise ConvergenceError(reason, (), parameter, "limit load")
         try:
             result = newton(self.system, descent.unknown_values, parameter, self.settings)
         except ConvergenceError as error:
@@ -195,7 +321,55 @@ class Path:
                 raise
             reason = f"the search for lower energy has no shorter step, and {error.reason}"
             raise ConvergenceError(reason, error.iterations, parameter, "line search") from error
+        reached = potential_energy(self.system, descent.unknown_values, parameter)
+        if self.past_of(result, parameter).energy > reached + self.gain_allowed:
+            reason = "Newton's method leaves what falling energy has led to"
+            raise ConvergenceError(reason, result.iterations, parameter, "line search")
         return Found(parameter, result, "jump", 0)
+
+    def jumped(self, parameter: float) -> Found:
+        """The equilibrium at a parameter that the last states fall to, by less energy than they would have.
+
+        Raises ConvergenceError.
+        """
+        last = self.history[-1] if self.history else None
+        failure: ConvergenceError | None = None
+        for start in self.guesses(parameter):
+            try:
+                found = self.landed([start], parameter)
+            except ConvergenceError as error:
+                failure = failure or error
+                if error.cause == "limit load":
+                    break
+                continue
+            if last is None or self._begins:
+                return found
+            past = self.past_of(found.result, parameter)
+            step = parameter - last.parameter
+            # what it jumps from has had the work of the drive by the old rate, or that of the new one
+            most = max(last.rate * step, past.rate * step)
+            if past.energy <= last.energy + most + self.gain_allowed:
+                return found
+        raise failure or ConvergenceError(
+            "all that falling energy leads to has more energy than the drive has done work",
+            (),
+            parameter,
+            "energy without work",
+        )
+
+    def displacement(self, past: Past) -> FloatArray:
+        """Coefficients (size, 2) of a past state."""
+        return self.system.state(past.unknown_values, past.parameter)[0]
+
+    def gaps(self, displacement: FloatArray) -> FloatArray:
+        """Gap to the substrate (size,) of all control points, of coefficients (size, 2)."""
+        substrate = self.system.problem.adhesion.substrate
+        position = self.points + displacement
+        return evaluate_substrate(substrate.kernel, substrate.parameters, position)[0]
+
+    def depth(self, displacement: FloatArray) -> float:
+        """How far control points lie inside the substrate, of coefficients (size, 2)."""
+        return -min(float(self.gaps(displacement).min()), 0.0)
 
     def guesses(self, parameter: float) -> list[FloatArray]:
         """Where a jump at a parameter may begin: the parabola, and the last states, carried along."""
@@ -240,8 +414,3 @@ class Path:
                 except ConvergenceError:
                     continue
                 self.history[k] = past._replace(polished=exact.unknown_values)
-
-
-def _released(one: Past, other: Past) -> float:
-    """Work of the drive from one state to another, by the trapezoidal rule, less what the energy gained."""
-    return one.energy + (one.rate + other.rate) / 2 * (other.parameter - one.parameter) - other.energy

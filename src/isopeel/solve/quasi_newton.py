@@ -7,10 +7,11 @@ import numpy as np
 from isopeel.arrays import FloatArray, IntArray
 from isopeel.assembly.constraints import displace
 from isopeel.assembly.equations import Energies, Equations, Iterate, evaluate
+from isopeel.assembly.start import extent
 from isopeel.assembly.system import BandMatrix, Equilibrium, System
 from isopeel.compilation import compiled_reordered
 from isopeel.solve.blocks import BlockedFactor, Floats, NotPositiveDefiniteError
-from isopeel.solve.linear import approximate
+from isopeel.solve.linear import GOLDEN_RATIO, approximate
 from isopeel.solve.newton import NewtonResult, NewtonSettings
 from isopeel.solve.pairs import Pairs, Singles, correct, follow
 
@@ -34,6 +35,17 @@ _TRIFLE = 1e-2
 #: Of the tolerance, and _SHARE of that: where Newton's method has begun, whose end squares what is left. The
 #: slope of a path that has just snapped on would correct no reaction.
 _EXACT = 1e-3
+#: Steps after that of its tangent in which the stiffness of its softest motion is looked at again: each four
+#: times as far as the one before. A stiffness that falls evenly does not vanish before the next look where it
+#: has kept three quarters.
+_LOOKS = (1, 4, 16)
+_KEPT = 3 / 4
+#: Inverse iterations for the softest motion. What they miss of it shows in both stiffnesses alike.
+_SOFTENINGS = 3
+#: Of the size of the body: the motion over which forces are compared. What it strains by its square is below
+#: what it bends by, in bodies some hundred times as long as high; and what corrections have left of the
+#: forces is a few hundredths of those that it takes to bend them by it.
+_SMALL_MOTION = 3e-5
 #: An energy residual that falls by less is a poor correction; the second one of a tangent ends it.
 _POOR = 0.5
 
@@ -78,11 +90,37 @@ class QuasiNewton:
         self._factor: BlockedFactor | None = None
         #: What goes on from here needs to do so bit for bit.
         self.memory: Memory | None = None if memory is None else replace(memory, pairs=memory.pairs.copy())
+        # a small motion along the softest one of the tangent, and twice the energy that it takes there
+        self._softest: tuple[FloatArray, float] | None = None
+        # whether a tangent, which is positive definite then, was made in the step
+        self._is_new = False
 
     @staticmethod
     def applies(system: System) -> bool:
         """Whether the tangent is symmetric, and positive definite where the body is stable."""
         return system.storage == "symmetric" and not system.load_is_unknown
+
+    def has_softened(self, result: NewtonResult, parameter: float) -> tuple[bool, bool]:
+        """Whether the softest motion of the tangent is much softer in what was found, and falls in energy.
+
+        It costs an evaluation of the forces, a few times for each tangent: a body may lose its stability
+        while a tangent of a stable state serves on.
+        """
+        memory, factor = self.memory, self._factor
+        if memory is None or factor is None or memory.steps - 1 not in _LOOKS:
+            return False, False
+        if self._softest is None:
+            motion = np.mod(np.arange(len(memory.unknown_values)) * GOLDEN_RATIO, 1.0) - 0.5
+            for _ in range(_SOFTENINGS):
+                force = motion / np.abs(motion).max()
+                motion = factor.solve(force)
+            scale = _SMALL_MOTION * extent(self._system.problem) / float(np.abs(motion).max())
+            self._softest = scale * motion, scale**2 * float(motion @ force)
+        motion, before = self._softest
+        u, load = self._system.state(result.unknown_values + motion, parameter)
+        change = self._system.equilibrium(u, load).residual - result.equilibrium.residual
+        now = float(motion @ change)
+        return not now >= _KEPT * before, not now > 0
 
     def forget(self) -> None:
         """Make a new tangent at the next step."""
@@ -108,18 +146,19 @@ class QuasiNewton:
     ) -> NewtonResult | None:
         """End what Newton's method has begun: see `isopeel.solve.newton.Finish`."""
         try:
-            self._factor = approximate(matrix)
+            self._factor, self._softest = approximate(matrix), None
         except NotPositiveDefiniteError:
             return None
         self.memory = Memory(made_at, parameter, self._system.openings, Pairs.none(len(start)))
         result = self._solve(start, parameter, None, _EXACT * self._settings.tolerance, 0.0)
         if result is None:
             self.forget()
-        return None if result is None else replace(result, exact=True)
+        return None if result is None else replace(result, exact=True, definite=True)
 
     def _solve(
         self, guess: FloatArray, parameter: float, last: FloatArray | None, tolerance: float, trifle: float
     ) -> NewtonResult | None:
+        self._is_new = False
         try:
             factor, memory = self._kept_tangent(guess, parameter)
         except NotPositiveDefiniteError:
@@ -165,7 +204,8 @@ class QuasiNewton:
                 self.memory = memory.followed_by(pairs, slow=made > _SLOW)
                 equilibrium = Equilibrium(*energies, at.forces, at.residual)
                 iterations = tuple(measures[:made].tolist())
-                return NewtonResult(at.unknown_values, u, load, equilibrium, iterations, exact=False)
+                definite = True if self._is_new else None
+                return NewtonResult(at.unknown_values, u, load, equilibrium, iterations, False, definite)
             else:
                 return None
 
@@ -181,9 +221,11 @@ class QuasiNewton:
     def _new_tangent(self, y: FloatArray, parameter: float) -> tuple[BlockedFactor, Memory]:
         memory = Memory(y, parameter, self._system.openings, Pairs.none(len(y)))
         self._factor = self._made(memory)
+        self._is_new = True
         return self._factor, memory
 
     def _made(self, memory: Memory) -> BlockedFactor:
+        self._softest = None
         u, load = self._system.state(memory.unknown_values, memory.parameter)
         return approximate(self._system.linearize(u, "symmetric", load, memory.openings)[1])
 

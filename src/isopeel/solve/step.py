@@ -43,8 +43,9 @@ class State(NamedTuple):
 
 
 #: What a step is: at a parameter that was asked for; between two of them, where one was cut or a curve needs
-#: its points; at a limit point of the parameter; or on the branch that a jump has led to.
-Kind = Literal["requested", "between", "limit point", "jump"]
+#: its points; at a limit point of the parameter; on the branch that a jump has led to; or where stability is
+#: lost to another branch, to which the path goes over.
+Kind = Literal["requested", "between", "limit point", "jump", "bifurcation"]
 KINDS: tuple[Kind, ...] = get_args(Kind)
 
 

@@ -57,11 +57,12 @@ def trace(
             allowed = f"the adhesive force has {system.openings.shape} points"
             raise InputError("start", given[-1].openings.shape, allowed)
         system.openings = frozen(given[-1].openings)
+    begins = base is not None and not start
     if base is not None and not start:
         start = [base._replace(parameter=0.0, past=(), memory=None)]
     settings = settings or NewtonSettings()
     _check_control(problem, settings)
-    return controlled(Path(system, settings, start), parameters, passed)
+    return controlled(Path(system, settings, start, begins=begins), parameters, passed)
 
 
 def check_stage(problem: Problem, space: RowSpace, settings: NewtonSettings) -> None:

@@ -14,6 +14,10 @@ the latter with x for h where x > h; the traction is less the slope of their sum
 The history h is a state of the last equilibrium: it is read here and never written. Whoever accepts an
 equilibrium takes max(h, x) for the next one.
 
+A joint is made where its faces meet: the gap that a point starts at is no opening of the joint. Until a point
+has closed, x <= 0, its history is `NOT_CLOSED`, and it follows the envelope both ways, as a reversible law,
+with nothing dissipated. From the first time it has closed the largest opening counts, from zero.
+
 Condition: the attraction divided by the opening must not grow with the opening, or closing would return more
 than opening took. All laws of this package keep to it; a formula whose attraction is convex at first does
 not. There is no other threshold of damage: where an envelope rises in a straight line, the secant is that
@@ -33,6 +37,10 @@ from isopeel.physics.batch import BatchFunction
 #: Openings below this share of the equilibrium gap count as none: the gap's round-off would show in the slope
 #: of so short a secant, and the envelope differs from it by less than can be seen.
 _NO_OPENING = 1e-10
+
+
+#: History of a point that has not closed yet; any other negative number says the same.
+NOT_CLOSED = -1.0
 
 
 class SecantUnloading(NamedTuple):
@@ -87,19 +95,24 @@ def with_history(
 ) -> None:
     """Write energies, traction and derivative (count) at gaps (count) after largest openings (count).
 
-    `law` is the kernel of the envelope, which takes `curvature` (count) and `parameters`. At x = h, where a
-    path goes on from an equilibrium, the derivative is that of further opening.
+    Where these are negative the joint has not closed yet, and follows its envelope. `law` is the kernel of
+    the envelope, which takes `curvature` (count) and `parameters`. At x = h, where a path goes on from an
+    equilibrium, the derivative is that of further opening.
     """
     closed = np.empty((4, count))
     reached = np.empty((4, count))
     for n in range(count):
         closed[0, n] = equilibrium_gap
-        reached[0, n] = equilibrium_gap + history[n]
+        reached[0, n] = equilibrium_gap + max(history[n], 0.0)
     law(gap, curvature, parameters, count, stored, traction, derivative)
     law(closed[0], curvature, parameters, count, closed[1], closed[2], closed[3])
     law(reached[0], curvature, parameters, count, reached[1], reached[2], reached[3])
     for n in range(count):
         x = gap[n] - equilibrium_gap
+        if history[n] < 0.0:
+            stored[n] -= closed[1, n]
+            dissipated[n] = 0.0
+            continue
         h = history[n] if history[n] > _NO_OPENING * equilibrium_gap else 0.0
         opens = x >= h
         end = x if opens else h

@@ -1,0 +1,42 @@
+"""What is said of the stability of a run: where it was lost, and what is not stable."""
+
+import numpy as np
+
+from isopeel.post.laboratory import Laboratory
+from isopeel.results.curve import Curve
+from isopeel.results.notes import Note
+from isopeel.solve.step import KINDS
+
+
+def stability_notes(curve: Curve, laboratory: Laboratory) -> list[Note]:
+    """One note for each bifurcation that a path passed, and one for all unstable states that are in it."""
+
+    def shown(value: float) -> str:
+        return laboratory.parameter(curve.parameter_column, value)
+
+    notes = []
+    bifurcations = np.flatnonzero(curve.kind == KINDS.index("bifurcation"))
+    for k in bifurcations:
+        at = float(curve.parameter[k])
+        text = (
+            f"stability is lost at {shown(at)}, a bifurcation: the path goes over to the stable branch; the"
+            " other one is followed by control = continuation"
+        )
+        late = 0
+        # a path that finds out late has gone beyond, and comes back to it
+        while k - late > 1 and (at - curve.parameter[k - 1 - late]) * (at - curve.parameter[0]) < 0:
+            late += 1
+        if late:
+            text += f"; the {late} steps before it, to {shown(float(curve.parameter[k - 1]))}, are unstable"
+        notes.append(Note("stability", text))
+    unstable = np.flatnonzero((curve.negative_eigenvalues > 0) & (curve.kind != KINDS.index("limit point")))
+    if len(unstable):
+        ends = curve.parameter[unstable]
+        notes.append(
+            Note(
+                "stability",
+                f"{len(unstable)} steps between {shown(float(ends.min()))} and {shown(float(ends.max()))} are"
+                " unstable equilibria, which a body leaves at the least disturbance; control = auto does too",
+            )
+        )
+    return notes

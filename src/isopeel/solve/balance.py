@@ -1,0 +1,75 @@
+"""The balance of energy along a path: what a step gains or releases beyond the work of its drive.
+
+A body in equilibrium gains energy by the work of its drive alone, dissipated energy counted. So a step after
+which there is more of it lies on another branch, which the body cannot have reached: a method that solves
+equations, as Newton's, does not know. One after which there is less has passed a fall of energy, which may be
+a jump, or physics that a long step has left out.
+"""
+
+from typing import NamedTuple
+
+from isopeel.assembly.system import System
+from isopeel.solve.step import Past
+
+#: Of the work of adhesion times the adhering length: energy that any step may gain.
+GAIN = 1e-6
+#: Of the drive's work in a step: what does not come from it is looked at. The smallest jumps over a snap-back
+#: release some 1e-2 of it, and what the trapezoidal rule misses is some 1e-4 where a path is steep.
+MISFIT = 1e-3
+#: How often the error of the trapezoidal rule, as the last states tell it, a step may be off. Towards a limit
+#: point of a load, where the rate changes as a root, the states before tell less than a third of it.
+_SAFETY = 4.0
+#: Of an energy: its round-off, over the sums that it is made of.
+ROUND_OFF = 1e-12
+#: Of the work: what reactions are known to (see `isopeel.solve.quasi_newton`), with a margin of ten.
+_REACTION = 1e-7
+
+
+class Misfit(NamedTuple):
+    """What a step gained without work, negative where it released energy, and whether that is too much."""
+
+    gained: float
+    gains: bool
+    releases: bool
+
+    @property
+    def fits(self) -> bool:
+        """Whether the step neither gains nor releases too much."""
+        return not (self.gains or self.releases)
+
+
+NO_MISFIT = Misfit(0.0, gains=False, releases=False)
+
+
+def released(one: Past, other: Past) -> float:
+    """Work of the drive from one state to another, by the trapezoidal rule, less what the energy gained."""
+    return one.energy + (one.rate + other.rate) / 2 * (other.parameter - one.parameter) - other.energy
+
+
+def gain_allowed(system: System) -> float:
+    """Energy that any step of a system may gain without work: a share of what all of the joint is worth."""
+    return GAIN * system.problem.adhesion.law.work_of_adhesion * float(system.adhesive.weights.sum())
+
+
+def misfit(last: list[Past], other: Past, allowed: float) -> Misfit:
+    """Judge the step from the last of some states to another, by what is `allowed` or by its own work.
+
+    The error of the trapezoidal rule over a step h is h^3/6 times the second divided difference of the rate
+    (Davis and Rabinowitz, Methods of Numerical Integration, Sec. 2.1.4), which the last three states tell.
+    """
+    one = last[-1]
+    p, rate = one.parameter, one.rate
+    step = other.parameter - p
+    size = abs(step)
+    most = max(abs(rate), abs(other.rate)) * size
+    error = ROUND_OFF * max(abs(one.energy), abs(other.energy)) + _REACTION * most
+    if len(last) > 2:
+        a, b = last[-3], last[-2]
+        before, width = p - b.parameter, b.parameter - a.parameter
+        if before * width > 0 and before * step > 0:
+            change = (rate - b.rate) / before - (b.rate - a.rate) / width
+            error += _SAFETY * size**3 / 6 * abs(change / (p - a.parameter))
+    gained = -released(one, other)
+    # where all energies are small beside that of the joint, as of a tape that buckles, the work tells
+    enough = min(allowed, MISFIT * most) + error
+    return Misfit(gained, not gained <= enough, not -gained <= enough)

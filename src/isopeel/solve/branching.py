@@ -1,0 +1,262 @@
+"""Where a path loses its stability to another branch, and how it goes over to that.
+
+Beyond a bifurcation the old branch goes on smoothly, and a method that solves equations stays on it, while a
+body leaves it at the least disturbance: a film buckles, a tape that is pulled back folds over. The
+bifurcation is located between a stable state and an unstable one by bisection; from a state beyond it,
+disturbed along the motion that lowers its energy, falling energy leads to the stable branch.
+"""
+
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+
+from isopeel.arrays import FloatArray
+from isopeel.solve.balance import MISFIT, released
+from isopeel.solve.descent import potential_energy
+from isopeel.solve.newton import ConvergenceError, newton
+from isopeel.solve.path import Found, Path
+from isopeel.solve.stability import critical_motion, stability
+from isopeel.solve.step import Past
+
+#: Of the step in which stability is lost, and of the parameter, whichever is less: how well a bifurcation is
+#: located. What is less than a millionth of the step is not told from its start.
+LOCATED = 1e-3
+_SMALLEST = 1e-6
+#: Halvings that this takes, at most.
+_MOST_HALVINGS = 30
+#: Of what is left of the step: how far beyond the bifurcation the other branch is looked for first. There the
+#: two are apart, as the root of the distance, and the critical motion is still the only one that falls.
+_BEYOND = 1 / 32
+#: The same, in multiples of what the bifurcation is located to.
+_CLEAR = 8.0
+#: Of the size of the body: the first disturbance, which is doubled as long as the energy falls.
+_DISTURBANCE = 1e-5
+_MOST_DOUBLINGS = 16
+#: Disturbances after each other, where what the first led to is unstable itself.
+_MOST_ROUNDS = 4
+#: Of the energy that falls: two branches that differ by less are mirror images.
+_ALIKE = 1e-6
+
+
+#: Of the way since the last step: states on both sides of a bifurcation are no further apart.
+_NEAR = 0.1
+
+
+class Bracket(NamedTuple):
+    """The last stable state of a branch, if that is known, and an unstable one of the same or another."""
+
+    stable: Found | None
+    unstable: Found
+
+
+def gone_over(path: Path, found: Found) -> Iterator[Found]:
+    """From an unstable equilibrium, to which a path has come, to a stable one at or before its parameter.
+
+    Yields the bifurcation first, where there was a stable state before; or a stable state of the branch that
+    the path is on, where the unstable equilibrium is of another. Raises ConvergenceError where no stable
+    branch is found.
+    """
+    path.forget()
+    if not path.history or path.history[-1].parameter == found.parameter:
+        yield _stable(path, found, found.parameter)._replace(kind="jump", is_elsewhere=True)
+        return
+    bracket = _located(path, found)
+    if bracket.stable is not None:
+        yield _outside(path, bracket.stable)
+        if bracket.stable.kind != "bifurcation":
+            return
+    begin = path.history[-1]
+    start, end = bracket.unstable, found
+    rest = end.parameter - begin.parameter
+    offset = rest * _BEYOND
+    if abs(offset) < _CLEAR * abs(start.parameter - begin.parameter):
+        offset = _CLEAR * (start.parameter - begin.parameter)
+    while True:
+        at = end.parameter if abs(offset) >= abs(rest) else begin.parameter + offset
+        try:
+            landed = _stable(path, _unstable(path, start, end, at), at)
+            break
+        except ConvergenceError:
+            if at == end.parameter:
+                raise
+            offset *= 2
+    past = path.past_of(landed.result, at)
+    work = max(abs(begin.rate), abs(past.rate)) * abs(at - begin.parameter)
+    # on the branch that begins there, the energy comes from the work
+    smooth = released(begin, past) <= path.gain_allowed + MISFIT * work
+    kind = found.kind if at == end.parameter else "between"
+    yield landed._replace(kind=kind if smooth else "jump", is_elsewhere=True)
+
+
+def _outside(path: Path, found: Found) -> Found:
+    """A stable state, or its mirror image outside of the substrate where it has turned into that.
+
+    A part that does not adhere feels no substrate. Where the load is a little off the axis of such a part, it
+    buckles to one side with no bifurcation; of both the body can only take the one that is free.
+    """
+    begin = path.history[-1]
+    depth, before = (path.depth(u) for u in (found.result.displacement, path.displacement(begin)))
+    known = stability(path.system, begin.unknown_values, begin.parameter)
+    if depth - before < _DISTURBANCE * path.extent or known is None:
+        return found
+    motion = critical_motion(path.system, known.factor)
+    change = found.result.unknown_values - begin.unknown_values
+    mirrored = found.result.unknown_values - 2 * float(motion @ change) / float(motion @ motion) * motion
+    try:
+        other = path.landed([mirrored], found.parameter)
+    except ConvergenceError:
+        return found
+    if path.depth(other.result.displacement) > before + _DISTURBANCE * path.extent:
+        return found
+    if path.negative_eigenvalues(other, told=True) != 0:
+        return found
+    return other._replace(kind="bifurcation", negative=0, is_elsewhere=True)
+
+
+def _located(path: Path, found: Found) -> Bracket:
+    low, high = _sides(path, found)
+    if low is None:
+        return Bracket(None, high)
+    begin, step, stable = low, high.parameter - low.parameter, None
+    for _ in range(_MOST_HALVINGS):
+        width = high.parameter - low.parameter
+        enough = max(_SMALLEST * abs(step), LOCATED * min(abs(step), abs(high.parameter)))
+        parameter = low.parameter + width / 2
+        if abs(width) <= enough or parameter in (low.parameter, high.parameter):
+            break
+        middle, is_stable = _between(path, begin, low, high, parameter)
+        if middle is None:
+            break
+        if is_stable:
+            low, stable = path.past_of(middle.result, parameter), middle
+        else:
+            high = middle
+    n = path.system.constraints.count
+    apart, way = (np.abs(high.result.unknown_values - past.unknown_values)[:n].max() for past in (low, begin))
+    if apart > _NEAR * way:
+        return Bracket(stable, high)
+    if stable is None and low.parameter == path.history[-1].parameter:
+        # stability is lost right at the last step that was made
+        try:
+            result = newton(path.system, low.exact, low.parameter, path.settings)
+            stable = Found(low.parameter, result, "bifurcation")
+        except ConvergenceError:
+            pass
+    if stable is not None:
+        stable = stable._replace(kind="bifurcation", negative=0)
+    return Bracket(stable, high)
+
+
+def _sides(path: Path, found: Found) -> tuple[Past | None, Found]:
+    """The last stable state of a path, and the first unstable one."""
+    high = found
+    # a joint that was damaged since is another one
+    states = path.history[-1:] if path.system.problem.adhesion.irreversible else path.history
+    for past in reversed(states):
+        known = stability(path.system, past.unknown_values, past.parameter)
+        if known is not None and known.negative == 0:
+            return past, high
+        try:
+            result = newton(path.system, past.exact, past.parameter, path.settings)
+        except ConvergenceError:
+            break
+        high = Found(past.parameter, result, "between", resumes=False)
+    return None, high
+
+
+def _between(path: Path, begin: Past, low: Past, high: Found, parameter: float) -> tuple[Found | None, bool]:
+    """An equilibrium between two others, and whether it is a stable one of the branch of the first."""
+    # the branch itself leads on best: what is unstable may be of another
+    if low is not begin:
+        share = (parameter - low.parameter) / (low.parameter - begin.parameter)
+        starts = [low.unknown_values + share * (low.unknown_values - begin.unknown_values)]
+    else:
+        starts = path.guesses(parameter)[:1]
+    share = (parameter - low.parameter) / (high.parameter - low.parameter)
+    chord = low.unknown_values + share * (high.result.unknown_values - low.unknown_values)
+    starts += [low.unknown_values, chord]
+    first = None
+    for start in starts:
+        try:
+            result = newton(path.system, start, parameter, path.settings)
+        except ConvergenceError:
+            continue
+        found = Found(parameter, result, "between", 0, resumes=False)
+        first = first or found
+        past = path.past_of(found.result, parameter)
+        # a branch beside has more or less energy by a part of the work, however small that is
+        if path.on_one_branch(low, past):
+            return found, path.negative_eigenvalues(found, told=True) == 0
+    return first, False
+
+
+def _unstable(path: Path, start: Found, end: Found, parameter: float) -> Found:
+    for known in (start, end):
+        if parameter == known.parameter:
+            return known
+    one, other = start.result.unknown_values, end.result.unknown_values
+    share = (parameter - start.parameter) / (end.parameter - start.parameter)
+    for y in (one + share * (other - one), one):
+        try:
+            return Found(parameter, newton(path.system, y, parameter, path.settings), "between")
+        except ConvergenceError:
+            continue
+    return start._replace(parameter=parameter)
+
+
+def _stable(path: Path, unstable: Found, parameter: float) -> Found:
+    """The stable equilibrium at a parameter that falling energy leads to from an unstable one."""
+    y = unstable.result.unknown_values
+    for _ in range(_MOST_ROUNDS):
+        known = stability(path.system, y, parameter)
+        if known is None or known.negative == 0:
+            break
+        motion = critical_motion(path.system, known.factor)
+        energy = potential_energy(path.system, y, parameter)
+        tried: list[tuple[float, Found]] = []
+        for sign in (1.0, -1.0):
+            start = _disturbed(path, y, sign * motion, parameter)
+            try:
+                landed = path.landed([start], parameter)
+            except ConvergenceError:
+                continue
+            tried.append((path.past_of(landed.result, parameter).energy, landed))
+        tried = [one for one in tried if one[0] < energy or not np.isfinite(energy)]
+        if not tried:
+            raise ConvergenceError(
+                "it is unstable, and no stable equilibrium is found beside it", (), parameter, "instability"
+            )
+        best = _preferred(path, tried, energy)
+        if path.negative_eigenvalues(best, told=True) == 0:
+            return best._replace(negative=0)
+        y = best.result.unknown_values
+    raise ConvergenceError(
+        "it is unstable, and so is what falling energy leads to", (), parameter, "instability"
+    )
+
+
+def _disturbed(path: Path, y: FloatArray, motion: FloatArray, parameter: float) -> FloatArray:
+    """Unknowns (count,) along a motion, as far as the energy falls there."""
+    size = _DISTURBANCE * path.extent
+    best = potential_energy(path.system, y + size * motion, parameter)
+    for _ in range(_MOST_DOUBLINGS):
+        further = potential_energy(path.system, y + 2 * size * motion, parameter)
+        if not further < best:
+            break
+        size, best = 2 * size, further
+    return y + size * motion
+
+
+def _preferred(path: Path, tried: list[tuple[float, Found]], energy: float) -> Found:
+    """Of stable states on both sides: one outside of the substrate, of less energy, or away from it."""
+    if len(tried) == 1:
+        return tried[0][1]
+    (one, first), (other, second) = tried
+    depths = [path.depth(found.result.displacement) for _, found in tried]
+    if abs(depths[0] - depths[1]) > _DISTURBANCE * path.extent:
+        return first if depths[0] < depths[1] else second
+    if abs(one - other) > _ALIKE * (energy - min(one, other)):
+        return first if one < other else second
+    gaps = [float(path.gaps(found.result.displacement).sum()) for _, found in tried]
+    return first if gaps[0] > gaps[1] else second

@@ -1,0 +1,54 @@
+"""Stability of an equilibrium under what is held, and the motion that it is lost by."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from isopeel.arrays import FloatArray
+from isopeel.assembly.system import System
+from isopeel.solve.inertia import BandLDL
+from isopeel.solve.linear import GOLDEN_RATIO, Border, Bordered, Factor, SingularError
+
+#: Inverse iterations for the critical motion: next to a bifurcation its eigenvalue is smaller than all others
+#: by orders, and each iteration divides what others have left by as much.
+_ITERATIONS = 6
+
+
+class Stability(NamedTuple):
+    """Negative eigenvalues of the tangent under what is held, and its factor."""
+
+    negative: int
+    factor: Factor
+
+
+def stability(system: System, y: FloatArray, parameter: float) -> Stability | None:
+    """Count the motions that lower the energy, at an equilibrium y (count,) of forces with a potential.
+
+    By Sylvester's law of inertia. A load whose size is unknown holds one direction c: of K on what keeps its
+    displacement there is one negative eigenvalue less where c . K^-1 c < 0 (Haynsworth's additivity of the
+    inertia, Linear Algebra Appl. 1, 1968). None where the factor does not tell.
+    """
+    u, load = system.state(y, parameter)
+    _, matrix = system.linearize(u, "symmetric", load)
+    try:
+        factor = BandLDL.of(matrix)
+        if not system.load_is_unknown:
+            return Stability(factor.negative, factor)
+        _, column, row = system.control(u, parameter)
+        bordered = Bordered.of(factor, Border(column, row))
+    except SingularError:
+        return None
+    return Stability(factor.negative - (float(row @ bordered.eliminated) < 0), bordered)
+
+
+def critical_motion(system: System, factor: Factor) -> FloatArray:
+    """The motion (count,) of the least eigenvalue by magnitude, largest entry of the displacement one."""
+    n = system.constraints.count
+    # multiples of the golden ratio, less what is whole of them: it has a share of all motions
+    motion: FloatArray = np.mod(np.arange(system.count) * GOLDEN_RATIO, 1.0) - 0.5
+    for _ in range(_ITERATIONS):
+        motion[n:] = 0.0  # the control of a load is kept
+        motion = factor.solve(motion)
+        motion /= np.abs(motion[:n]).max()
+    motion[n:] = 0.0
+    return motion

@@ -1,0 +1,117 @@
+"""A dead load beyond the largest one that has an equilibrium is named as that, and located."""
+
+from math import cos, radians, sqrt
+
+import pytest
+from paths import paths
+
+from isopeel.controls import Control
+from isopeel.solve.newton import ConvergenceError
+
+TAPE = """
+name = "weight"
+[units]
+length = "1 mm"
+stress = "1 MPa"
+[body]
+length = "20 mm"
+height = "0.1 mm"
+[material]
+law = "neo-hooke"
+youngs_modulus = "300 MPa"
+poissons_ratio = 0.3
+[adhesion]
+law = "exponential"
+strength = "0.5 MPa"
+work_of_adhesion = "0.1 N/mm"
+length = "15 mm"
+sliding_length = "0.1 mm"
+[discretization]
+space = "N2.1"
+mesh = "80x2"
+[drive]
+kind = "force"
+side = "right"
+angle = "{angle} deg"
+control = "force"
+to = "{to} N/mm"
+step = "{step} N/mm"
+path_control = "{control}"
+"""
+
+BLOCK = """
+name = "block"
+[units]
+length = "1 mm"
+stress = "1 MPa"
+[body]
+length = "2 mm"
+height = "4 mm"
+[material]
+law = "neo-hooke"
+youngs_modulus = "1 MPa"
+poissons_ratio = 0.0
+[adhesion]
+law = "exponential"
+strength = "0.05 MPa"
+work_of_adhesion = "0.01 N/mm"
+[held]
+left = "x"
+[discretization]
+space = "N2"
+mesh = "2x4"
+[drive]
+kind = "force"
+side = "top"
+angle = "90 deg"
+control = "force"
+to = "1 N/mm"
+step = "0.03 N/mm"
+"""
+
+
+def largest(error: ConvergenceError) -> float:
+    """The load that the message names."""
+    assert error.cause == "limit load"
+    assert "smaller steps" not in error.hint
+    words = error.reason.split()
+    return float(words[words.index("above") + 1])
+
+
+def kendall(angle: float) -> float:
+    stiffness, a = 300 / (1 - 0.3**2) * 0.1, 1 - cos(radians(angle))
+    return stiffness * (sqrt(a * a + 2 * 0.1 / stiffness) - a)
+
+
+@pytest.mark.parametrize(
+    ("angle", "to", "step"), [(90.0, 0.2, 0.02), (100.0, 0.3, 0.06), (120.0, 0.1, 0.005), (90.0, 5.0, 0.07)]
+)
+def test_a_weight_that_peels_a_tape_off(angle: float, to: float, step: float) -> None:
+    """It used to end with a stalled residual, and advice to take smaller steps."""
+    with pytest.raises(ConvergenceError) as caught:
+        paths(TAPE.format(angle=angle, to=to, step=step, control="auto"))
+    # the joint is ten process zones long, of which the front takes one: some tenths of a percent
+    assert largest(caught.value) == pytest.approx(kendall(angle), rel=0.005)
+
+
+@pytest.mark.parametrize("control", ["newton", "auto"])
+def test_the_cause_does_not_hang_on_the_control(control: Control) -> None:
+    with pytest.raises(ConvergenceError) as caught:
+        paths(BLOCK.replace("[drive]", f'[drive]\npath_control = "{control}"'))
+    # the whole block comes off at once, at its strength times its length
+    assert largest(caught.value) == pytest.approx(0.05 * 2, rel=1e-4)
+
+
+def test_below_it_all_is_well() -> None:
+    (steps,) = paths(BLOCK.replace('to = "1 N/mm"', 'to = "0.0999 N/mm"'))
+    assert steps[-1].parameter == pytest.approx(0.0999)
+    assert {step.negative_eigenvalues for step in steps} <= {0, None}
+
+
+def test_a_load_that_snaps_the_body_on_is_no_limit() -> None:
+    """Pushed towards the substrate by a dead load it snaps on, where it comes to rest."""
+    text = BLOCK.replace('angle = "90 deg"', 'angle = "270 deg"').replace(
+        "[held]", '[substrate]\ngap = "0.1 mm"\n[held]'
+    )
+    (steps,) = paths(text.replace("[held]", "[held]").replace('to = "1 N/mm"', 'to = "0.06 N/mm"'))
+    assert steps[-1].parameter == pytest.approx(0.06)
