@@ -180,10 +180,10 @@ def test_ctrl_c_leaves_no_half_animation(runs: Path, tmp_path: Path, suffix: str
         "    if number == 1: print('begun', flush=True); import time; time.sleep(60)\n"
         "    return picture(self, number)\n"
         "a.MovingFigure.picture = slow\n"
-        "sys.exit(main(['animate', *sys.argv[1:]]))"
+        "sys.exit(main())"  # a process of its own, which ends in time whatever it waits for
     )
     arguments = (str(runs / "N2"), "--format", suffix, "--out", str(tmp_path))
-    command = [sys.executable, "-c", program, *arguments]
+    command = [sys.executable, "-c", program, "animate", *arguments]
     with Popen(command, stdout=PIPE, stderr=PIPE, text=True, start_new_session=True) as process:
         assert process.stdout is not None
         assert process.stderr is not None

@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Callable, Iterable, Iterator
+from contextlib import suppress
 from fractions import Fraction
 from itertools import chain
 from pathlib import Path
@@ -9,11 +10,12 @@ from pathlib import Path
 import imageio_ffmpeg
 import numpy as np
 from PIL import Image
+from psutil import NoSuchProcess, Process
 from rich.console import Console
 
 from isopeel.errors import InputError
 from isopeel.folder import FIGURES, check_overwritten, make_folder
-from isopeel.interrupts import check, leave_time
+from isopeel.interrupts import check, cleared_up, leave_time
 from isopeel.post.figures.moving import MovingFigure, Picture
 from isopeel.progress import counted
 from isopeel.results.files import MAKER, replacing
@@ -100,17 +102,29 @@ def _write_mp4(path: Path, pictures: Iterable[Picture], size: tuple[int, int], f
         ffmpeg_log_level="error",
         output_params=["-metadata", f"comment={MAKER}"],
     )
+    others = Process().children()
     writer.send(None)
-    try:
-        for picture in chain([first], every):
-            writer.send(picture)
-            count += 1
-    finally:
-        writer.close()
+    ffmpeg = [process for process in Process().children() if process not in others]
+    # where Ctrl-C ends this process, it would still make its file
+    with cleared_up(lambda: _killed(ffmpeg)):
+        try:
+            for picture in chain([first], every):
+                writer.send(picture)
+                count += 1
+        finally:
+            writer.close()
     # a disk that is full ends ffmpeg without a word to us
     written = imageio_ffmpeg.count_frames_and_secs(path)[0] if path.exists() else 0
     if written != count:
         raise OSError(None, f"ffmpeg has written {written} of {count} pictures", str(path))
+
+
+def _killed(processes: Iterable[Process]) -> None:
+    """End processes that have not ended yet."""
+    for process in processes:
+        with suppress(NoSuchProcess):
+            process.kill()
+            process.wait()
 
 
 def _write_gif(path: Path, pictures: Iterable[Picture], _size: tuple[int, int], fps: float) -> None:
