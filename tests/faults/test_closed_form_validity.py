@@ -121,3 +121,15 @@ step = "10 deg"
     steady = told.reading("steady force")
     assert steady["closed_form"]["source"] == "Kendall's tape"
     assert abs(steady["deviation_percent"]) < 1
+
+
+@pytest.mark.parametrize("gap", ["0.5 mm", "0.01 mm", "5 mm"])
+def test_an_arm_that_does_not_lie_on_the_substrate_has_no_form_of_a_lifted_one(gap: str) -> None:
+    text = SOFT.format(**(USUAL | {"work": 0.001, "to": 1.0, "step": 0.25, "held": "", "reading": ""}))
+    text = text.replace(
+        "[discretization]", f'[held]\nleft = "xy"\n[substrate]\ngap = "{gap}"\n[discretization]'
+    )
+    told = told_by(text.replace('youngs_modulus = "1 MPa"', 'youngs_modulus = "1 GPa"'))
+    assert told.summary["closed_form"] is None
+    assert not told.notes("closed form")
+    assert all(row.theory == "" for row in told.rows if "W" not in row.theory)

@@ -68,7 +68,7 @@ def theory(problem: Problem, space: RowSpace) -> Theory:
     of that at finite strain, and else the latter.
     """
     strip = free_strip(problem)
-    if strip is None or not _lies_free(problem, strip):
+    if strip is None or not lies_free(problem, strip):
         return Theory()
     sizes = np.diff(space.rows[0].breakpoints)
     # uniform breakpoints are rounded quotients
@@ -120,7 +120,8 @@ def decay_length(problem: Problem, height: float) -> float | None:
     return max(float((4 * bending / stiffness) ** 0.25), height)
 
 
-def _lies_free(problem: Problem, strip: FreeStrip) -> bool:
+def lies_free(problem: Problem, strip: FreeStrip) -> bool:
+    """Whether a slender strip lies at the equilibrium gap, adheres up to its far end, and is held there."""
     adhesion, substrate, driven = problem.adhesion, problem.adhesion.substrate, problem.drive.side
     place = problem.body.shape.boundary(adhesion.side).evaluate([adhesion.start])
     gap, _, _ = evaluate_substrate(substrate.kernel, substrate.parameters, place)

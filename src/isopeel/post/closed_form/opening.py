@@ -7,7 +7,7 @@ from scipy.integrate import quad
 from scipy.optimize import brentq
 
 from isopeel.physics.materials.base import plane_strain_modulus
-from isopeel.post.closed_form.expected import decay_length
+from isopeel.post.closed_form.expected import decay_length, lies_free
 from isopeel.post.closed_form.strip import free_strip
 from isopeel.problem import Problem
 
@@ -73,15 +73,14 @@ class Opening:
 def opening(problem: Problem, lift: float, force: float) -> Opening | str | None:
     """What an arm needs at a lift of its end where a run has a force; a text says why no form is valid.
 
-    None where the problem is another one: it takes a straight strip on a flat substrate, or on its mirror
-    image, lifted across at its end and held at the other one.
+    None where the problem is another one: it takes a slender strip that lies on a flat substrate, or on its
+    mirror image, lifted across at its end and held at the other one.
     """
-    strip, load, drive = free_strip(problem), problem.drive.load, problem.drive
+    strip, load = free_strip(problem), problem.drive.load
     if strip is None or load is None or load.follows or problem.adhesion.side != "bottom":
         return None
     across = abs(remainder(load.angle - pi / 2, 2 * pi)) < 1e-6
-    far = {"left": "right", "right": "left"}[drive.side]
-    if not across or any(fixed.side != far for fixed in problem.fixed) or lift <= 0 or force <= 0:
+    if not across or not lies_free(problem, strip) or lift <= 0 or force <= 0:
         return None
     reach = decay_length(problem, strip.height)
     if reach is None:
