@@ -187,6 +187,14 @@ def test_the_estimate_is_right_within_a_quarter(law: str, keys: str) -> None:
     assert found.zone == pytest.approx(zone.length, rel=0.25)
 
 
+def test_a_joint_that_only_holds_has_no_front(tmp_path: Path) -> None:
+    """The given half beam, hardly lifted: elements are too large for a front that is nowhere yet."""
+    held = HALF_BEAM.replace('to = "1.6 mm"\nstep = "0.1 mm"', 'to = "0.01 mm"\nstep = "0.01 mm"')
+    run_case(Case.parse(held), tmp_path, Console(quiet=True))
+    notes = json.loads((tmp_path / "summary.json").read_text("utf-8"))["notes"]
+    assert not any("process zone" in note["text"] for note in notes)
+
+
 def test_the_shorter_length_governs() -> None:
     # E' W/sigma^2 = 1, of slender and of thick bodies
     assert process_zone_length(1.0, 1e-3) == pytest.approx(0.47 * 1e-3**0.75, rel=0.01)

@@ -37,7 +37,7 @@ from isopeel.physics.adhesion import AdhesionLaw
 from isopeel.physics.batch import evaluate_substrate
 from isopeel.physics.materials.base import plane_strain_modulus
 from isopeel.post.closed_form.strip import free_strip
-from isopeel.post.front import ProcessZone
+from isopeel.post.front import ProcessZone, front_profile
 from isopeel.post.laboratory import Laboratory
 from isopeel.post.law import law_character
 from isopeel.problem import Problem
@@ -219,6 +219,20 @@ class Zones:
             "estimated": None if self.estimated is None else self.estimated.summary(),
             "measured": None if last is None else {parameter: last[0], **last[1].summary()},
         }
+
+
+def peels(problem: Problem, space: RowSpace, fields: Mapping[float, FloatArray]) -> bool:
+    """Whether a joint was pulled by half of its strength somewhere in one of the last and largest states.
+
+    One that was not is a support, whose front is nowhere; `fields` are displacements (size, 2) by parameters.
+    """
+    try:
+        strength = law_character(problem.adhesion.law).strength
+    except InputError:
+        return False
+    states = {max(fields, key=abs), list(fields)[-1]} if fields else set()
+    pulls = (-front_profile(problem, space, fields[at]).adhesive_traction.min() for at in states)
+    return not fields or any(pull > strength / 2 for pull in pulls)
 
 
 def zone_notes(problem: Problem, space: RowSpace, zones: Zones, laboratory: Laboratory) -> list[Note]:

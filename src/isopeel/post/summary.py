@@ -17,7 +17,7 @@ from isopeel.post.locking import locking_notes
 from isopeel.post.mesh_error import MeshChange
 from isopeel.post.reading import PlateauReading, onset_angle, plateau_mean, read_plateau, unreadable
 from isopeel.post.readings import FAR, LAST, Reading, drive_test, halves, read, steady_window
-from isopeel.post.resolution import Zones, oscillation_notes, zone_notes
+from isopeel.post.resolution import Zones, oscillation_notes, peels, zone_notes
 from isopeel.post.stability import stability_notes
 from isopeel.problem import Column, Problem
 from isopeel.results.curve import Curve
@@ -93,7 +93,9 @@ def find(
             readings.insert(0, _steady(curve, mean, steady, plateau, form))
     inside = depth_inside(problem, space, run.fields)
     zones = Zones.of(problem, space, {at: front.zone for at, front in found.items()})
-    doubts = zone_notes(problem, space, zones, laboratory) + locking_notes(problem, space, laboratory)
+    doubts = locking_notes(problem, space, laboratory)
+    if zones.measured or peels(problem, space, run.fields):
+        doubts = zone_notes(problem, space, zones, laboratory) + doubts
     if not doubts:
         swing = None if plateau is None else (plateau.mean, plateau.amplitude)
         doubts = oscillation_notes(problem, swing, int(jumps(curve).sum()))
