@@ -127,7 +127,7 @@ def _cut(path: Path, parameters: Iterable[float]) -> Iterator[Found]:
                 found = _balanced(path, path.equilibrium(aim, kind))
                 size *= 2
             except ConvergenceError as error:
-                if whole and abs(size) > abs(whole) / 2**_HALVINGS:
+                if whole and abs(size) > _shortest(path, whole):
                     size = min(abs(size), abs(parameter - last)) / 2 * np.sign(whole)
                     continue
                 found = _jumped(path, error, aim)
@@ -164,6 +164,15 @@ def _with_last(parameters: Iterable[float]) -> Iterator[tuple[float, bool]]:
         following = next(values, None)
         yield value, following is None
         value = following
+
+
+def _shortest(path: Path, whole: float) -> float:
+    """Size of a step that is not halved again: a share of a whole one, or of the last one if that was less.
+
+    Where a body buckles, say, steps must be small against the way since the bifurcation.
+    """
+    made = [abs(other.parameter - one.parameter) for one, other in pairwise(path.history[-2:])]
+    return float(min([abs(whole), *made])) / 2**_HALVINGS
 
 
 def _balanced(path: Path, found: Found) -> Found:
