@@ -1,9 +1,8 @@
 """Whether a path gained energy that its drive did not give.
 
-Between two steps of a path the energies of body and joint grow by the work of the drive. That is an
-integral over the reaction, which is known at the steps only: the trapezoidal rule gives it, and the cubic
-through two more steps says how far to trust that. What energies grow by beyond the work and this error has
-come from nowhere.
+Between two steps of a path the energies of body and joint grow by the work of the drive. That is an integral
+over the reaction, which is known at the steps only: the trapezoidal rule gives it, and `works` estimates how
+far to trust that. What energies grow by beyond the work and this error has come from nowhere.
 """
 
 from dataclasses import dataclass
@@ -17,10 +16,10 @@ from isopeel.solve.step import KINDS
 
 #: What may be gained, of the work of adhesion times the adhering length.
 ALLOWED = 1e-6
-#: Steps on either side that the error of a step is estimated from as well, and its factor of safety. Without
-#: them runs on good meshes seem to gain up to 5e-5 in steps that are as long as a third of an element's
-#: passage; steps on another branch gain 1e-3 to 2e-2.
-_AROUND, _SAFETY = 3, 4.0
+#: Factor of safety of the error of a smooth curve.
+_SAFETY = 4.0
+#: Steps on either side in which the swing of a reaction is looked for.
+_AROUND = 3
 
 
 @dataclass(frozen=True)
@@ -61,24 +60,23 @@ def largest_gain(run: StoredRun, problem: Problem) -> Gain:
 def works(along: FloatArray, force: FloatArray, *, jumped: np.ndarray) -> tuple[FloatArray, FloatArray]:
     """Work (n - 1,) of a force (n,) along displacements (n,) between each two, and its estimated error.
 
-    The error is a multiple of that of a smooth curve, by the cubic through the steps around, and that of one
-    with a kink between two steps, where the straight lines from before and after it meet. Where a step
-    `jumped` (n,), the force fell at an unknown place of it: it may have worked at the larger of both sizes
-    all the way.
+    The error is a multiple of that of a smooth curve, by the cubic through the steps around, or what the
+    force swings by there if that is more; and that of a curve with a kink between two steps, where the
+    straight lines from before and after it meet. Where a step `jumped` (n,), the force fell at an unknown
+    place of it: it may have worked at the larger of both sizes all the way.
     """
     steps = np.diff(along)
     work = 0.5 * steps * (force[1:] + force[:-1])
-    smooth = np.array([_smooth(along, force, k, work[k]) for k in range(len(steps))])
-    kinked = np.array([_kinked(along, force, k) for k in range(len(steps))])
-    # where the front passes elements the reaction swings, and some steps see less of that than others
-    around = np.pad(smooth, _AROUND, mode="edge")
-    largest = np.max([around[k : k + len(smooth)] for k in range(2 * _AROUND + 1)], axis=0)
-    error = _SAFETY * largest + kinked
+    smooth, kinked, swing = (
+        np.array([estimate(along, force, k) for k in range(len(steps))])
+        for estimate in (_smooth, _kinked, _swing)
+    )
+    error = np.maximum(_SAFETY * smooth, swing) + kinked
     larger = np.maximum(steps * force[1:], steps * force[:-1]) - work
     return work, np.where(jumped[1:], np.maximum(error, larger), error)
 
 
-def _smooth(along: FloatArray, force: FloatArray, k: int, work: float) -> float:
+def _smooth(along: FloatArray, force: FloatArray, k: int) -> float:
     """Difference of the trapezoidal rule to the cubic through the steps around, three at the ends."""
     start, step = max(k - 1, 0), abs(along[k + 1] - along[k])
     around = slice(start, min(k + 3, len(along)))
@@ -89,7 +87,25 @@ def _smooth(along: FloatArray, force: FloatArray, k: int, work: float) -> float:
     coefficients = np.polynomial.polynomial.polyfit(x / step, force[around], len(x) - 1)
     integral = np.polynomial.polynomial.polyint(coefficients)
     ends = np.polynomial.polynomial.polyval(np.array([0.0, (along[k + 1] - along[k]) / step]), integral)
+    work = 0.5 * (along[k + 1] - along[k]) * (force[k] + force[k + 1])
     return float(abs(step * (ends[1] - ends[0]) - work))
+
+
+def _swing(along: FloatArray, force: FloatArray, k: int) -> float:
+    """Half of the swing of the force about a straight line in the steps around, along this one.
+
+    While a front passes elements the reaction swings, in a few steps or less for each element: the steps see
+    the swing by chance, and the rule may miss half of it. On good meshes, in steps of a third of an element,
+    that is up to 5e-5 of W times the adhering length, and nothing where steps are a quarter as long.
+    """
+    around = slice(max(k - _AROUND, 0), k + 2 + _AROUND)
+    x, values = along[around] - along[k], force[around]
+    spread = float(np.ptp(x))
+    if spread == 0:
+        return 0.0
+    line = np.polynomial.polynomial.polyfit(x / spread, values, 1)
+    rest = values - np.polynomial.polynomial.polyval(x / spread, line)
+    return float(0.5 * np.ptp(rest) * abs(along[k + 1] - along[k]))
 
 
 def _kinked(along: FloatArray, force: FloatArray, k: int) -> float:
