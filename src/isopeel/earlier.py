@@ -1,6 +1,8 @@
 """What lies in the folder of a run before it begins: nothing that a user owns, or computed, is lost."""
 
+import os
 import re
+import shutil
 import tomllib
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
@@ -14,6 +16,7 @@ from isopeel.case.case import LARGEST_FILE
 from isopeel.errors import InputError
 from isopeel.folder import (
     DRAWN,
+    EARLIER,
     EXPORTED,
     FIGURES,
     FILES,
@@ -101,6 +104,44 @@ def check_earlier(name: str, stages: Sequence[Stage], out: Path) -> str:
     return f"replaces the run of {name} in {out}: {told}"
 
 
+def keep_finished(out: Path) -> None:
+    """Keep the files of a finished run in a folder under another name, beside those that replace them.
+
+    What is kept already stays: the run that is in its place has not finished.
+    """
+    for file in (out / FILES[0], *stage_files(out)):
+        aside = file.with_name(EARLIER)
+        if aside.exists() or not _has_finished(file):
+            continue
+        try:
+            os.link(file, aside)
+        except OSError:  # a file system without links
+            shutil.copy2(file, aside)
+
+
+def _has_finished(file: Path) -> bool:
+    try:
+        return file.is_file() and read_run(file).ending == "completed"
+    except InputError:  # what is replaced by force may be anything
+        return False
+
+
+def kept_finished(out: Path) -> list[Path]:
+    """The files of a finished run that are kept in a folder."""
+    return sorted(file for file in (out / EARLIER, *out.glob(f"*-*/{EARLIER}")) if file.is_file())
+
+
+def let_go(out: Path, *, replaced: bool = True) -> None:
+    """Remove what is kept in a folder where it was replaced by a run that has finished, or never replaced."""
+    for file in kept_finished(out):
+        run = file.with_name(FILES[0])
+        if not replaced and not (run.exists() and run.samefile(file)):
+            continue
+        file.unlink()
+        if not any(file.parent.iterdir()):
+            file.parent.rmdir()
+
+
 def _foreign(folder: Path, *, stages_too: bool) -> Iterator[Path]:
     """What in the folder of a run, or of a stage, is of no run."""
     kept = {*FILES, journal_path(Path(FILES[0])).name, REPORT}
@@ -116,8 +157,8 @@ def _foreign(folder: Path, *, stages_too: bool) -> Iterator[Path]:
             yield from _others(path, lambda name: EXPORTED.fullmatch(name) is not None)
         elif kind == "a folder" and stages_too and STAGE_FOLDER.match(path.name):
             yield from _foreign(path, stages_too=False)
-        elif path.name == FILES[0] and not kind:
-            pass  # which is read before it is replaced
+        elif path.name in (FILES[0], EARLIER) and not kind:
+            pass  # which is read, or kept, before it is replaced
         elif kind or path.name not in kept or not (has_run or path.name == REPORT):
             yield path  # the page of a run of stages lies above them
         elif not is_written_by_isopeel(path):

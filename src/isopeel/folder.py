@@ -21,6 +21,8 @@ except ImportError:  # on Windows, where stages are locked by the lock of their 
 
 #: Files that a run leaves in its folder.
 FILES = ("run.h5", "curve.csv", "summary.json", "curve.png", "shapes.png")
+#: The file of a finished run, until the one that replaces it has finished too.
+EARLIER = "run.earlier.h5"
 #: What `isopeel report` makes of them.
 REPORT = "report.html"
 

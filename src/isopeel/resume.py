@@ -11,7 +11,7 @@ from isopeel.errors import InputError
 from isopeel.folder import alone_in, places, run_files
 from isopeel.post.laboratory import Laboratory
 from isopeel.results.run_file import StoredRun, read_run
-from isopeel.run import Result, check_later_stages, go_through
+from isopeel.run import Result, check_later_stages, go_through, let_go_when_finished
 from isopeel.solve.step import KINDS
 
 
@@ -28,7 +28,7 @@ def resume_case(folder: Path, console: Console, to: str | None = None, control: 
         check_later_stages(case)
         if control is not None:
             stored = {number: replace(run, failure=None) for number, run in stored.items()}
-        return go_through(case, folder, console, stored)
+        return let_go_when_finished(go_through(case, folder, console, stored), case, folder, console)
 
 
 def _found(folder: Path, to: str | None, control: str | None) -> tuple[Case, dict[int, StoredRun]]:

@@ -15,7 +15,7 @@ from rich.console import Console
 from rich.table import Table
 
 from isopeel.case import Case, Stage, load_case, shipped_cases
-from isopeel.earlier import check_earlier, check_foreign
+from isopeel.earlier import check_earlier, check_foreign, keep_finished, kept_finished, let_go
 from isopeel.errors import InputError
 from isopeel.folder import (
     FILES,
@@ -61,7 +61,8 @@ def run_case(case: Case, out: Path, console: Console, strict: bool = False, *, f
     was interrupted: all that converged before is in the files. What can be doubted of the discretization is
     said before the first step, and is an error where the run is `strict`. Raises InputError where a folder
     cannot be written, another process runs in it or the memory does not suffice, OSError where a file cannot
-    be written, and KeyboardInterrupt where there is no step yet; an earlier run stays until there is one.
+    be written, and KeyboardInterrupt where there is no step yet. An earlier run stays until there is one, and
+    a finished one is kept beside the new one (`run.earlier.h5`) until that has finished too.
 
     Unless with `force`, it also raises InputError where the folder holds anything else than a run of this
     case, or a run that goes further or was interrupted.
@@ -86,7 +87,21 @@ def run_case(case: Case, out: Path, console: Console, strict: bool = False, *, f
             clear_parts(place.folder)
         if replaced:
             console.print(replaced, soft_wrap=True)
-        return go_through(case, out, console, {}, steps)
+            keep_finished(out)
+        try:
+            return let_go_when_finished(go_through(case, out, console, {}, steps), case, out, console)
+        finally:
+            let_go(out, replaced=False)
+
+
+def let_go_when_finished(result: Result, case: Case, out: Path, console: Console) -> Result:
+    """Remove what was kept of an earlier run once a run has finished, and else say where it is."""
+    if is_complete(result.run, case.stages()[-1]):
+        let_go(out)
+    elif kept := kept_finished(out):
+        names = ", ".join(map(str, kept))
+        console.print(f"the finished run that was there before is kept: {names}", soft_wrap=True)
+    return result
 
 
 def _say_doubts(case: Case, console: Console, strict: bool) -> None:

@@ -165,6 +165,35 @@ def test_the_same_or_a_longer_run_replaces_one_and_lists_what_goes(
         assert main(["run", "strip", *SMALL, *options, "--out", "other"]) == 0
 
 
+@pytest.mark.parametrize("resumed", [False, True])
+def test_a_finished_run_is_kept_until_another_one_has_finished(
+    resumed: bool, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["run", "strip", *SMALL, "3"]) == 0
+    finished = (OUT / "run.h5").read_bytes()
+    with monkeypatch.context() as patch:
+        patch.setattr("isopeel.run.check", _interrupting(2))
+        assert main(["run", "strip", *SMALL, "3"]) == 130
+    aside = OUT / "run.earlier.h5"
+    assert f"the finished run that was there before is kept: {aside}" in capsys.readouterr().out
+    assert isopeel.read_run(OUT / "run.h5").ending == "interrupted"
+    assert aside.read_bytes() == finished
+    again = ["resume", "out/strip"] if resumed else ["run", "strip", *SMALL, "3", "--force"]
+    assert main(again) == 0
+    assert not aside.exists()
+
+
+def test_nothing_is_kept_of_a_run_that_was_not_replaced(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    assert main(["run", "strip", *SMALL, "2"]) == 0
+    before = contents(OUT)
+    with monkeypatch.context() as patch:
+        patch.setattr("isopeel.run.RunWriter.append", lambda *_: _interrupting(1)())
+        assert main(["run", "strip", *SMALL, "2"]) == 130
+    assert contents(OUT) == before
+
+
 def test_a_run_with_fewer_stages_is_shorter(capsys: pytest.CaptureFixture[str]) -> None:
     text = isopeel.load_case("strip").text
     drive = text[text.index("[drive]") : text.index("[reading]")]

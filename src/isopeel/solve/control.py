@@ -172,7 +172,7 @@ def _shortest(path: Path, whole: float) -> float:
     Where a body buckles, say, steps must be small against the way since the bifurcation.
     """
     made = [abs(other.parameter - one.parameter) for one, other in pairwise(path.history[-2:])]
-    return float(min([abs(whole), *made])) / 2**_HALVINGS
+    return min([abs(whole), *made]) * 0.5**_HALVINGS
 
 
 def _balanced(path: Path, found: Found) -> Found:
