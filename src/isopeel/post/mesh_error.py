@@ -56,7 +56,8 @@ def mesh_changes(
     """Reactions on a finer space, of the last stored state and of the one next before the largest reaction.
 
     States that carry next to nothing are left out, and all where the finer space would be too large, or where
-    a file holds what is no number. The damage of an irreversible joint is that of the stored states so far.
+    a file holds what is no number. The damage of an irreversible joint is that of the state that a stage
+    begins with and of the stored states since; the damage of the stages before it is not in the file.
     """
     refined = finer(space)
     finite = all(np.isfinite(displacement).all() for displacement in run.fields.values())
@@ -70,13 +71,20 @@ def mesh_changes(
     except InputError:
         # the memory does not suffice for it
         return []
+    if base is not None:
+        system.accept(base)
+    openings = system.openings
     looked_at = _looked_at(run)
     stored = {
         at: transferred(weighted, u, target)
         for at, u in run.fields.items()
         if problem.adhesion.irreversible or at in looked_at
     }
-    changes = (_change(system, problem, run, stored, parameter) for parameter in looked_at)
+    changes = []
+    for parameter in looked_at:
+        # each state has its own history, from the first one of the stage on
+        system.openings = openings
+        changes.append(_change(system, problem, run, stored, parameter))
     return [change for change in changes if change is not None]
 
 
@@ -104,7 +112,6 @@ def _change(
     if abs(reaction) <= _LEAST * np.abs(curve.reaction).max():
         return None
     parameter = shown / drive.parameter_column.factor
-    system.openings = np.zeros(system.openings.shape)
     for at, displacement in stored.items():
         system.accept(displacement)
         if at == shown:
