@@ -1,5 +1,6 @@
 """Closed forms at finite strain and of lifted arms, against solvers from outside and their limits."""
 
+from dataclasses import astuple
 from math import cos, radians, sin, sqrt
 
 import numpy as np
@@ -9,6 +10,7 @@ from scipy.optimize import brentq, root
 
 from isopeel.arrays import FloatArray
 from isopeel.physics.materials import NeoHooke
+from isopeel.physics.materials.formula import FormulaMaterial
 from isopeel.physics.materials.prestretched import Prestretched
 from isopeel.post.closed_form import beam_moment, double_cantilever_force, kendall_force, sliding_tape_force
 from isopeel.post.closed_form.finite_strain import bent_strip, peeled_tape
@@ -181,3 +183,29 @@ def test_small_lifts_are_those_of_a_double_cantilever_and_high_ones_of_a_tape() 
     assert LiftedArm(plane / 12, 5e-4).crack_length(2.0) == pytest.approx(
         (3 * plane * 4 / (8 * 5e-4)) ** 0.25
     )
+
+
+def test_the_energy_of_the_reference_shape_does_not_count() -> None:
+    """A formula need not set it to zero; sums with it differ in round-off alone."""
+    zero, other = (
+        FormulaMaterial(f"c/2*({trace} - 2*log(J)) + c/2*log(J)**2", {"c": 0.4}) for trace in ("I1 - 3", "I1")
+    )
+    one = peeled_tape(zero, HEIGHT, 0.02, 1.0)
+    assert one is not None
+    same = peeled_tape(other, HEIGHT, 0.02, 1.0)
+    assert same is not None
+    assert astuple(same) == pytest.approx(astuple(one), rel=1e-9)
+    bent = bent_strip(zero, HEIGHT, 0.001, 1.5)
+    assert bent is not None
+    found = bent_strip(other, HEIGHT, 0.001, 1.5)
+    assert found is not None
+    # a moment is a difference of energies over a tenth of them, by a root found to 1e-10
+    assert astuple(found) == pytest.approx(astuple(bent), rel=1e-8)
+
+
+@pytest.mark.parametrize("work", [0.02, 1.0, 1e3])
+def test_a_material_that_is_no_number_when_stretched_far_has_a_form_or_none(work: float) -> None:
+    """Gent's material locks at I1 - 3 = 0.5; beyond it the logarithm is no number."""
+    gent = FormulaMaterial("-c/4*log(1 - (I1 - 3)/0.5) - c*log(J) + c/2*log(J)**2", {"c": 0.4})
+    for found in (peeled_tape(gent, HEIGHT, work, 1.0), bent_strip(gent, HEIGHT, work, 3.0)):
+        assert found is None or all(np.isfinite(number) for number in astuple(found))

@@ -148,7 +148,7 @@ def _beam(problem: Problem, strip: FreeStrip, element: float | None) -> Theory |
     work, material = problem.adhesion.law.work_of_adhesion, problem.body.material
     exact = bent_strip(material, strip.height, work, 1 / beam.radius)
     if exact is None:
-        return Theory(reason=f"no moment bends a section as far as {work:.3g} E0 L0 ask for")
+        return Theory(reason="no moment bends a section so far that it releases the work of adhesion")
     reach = decay_length(problem, strip.height) or strip.height
     small = abs(beam.moment / exact.moment - 1) <= SMALL_STRAIN
     curvature = 1 / beam.radius if small else exact.curvature

@@ -22,11 +22,17 @@ from isopeel.physics.materials import Material
 
 _FURTHEST = 100.0  # stretch: no tape of a laboratory is stretched by more
 _STEP = 1.05  # from one stretch to the next one that is tried; a factor
-_ORDER, _POINTS = (
-    8,
-    10,
-)  # of the polynomial across a bent section, and its Gauss points: round-off at strain 0.3
-_NEWTON = 30
+# of the polynomial across a bent section, and its Gauss points: round-off at strain 0.3
+_ORDER, _POINTS = 8, 10
+_NEWTON = 30  # iterations: the first guess is a beam's, from which a few are enough at moderate strain
+# where a formula is no number at large strains, `brentq` and `numpy.linalg` raise kinds of ValueError
+_NONE = (ArithmeticError, ValueError)
+
+
+def energy_at_rest(material: Material) -> float:
+    """Energy density of the reference shape, which that of a formula need not set to zero."""
+    energy, _, _ = evaluate_material(material.kernel, material.parameters, np.eye(2)[None])
+    return float(energy[0])
 
 
 @dataclass(frozen=True)
@@ -51,7 +57,7 @@ class Membrane:
 
     @cached_property
     def _at_rest(self) -> float:
-        return self._evaluated(1.0, 1.0)[0]
+        return energy_at_rest(self.material)
 
     def _evaluated(self, stretch: float, across: float) -> tuple[float, FloatArray]:
         F = np.diag([stretch, across])[None]
@@ -110,7 +116,7 @@ def peeled_tape(
         stretch = float(brentq(released, low, high, xtol=1e-15, rtol=1e-14))
         force = tape.state(stretch)[1]
         behind = 1.0 if held else tape.stretch(force * cosine)
-    except ArithmeticError:
+    except _NONE:
         return None
     return PeeledTape(force, stretch, stretch - behind * cosine)
 
@@ -161,7 +167,7 @@ def bent_strip(material: Material, height: float, work: float, curvature: float)
             low, high = high, 1.2 * high
         kappa = float(brentq(excess, low, high, rtol=1e-10))
         return BentStrip(section.bent(kappa)[1], kappa)
-    except ArithmeticError:
+    except _NONE:
         return None
 
 
@@ -173,7 +179,10 @@ class _Section:
     height: float
 
     def bent(self, curvature: float) -> tuple[float, float]:
-        """Energy per reference length and moment at a curvature; ArithmeticError where there is none."""
+        """Energy, above that of the reference shape, per reference length, and moment at a curvature.
+
+        Raises ArithmeticError where there is no equilibrium.
+        """
         h = self.height
         nodes, weights = np.polynomial.legendre.leggauss(_POINTS)
         # Legendre polynomials over [-1, 1], the place Y = h/2 xi
@@ -207,5 +216,6 @@ class _Section:
             c -= change
             if np.abs(change).max() < 1e-13 / curvature:
                 energy, P, _ = evaluate_material(material.kernel, material.parameters, F)
+                energy = energy - energy_at_rest(material)
                 return float(weights @ energy), float(weights @ (P[:, 0, 0] * r))
         raise ArithmeticError("no equilibrium of the bent section")
