@@ -62,8 +62,7 @@ def keeps(function: Callable[..., Any]) -> bool:
     """Whether a function is kept once it is compiled.
 
     What was kept of its file with other sources is removed. The place is beside the file or in the user's
-    cache folder. Where neither can be written to, it is compiled in
-    memory, anew in each process.
+    cache folder. Where neither can be written to, it is compiled in memory, anew in each process.
     """
     try:
         _leave_out(_folder(function), _module(function), sources())

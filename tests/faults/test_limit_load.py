@@ -113,5 +113,5 @@ def test_a_load_that_snaps_the_body_on_is_no_limit() -> None:
     text = BLOCK.replace('angle = "90 deg"', 'angle = "270 deg"').replace(
         "[held]", '[substrate]\ngap = "0.1 mm"\n[held]'
     )
-    (steps,) = paths(text.replace("[held]", "[held]").replace('to = "1 N/mm"', 'to = "0.06 N/mm"'))
+    (steps,) = paths(text.replace('to = "1 N/mm"', 'to = "0.06 N/mm"'))
     assert steps[-1].parameter == pytest.approx(0.06)

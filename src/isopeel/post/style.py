@@ -1,7 +1,6 @@
 """One look for all figures: made for print, and for readers who see colours differently."""
 
 import logging
-import re
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
@@ -181,10 +180,3 @@ def line_style(number: int) -> dict[str, Any]:
     The first 42 differ.
     """
     return {"color": _COLORS[number % len(_COLORS)], "linestyle": _LINES[number % len(_LINES)]}
-
-
-def note_units(figure: Figure, units: str) -> None:
-    """Write what L0 and E0 are, such as "L0 = 1 nm, E0 = 2 GPa", small at the lower right of a figure."""
-    if units:
-        words = re.sub(r"\b([LE])0\b", r"$\1_0$", units)
-        figure.supxlabel(words, x=0.99, ha="right", fontsize=7, color=GREY)

@@ -407,11 +407,6 @@ def _angle(value: float | None) -> str:
     return "-" if value is None else f"{value:.4g} deg"
 
 
-def units_note(units: Mapping[str, Any]) -> str:
-    """What the units of lengths and stresses are, such as "L0 = 1 nm, E0 = 2 GPa"."""
-    return "L0 = {L0}, E0 = {E0}".format(**units)
-
-
 def short_unit(column: Column) -> str:
     """The unit of a column as it stands behind a number."""
     return "deg" if column.unit == "degree" else column.unit

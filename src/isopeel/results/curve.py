@@ -105,14 +105,6 @@ class Curve:
             (Column("seconds", "s"), self.seconds),
         )
 
-    def write_csv(self, path: Path) -> None:
-        """Write the curve as a table in its own units, named in its header; numbers keep all digits."""
-        table = {}
-        for column, values in self.table():
-            heading = column.name if column.unit == "1" else f"{column.name} [{column.unit}]"
-            table[heading] = values.tolist()
-        write_table(path, table)
-
 
 def write_table(path: Path, columns: Mapping[str, Sequence[object]]) -> None:
     """Write columns of one length below their headings; None is left empty. Raises OSError."""

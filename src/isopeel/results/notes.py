@@ -4,9 +4,7 @@ from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
 #: What a note is about. All but `reading` say that numbers of the run may be wrong.
-Subject: TypeAlias = Literal[
-    "reading", "resolution", "locking", "stability", "energy", "closed form", "penetration"
-]
+Subject: TypeAlias = Literal["reading", "resolution", "locking", "stability", "closed form", "penetration"]
 
 
 @dataclass(frozen=True)
@@ -15,8 +13,3 @@ class Note:
 
     subject: Subject
     text: str
-
-    @property
-    def is_doubt(self) -> bool:
-        """Whether numbers of the run may be wrong, and not only missing."""
-        return self.subject != "reading"
