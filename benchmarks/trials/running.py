@@ -29,6 +29,9 @@ from trials.energy import Gain, largest_gain
 #: foresaw, or stopped for lack of time.
 Ending: TypeAlias = Literal["completed", "not converged", "refused", "crashed", "too slow"]
 
+#: Subjects of notes that say nothing against the numbers.
+_NO_DOUBT = ("reading", "bifurcation")
+
 
 @dataclass(frozen=True)
 class Outcome:
@@ -101,7 +104,7 @@ def _run(source: str | Path, out: Path, reading: Reading) -> Outcome:
         "completed" if summary["completed"] else "not converged",
         found.value,
         tuple(
-            f"{note['subject']}: {note['text']}" for note in summary["notes"] if note["subject"] != "reading"
+            f"{note['subject']}: {note['text']}" for note in summary["notes"] if note["subject"] not in _NO_DOUBT
         ),
         f"{failure['cause']}: {failure['reason']}" if failure else "",
         sum(len(run.curve) for run in runs),

@@ -16,6 +16,7 @@ from isopeel.post.crack import Front, load_position, release
 from isopeel.post.laboratory import Kind, kind_of
 from isopeel.problem import Problem
 from isopeel.results.curve import Curve
+from isopeel.solve.step import KINDS
 from isopeel.splines.nurbs import Side
 
 #: What a drive tests.
@@ -25,6 +26,8 @@ Test: TypeAlias = Literal["moment", "tape", "opening", "pull", "other"]
 FAR = 0.05
 #: A peak counts as one when the force falls by this share after it: more than a mesh's oscillation does.
 _FALL = 0.02
+#: Tension over the largest push up to which adhesion does not matter: half of the 1 % that is right.
+_PRESSED = 0.005
 #: Cosine of the angle to the normal of the substrate up to which a load pulls rather than peels.
 _NORMAL = sqrt(0.5)
 #: Share of the path, its last, in which a steady value is read where a case names no window, and how much the
@@ -136,6 +139,7 @@ def read(
             readings.append(replace(strongest, name=f"largest force{arm}"))
         if test == "opening":
             readings += _opened(problem, curve, pulled, arm)
+    readings += _buckled(curve, pulled)
     readings += _cracks(curve, found)
     released = release(problem, curve, found, window[0] if window else None)
     if released is not None:
@@ -169,6 +173,15 @@ def steady_window(curve: Curve, share: float = LAST[0]) -> tuple[float, float] |
     if len(inside) < 4 or np.ptp(inside) > _STEADY * abs(float(inside.mean())):
         return None
     return low, high
+
+
+def is_only_pressed(problem: Problem, curve: Curve) -> bool:
+    """Whether a body that a load pulls or presses is pulled by next to nothing: then no front peels."""
+    pulled = forces(curve)
+    if pulled is None or drive_test(problem, curve) != "pull":
+        return False
+    tension = pulled.force * np.sign(_away(problem))
+    return float(tension.max()) <= _PRESSED * float(-tension.min())
 
 
 def first_peak(force: FloatArray) -> int | None:
@@ -224,6 +237,17 @@ def _opened(problem: Problem, curve: Curve, pulled: Forces, arm: str) -> list[Re
             Reading(name, form.by_compliance, "length", None, form.crack_length, "beam theory", words)
         )
     return readings
+
+
+def _buckled(curve: Curve, pulled: Forces | None) -> list[Reading]:
+    """The force or moment at the first bifurcation that the path passed."""
+    steps = np.flatnonzero(curve.kind == KINDS.index("bifurcation"))
+    if not len(steps):
+        return []
+    values, name = (curve.reaction, curve.reaction_column.name) if pulled is None else (pulled.force, "force")
+    kind = kind_of(curve.reaction_column) if pulled is None else "force"
+    at = float(curve.parameter[steps[0]])
+    return [Reading(f"buckling {name}", float(values[steps[0]]), kind, at, words="at the bifurcation")]
 
 
 def _cracks(curve: Curve, found: Mapping[float, Front]) -> list[Reading]:

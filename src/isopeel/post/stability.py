@@ -28,7 +28,7 @@ def stability_notes(curve: Curve, laboratory: Laboratory) -> list[Note]:
             late += 1
         if late:
             text += f"; the {late} steps before it, to {shown(float(curve.parameter[k - 1]))}, are unstable"
-        notes.append(Note("stability", text))
+        notes.append(Note("stability" if late else "bifurcation", text))
     unstable = np.flatnonzero((curve.negative_eigenvalues > 0) & (curve.kind != KINDS.index("limit point")))
     if len(unstable):
         ends = curve.parameter[unstable]

@@ -16,7 +16,16 @@ from isopeel.post.laboratory import Laboratory, kind_of
 from isopeel.post.locking import locking_notes
 from isopeel.post.mesh_error import MeshChange
 from isopeel.post.reading import PlateauReading, onset_angle, plateau_mean, read_plateau, unreadable
-from isopeel.post.readings import FAR, LAST, Reading, drive_test, halves, read, steady_window
+from isopeel.post.readings import (
+    FAR,
+    LAST,
+    Reading,
+    drive_test,
+    halves,
+    is_only_pressed,
+    read,
+    steady_window,
+)
 from isopeel.post.resolution import Zones, oscillation_notes, peels, zone_notes
 from isopeel.post.stability import stability_notes
 from isopeel.problem import Column, Problem
@@ -94,7 +103,7 @@ def find(
     inside = depth_inside(problem, space, run.fields)
     zones = Zones.of(problem, space, {at: front.zone for at, front in found.items()})
     doubts = locking_notes(problem, space, laboratory)
-    if zones.measured or peels(problem, space, run.fields):
+    if not is_only_pressed(problem, curve) and (zones.measured or peels(problem, space, run.fields)):
         doubts = zone_notes(problem, space, zones, laboratory) + doubts
     if not doubts:
         swing = None if plateau is None else (plateau.mean, plateau.amplitude)

@@ -3,8 +3,10 @@
 from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
-#: What a note is about. All but `reading` say that numbers of the run may be wrong.
-Subject: TypeAlias = Literal["reading", "resolution", "locking", "stability", "closed form", "penetration"]
+#: What a note is about. All but `reading` and `bifurcation` say that numbers of the run may be wrong.
+Subject: TypeAlias = Literal[
+    "reading", "bifurcation", "resolution", "locking", "stability", "closed form", "penetration"
+]
 
 
 @dataclass(frozen=True)

@@ -25,6 +25,8 @@ from isopeel.solve.step import Kind, Past, Step
 
 #: Halvings of a step before it counts as one that ends at a limit point.
 _HALVINGS = 4
+#: The same where the last step was a short one, as after a bifurcation, with twice as many.
+_MOST_HALVINGS = 8
 #: Points of the curve that a limit point is looked for on: a step of the parameter has some ten at most.
 _MOST_SEARCHED = 40
 #: Points of one stretch of the curve; more mean that it leads nowhere.
@@ -172,7 +174,8 @@ def _shortest(path: Path, whole: float) -> float:
     Where a body buckles, say, steps must be small against the way since the bifurcation.
     """
     made = [abs(other.parameter - one.parameter) for one, other in pairwise(path.history[-2:])]
-    return min([abs(whole), *made]) * 0.5**_HALVINGS
+    least = abs(whole) * 0.5**_MOST_HALVINGS
+    return max(min([abs(whole), *made]) * 0.5**_HALVINGS, least)
 
 
 def _balanced(path: Path, found: Found) -> Found:
