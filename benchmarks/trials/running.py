@@ -104,7 +104,9 @@ def _run(source: str | Path, out: Path, reading: Reading) -> Outcome:
         "completed" if summary["completed"] else "not converged",
         found.value,
         tuple(
-            f"{note['subject']}: {note['text']}" for note in summary["notes"] if note["subject"] not in _NO_DOUBT
+            f"{note['subject']}: {note['text']}"
+            for note in summary["notes"]
+            if note["subject"] not in _NO_DOUBT
         ),
         f"{failure['cause']}: {failure['reason']}" if failure else "",
         sum(len(run.curve) for run in runs),

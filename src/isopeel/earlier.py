@@ -7,11 +7,11 @@ import tomllib
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from shlex import quote
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from isopeel.case import Stage
+from isopeel.case import Case, Stage
 from isopeel.case.case import LARGEST_FILE
 from isopeel.errors import InputError
 from isopeel.folder import (
@@ -39,6 +39,8 @@ _OF_NOBODY = (".DS_Store", "Thumbs.db", "desktop.ini")
 #: Of the size of a parameter: two ends that differ by less are the same.
 _SAME = 1e-9
 _ANOTHER = "give another folder, or --force"
+#: Tables of a case file that say what is peeled; all others say how it is computed, and how far.
+_PHYSICS = ("units", "body", "material", "adhesion", "substrate", "held")
 
 
 class _Length(NamedTuple):
@@ -68,12 +70,13 @@ def check_foreign(out: Path) -> None:
         raise InputError("--out", str(out), allowed)
 
 
-def check_earlier(name: str, stages: Sequence[Stage], out: Path) -> str:
+def check_earlier(case: Case, stages: Sequence[Stage], out: Path) -> str:
     """Say which run of a case is replaced in a folder; nothing where there is none.
 
     Raises InputError where that is of another case, cannot be read, goes further than the `stages` of the
     new one, or was interrupted: then it would be lost.
     """
+    name, own = case.name, _document(case.text)
     files = [path for path in (out / FILES[0], *stage_files(out)) if path.exists()]
     runs = []
     for file in files:
@@ -82,9 +85,16 @@ def check_earlier(name: str, stages: Sequence[Stage], out: Path) -> str:
         except InputError as error:
             allowed = f"{file.name} in it is no run that this version reads; {_ANOTHER}"
             raise InputError("--out", str(file.parent), allowed) from error
-        other = _name(runs[-1].case_text)
+        document = _document(runs[-1].case_text)
+        other = document.get("name")
         if other != name:
-            whose = "a run of a case without a name" if other is None else f"a run of the case {other!r}"
+            whose = (
+                f"a run of the case {other!r}" if isinstance(other, str) else "a run of a case without a name"
+            )
+            raise InputError("--out", str(out), f"it holds {whose}; {_ANOTHER}, which replaces it")
+        differing = [f"[{table}]" for table in _PHYSICS if _table(document, table) != _table(own, table)]
+        if differing:
+            whose = f"a run of another case {name!r}, with other values in {', '.join(differing)}"
             raise InputError("--out", str(out), f"it holds {whose}; {_ANOTHER}, which replaces it")
     if not any(len(run.curve) for run in runs):
         return ""
@@ -179,15 +189,20 @@ def _is_part(name: str) -> bool:
     return re.fullmatch(r"\.[^.].*\.part\.[a-z0-9]+", name) is not None
 
 
-def _name(text: str) -> str | None:
-    """The name of a case; None where there is none."""
+def _document(text: str) -> dict[str, Any]:
+    """The tables of a case; none where the text is none."""
     if len(text) > 2 * LARGEST_FILE:  # as it is stored it may be somewhat longer
-        return None
+        return {}
     try:
-        name = tomllib.loads(text).get("name")
+        return tomllib.loads(text)
     except (ValueError, RecursionError):
-        return None
-    return name if isinstance(name, str) else None
+        return {}
+
+
+def _table(document: dict[str, Any], name: str) -> dict[str, Any]:
+    """A table without what an option of the command line may change."""
+    table = document.get(name) or {}
+    return {key: value for key, value in table.items() if key != "traction"}
 
 
 def _reached(run: StoredRun) -> _Length:

@@ -81,7 +81,7 @@ def run_case(case: Case, out: Path, console: Console, strict: bool = False, *, f
             files = ", ".join(str(place.run_file) for place in where if place.run_file.exists())
             replaced = files and f"replaces {files}"
         else:
-            replaced = check_earlier(case.name, stages, out)
+            replaced = check_earlier(case, stages, out)
         for place in where:
             check_folder(place.folder)
             clear_parts(place.folder)

@@ -165,6 +165,24 @@ def test_the_same_or_a_longer_run_replaces_one_and_lists_what_goes(
         assert main(["run", "strip", *SMALL, *options, "--out", "other"]) == 0
 
 
+def test_a_run_of_another_case_of_the_same_name_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["run", "strip", *SMALL, "2"]) == 0
+    before = contents(OUT)
+    capsys.readouterr()
+    text = isopeel.load_case("strip").text
+    for one, other, table in (
+        ('"2 GPa"', '"70 GPa"', "material"),
+        ('"10 nm"', '"12 nm"', "body"),
+        ('"1e-19 J"', '"2e-19 J"', "adhesion"),
+    ):
+        assert text.count(f"= {one}") >= 1
+        Path("other.toml").write_text(text.replace(f"= {one}", f"= {other}", 1))
+        assert main(["run", "other.toml", *SMALL, "2"]) == 2
+        assert f"a run of another case 'strip', with other values in [{table}]" in the_error(capsys)
+    assert contents(OUT) == before
+    assert main(["run", "other.toml", *SMALL, "2", "--force"]) == 0
+
+
 @pytest.mark.parametrize("resumed", [False, True])
 def test_a_finished_run_is_kept_until_another_one_has_finished(
     resumed: bool, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]

@@ -88,6 +88,8 @@ def find(
         reason = _invalid(problem, found, form, steady, laboratory)
     elif test in ("moment", "tape"):
         steady, reason = _own_window(problem, curve, found, form, laboratory)
+        if steady is None and window is None:
+            reason = f"no part of the run has a steady {curve.reaction_column.name}"
     elif form is not None:
         reason = "the end was not lifted far enough for a tape to turn into its direction"
     if steady is None and run.base is not None:

@@ -67,12 +67,7 @@ def controlled(path: Path, parameters: Iterable[float], passed: Sequence[float])
 def _plain(path: Path, parameters: Iterable[float]) -> Iterator[Found]:
     for parameter in parameters:
         try:
-            found = path.equilibrium(parameter)
-            misfit = path.misfit(found)
-            # what falls to another branch has been passed by published studies; nothing rises to one
-            if misfit.gains and path.verified(found).gains:
-                found = _balanced(path, found)
-            yield found
+            yield _without_gain(path, path.equilibrium(parameter))
         except ConvergenceError as error:
             raise _diagnosed(path, error, parameter) from error
 
@@ -105,7 +100,7 @@ def _at_limit(path: Path, error: ConvergenceError, parameter: float, limit: floa
     at = f"{column.shown(limit):.6g} {column.unit}"
     load = path.system.load
     if load is not None and not path.system.load_is_unknown:
-        reason = f"the largest load is reached: no equilibrium above {at}, where the load has a limit point"
+        reason = f"the largest load is reached: no equilibrium is near above {at}, a limit point of the load"
         return ConvergenceError(reason, error.iterations, parameter, "limit load")
     reason = f"the path turns back at {at}; {error.reason}"
     return ConvergenceError(reason, error.iterations, parameter, "limit point")
@@ -178,6 +173,16 @@ def _shortest(path: Path, whole: float) -> float:
     return max(min([abs(whole), *made]) * 0.5**_HALVINGS, least)
 
 
+def _without_gain(path: Path, found: Found) -> Found:
+    """What was found, where it has not gained energy without work; raises ConvergenceError.
+
+    What falls to another branch has been passed by published studies; nothing rises to one.
+    """
+    if path.misfit(found).gains and path.verified(found).gains:
+        return _balanced(path, found)
+    return found
+
+
 def _balanced(path: Path, found: Found) -> Found:
     """What was found, where its energy comes from the work of the drive; raises ConvergenceError."""
     misfit = path.verified(found)
@@ -186,8 +191,10 @@ def _balanced(path: Path, found: Found) -> Found:
     path.forget()
     if misfit.gains:
         reason = f"the energy grows by {misfit.gained:.3g} without work of the drive: it is another branch"
-    else:
+    elif misfit.gained < 0:
         reason = f"the step releases an energy of {-misfit.gained:.3g}, by a jump or by what it leaves out"
+    else:
+        reason = "the step has met another branch"
     raise ConvergenceError(reason, found.result.iterations, found.parameter, "energy without work")
 
 
@@ -211,7 +218,7 @@ def _along_the_curve(path: Path, values: Sequence[float], index: int, *, jumps: 
     while index < len(values):
         if not path.history or path.history[-1].parameter == values[index]:
             try:
-                yield path.equilibrium(values[index])
+                yield _without_gain(path, path.equilibrium(values[index]))
             except ConvergenceError:
                 # a stage that lets go of what was held begins with a jump, whatever the control
                 if not path.has_energy:

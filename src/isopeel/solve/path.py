@@ -106,6 +106,9 @@ class Path:
             reaction += missed if system.load is None else -missed
         if last is not None and self.has_energy:
             released_energy = released(last, past)
+            if found.kind == "jump":
+                # no jump gains energy: what seems so is the error of the trapezoidal rule
+                released_energy = max(released_energy, 0.0)
         self._begins = False
         system.accept(u)
         u.setflags(write=False)
