@@ -98,7 +98,7 @@ def parts_alone(
         "tangent": machine.least_seconds(lambda: system.linearize(u, load=load)),
         "factor": machine.least_seconds(lambda: approximate(matrix)),
     }
-    factor = approximate(matrix)
+    factor = approximate(matrix).factor
     alone["solve"] = machine.least_seconds(lambda: factor.solve(residual))
     alone["update"] = machine.least_seconds(lambda: pairs.correction(factor, residual)) - alone["solve"]
     return alone

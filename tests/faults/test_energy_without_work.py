@@ -130,8 +130,8 @@ def test_a_state_of_more_energy_than_the_work_is_refused(
     worth, space = 0.015 * 150, row_space("N2", (20, 2))
     found = Path.equilibrium
 
-    def elsewhere(path: Path, parameter: float, kind: Kind = "requested") -> Found:
-        one = found(path, parameter, kind)
+    def elsewhere(path: Path, parameter: float, kind: Kind = "requested", *, soon: bool = False) -> Found:
+        one = found(path, parameter, kind, soon=soon)
         if parameter < 0.01:
             return one
         more = one.result.equilibrium.stored_energy + 1e-4 * worth

@@ -81,9 +81,7 @@ def test_a_search_at_its_floor_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
     """Round-off ends a search: it is handed such an end here, far from any equilibrium."""
     system = System(strip(), SPACE)
     path = Path(system, NewtonSettings(iteration_limit=1, control="auto"), ())
-    monkeypatch.setattr(
-        path_module, "descend", lambda _system, start, _parameter: Descent(start, at_floor=True)
-    )
+    monkeypatch.setattr(path_module, "descend", lambda _system, start, *_rest: Descent(start, at_floor=True))
     with pytest.raises(ConvergenceError) as caught:
         path.landed([np.zeros(system.count)], 0.02)
     assert caught.value.cause == "line search"

@@ -27,7 +27,7 @@ def test_single_precision_solves_a_tangent_to_its_digits(name: str, mesh: tuple[
     u, _ = system.state(np.zeros(system.count), 0.0)
     right_side = np.random.default_rng(0).standard_normal((system.count,))
     matrix = system.linearize(u)[1]
-    single = approximate(BandMatrix(matrix.workspace.copy(), matrix.half_bandwidth, "symmetric"))
+    single = approximate(BandMatrix(matrix.workspace.copy(), matrix.half_bandwidth, "symmetric")).factor
     assert single.values.dtype == np.float32
     found, exact = single.solve(right_side), solveh_banded(matrix.entries.T, right_side, lower=True)
     # condition number about 1e5, times a round-off of 6e-8
@@ -56,7 +56,7 @@ def test_what_elements_joined_without_slopes_do_not_reach_is_left_out() -> None:
 def test_what_single_precision_cannot_tell_apart_is_kept_in_double(differences: int, columns: int) -> None:
     """Its soft motions have a billionth of the stiffness of others."""
     matrix = chain(300, differences, columns)
-    factor = approximate(matrix)
+    factor = approximate(matrix).factor
     assert factor.values.dtype == np.float64
     x = np.random.default_rng(1).standard_normal((300,))
     D = np.diff(np.eye(300), differences, axis=0)

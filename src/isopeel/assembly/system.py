@@ -1,7 +1,8 @@
 """The assembled system: a problem on a spline space, as the solver sees it."""
 
+from copy import copy
 from dataclasses import dataclass
-from typing import ClassVar, Literal
+from typing import ClassVar, Literal, Self
 
 import numpy as np
 from psutil import virtual_memory
@@ -179,6 +180,15 @@ class System:
         self._no_forces = np.zeros(self.constraints.count)
         held = self.constraints
         self.equations = Equations(of_body, of_side, held.unknowns, held.offset, held.driven)
+
+    def without_joint(self) -> Self:
+        """The same body with an adhesive side that exerts no force. It shares the arrays of tangents."""
+        loose = copy(self)
+        joint = self.equations.adhesion
+        loose.equations = self.equations._replace(
+            adhesion=joint._replace(weights=np.zeros_like(joint.weights))
+        )
+        return loose
 
     @property
     def load_is_unknown(self) -> bool:

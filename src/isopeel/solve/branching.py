@@ -63,7 +63,7 @@ def gone_over(path: Path, found: Found) -> Iterator[Found]:
         return
     bracket = _located(path, found)
     if bracket.stable is not None:
-        yield _outside(path, bracket.stable)
+        yield bracket.stable
         if bracket.stable.kind != "bifurcation":
             return
     begin = path.history[-1]
@@ -87,31 +87,6 @@ def gone_over(path: Path, found: Found) -> Iterator[Found]:
     smooth = released(begin, past) <= path.gain_allowed + MISFIT * work
     kind = found.kind if at == end.parameter else "between"
     yield landed._replace(kind=kind if smooth else "jump", is_elsewhere=True)
-
-
-def _outside(path: Path, found: Found) -> Found:
-    """A stable state, or its mirror image outside of the substrate where it has turned into that.
-
-    A part that does not adhere feels no substrate. Where the load is a little off the axis of such a part, it
-    buckles to one side with no bifurcation; of both the body can only take the one that is free.
-    """
-    begin = path.history[-1]
-    depth, before = (path.depth(u) for u in (found.result.displacement, path.displacement(begin)))
-    known = stability(path.system, begin.unknown_values, begin.parameter)
-    if depth - before < _DISTURBANCE * path.extent or known is None:
-        return found
-    motion = critical_motion(path.system, known.factor)
-    change = found.result.unknown_values - begin.unknown_values
-    mirrored = found.result.unknown_values - 2 * float(motion @ change) / float(motion @ motion) * motion
-    try:
-        other = path.landed([mirrored], found.parameter)
-    except ConvergenceError:
-        return found
-    if path.depth(other.result.displacement) > before + _DISTURBANCE * path.extent:
-        return found
-    if path.negative_eigenvalues(other, told=True) != 0:
-        return found
-    return other._replace(kind="bifurcation", negative=0, is_elsewhere=True)
 
 
 def _located(path: Path, found: Found) -> Bracket:

@@ -9,7 +9,7 @@ import numpy as np
 from threadpoolctl import ThreadpoolController
 
 from isopeel.interrupts import check, deferred
-from isopeel.solve.branching import gone_over
+from isopeel.solve.branching import LOCATED, gone_over
 from isopeel.solve.continuation import (
     CALM_COSINE,
     LEAST_COSINE,
@@ -120,11 +120,12 @@ def _cut(path: Path, parameters: Iterable[float]) -> Iterator[Found]:
             whole_rest = abs(size) >= abs(parameter - last)
             aim = parameter if whole_rest else last + size
             kind: Kind = "requested" if whole_rest else "between"
+            cuts = bool(whole) and abs(size) > _shortest(path, whole)
             try:
-                found = _balanced(path, path.equilibrium(aim, kind))
+                found = _balanced(path, path.equilibrium(aim, kind, soon=cuts))
                 size *= 2
             except ConvergenceError as error:
-                if whole and abs(size) > _shortest(path, whole):
+                if cuts:
                     size = min(abs(size), abs(parameter - last)) / 2 * np.sign(whole)
                     continue
                 found = _jumped(path, error, aim)
@@ -166,7 +167,8 @@ def _with_last(parameters: Iterable[float]) -> Iterator[tuple[float, bool]]:
 def _shortest(path: Path, whole: float) -> float:
     """Size of a step that is not halved again: a share of a whole one, or of the last one if that was less.
 
-    Where a body buckles, say, steps must be small against the way since the bifurcation.
+    Where a body buckles, say, steps must be small against the way since the bifurcation, which is located to
+    a share of a whole one itself.
     """
     made = [abs(other.parameter - one.parameter) for one, other in pairwise(path.history[-2:])]
     least = abs(whole) * 0.5**_MOST_HALVINGS
@@ -205,6 +207,8 @@ def _jumped(path: Path, error: ConvergenceError, parameter: float) -> Found:
     try:
         return path.jumped(parameter)
     except ConvergenceError as failure:
+        if failure.cause == "long fall":
+            raise failure from error
         cause = _diagnosed(path, error, parameter)
         raise (failure if cause is error else cause) from failure
 

@@ -29,22 +29,23 @@ class Descent(NamedTuple):
     unknown_values: FloatArray
     at_floor: bool = False
     away: bool = False  # by many sizes of the body: the energy has no lower bound
+    is_on_its_way: bool = False  # not at rest after all iterations
 
 
-def descend(system: System, start: FloatArray, parameter: float) -> Descent:
+def descend(system: System, start: FloatArray, parameter: float, most: int = _MOST_ITERATIONS) -> Descent:
     """Follow falling energy from a start y (count,), at one value of the parameter, to near a minimum.
 
     Newton's method with a shifted tangent, K + shift x 1 where K is not positive definite, and steps halved
     until the energy falls (Nocedal and Wright, Numerical Optimization, Algorithms 3.2 and 3.3). The start
-    must keep every element from being turned inside out. Returns the best y, which may not have converged:
-    Newton's method from there tells.
+    must keep every element from being turned inside out. Returns the best y after at `most` so many
+    iterations, which may not have converged: Newton's method from there tells.
     """
     y = start
     shift = 0.0
     far = _AWAY * extent(system.problem)
     begun, _ = system.state(start, parameter)
     energy = potential_energy(system, y, parameter)
-    for _ in range(_MOST_ITERATIONS):
+    for _ in range(most):
         check()
         u, load = system.state(y, parameter)
         if np.abs(u - begun).max() > far:
@@ -81,6 +82,8 @@ def descend(system: System, start: FloatArray, parameter: float) -> Descent:
         energy = trial
         # try to do with less the next time
         shift = shift / 10 if shift > _SMALLEST_SHIFT else 0.0
+    else:
+        return Descent(y, is_on_its_way=True)
     return Descent(y)
 
 

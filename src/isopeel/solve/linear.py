@@ -27,7 +27,15 @@ class SingularError(ArithmeticError):
     """LU met a pivot that is zero."""
 
 
-def approximate(matrix: BandMatrix) -> BlockedFactor:
+class Approximate(NamedTuple):
+    """A factor, a motion (count,) that two inverse iterations lead to, and what that needs by the matrix."""
+
+    factor: BlockedFactor
+    soft: FloatArray
+    needed: float
+
+
+def approximate(matrix: BandMatrix) -> Approximate:
     """A factor of a symmetric matrix whose solutions are right to about a hundredth in energy.
 
     It is kept in single precision where that suffices for the softest motions, which suffer most: inverse
@@ -40,7 +48,9 @@ def approximate(matrix: BandMatrix) -> BlockedFactor:
     soft = factor.solve(start)
     needed = energy(matrix.entries, soft)
     suffices = abs(needed - float(soft @ start)) < _ENOUGH * needed
-    return factor if suffices else BlockedFactor.of(matrix.entries, np.float64)
+    if not suffices:
+        factor = BlockedFactor.of(matrix.entries, np.float64)
+    return Approximate(factor, soft, needed)
 
 
 @dataclass(frozen=True, eq=False)

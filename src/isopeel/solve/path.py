@@ -1,6 +1,7 @@
 """A path on its way: what the solver knows of it, and the equilibrium at one value of the parameter."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from time import perf_counter
 from typing import NamedTuple
 from weakref import ref
@@ -13,7 +14,7 @@ from isopeel.assembly.system import Equilibrium, System
 from isopeel.errors import InputError
 from isopeel.physics.batch import evaluate_substrate
 from isopeel.solve.balance import MISFIT, NO_MISFIT, ROUND_OFF, Misfit, gain_allowed, misfit, released
-from isopeel.solve.descent import descend, potential_energy
+from isopeel.solve.descent import Descent, descend, potential_energy
 from isopeel.solve.newton import ConvergenceError, NewtonResult, NewtonSettings, newton
 from isopeel.solve.predictor import Predictor, extrapolate
 from isopeel.solve.quasi_newton import QuasiNewton
@@ -26,6 +27,12 @@ _FORESEEN = 0.3
 _ELSEWHERE = 0.01
 #: Halvings of a step by which its branch is followed, where its energy does not seem to come from its work.
 _DEEPEST = 6
+#: Corrections of Newton's method where a shorter step can be taken instead: where it converges it takes some
+#: six. Past a limit point each costs a pivoted factor, and to exhaust them took nine tenths of the time.
+_SOON = 10
+#: Corrections of falling energy, after which the body without its joint is looked at: a jump over some
+#: elements takes 10 to 170, and that of a block that comes off a fine mesh many hundreds.
+_FAR = 200
 
 
 class Found(NamedTuple):
@@ -233,19 +240,25 @@ class Path:
         known = stability(self.system, found.result.unknown_values, found.parameter)
         return None if known is None else known.negative
 
-    def equilibrium(self, parameter: float, kind: Kind = "requested") -> Found:
-        """By the kept tangent or by Newton's method; raises ConvergenceError."""
+    def equilibrium(self, parameter: float, kind: Kind = "requested", *, soon: bool = False) -> Found:
+        """By the kept tangent or by Newton's method; raises ConvergenceError.
+
+        It is given up `soon` where a shorter step can be taken instead.
+        """
+        settings = self.settings
+        if soon:
+            settings = replace(settings, iteration_limit=min(_SOON, settings.iteration_limit))
         found = self._by_kept_tangent(parameter)
         if found is not None:
             return Found(parameter, found, kind)
-        for polished in (False, True) if self._can_polish() else (False,):
+        for polished in (False, True) if self._can_polish() and not soon else (False,):
             if polished:
                 self._polish()
             last = self.history[-PARABOLA_POINTS:]
             guess = extrapolate({past.parameter: past.exact for past in last}, parameter, self.system.count)
             try:
                 finish = None if self._quasi_newton is None else self._quasi_newton.finish
-                return Found(parameter, newton(self.system, guess, parameter, self.settings, finish), kind)
+                return Found(parameter, newton(self.system, guess, parameter, settings, finish), kind)
             except ConvergenceError as error:
                 failure = error
         raise failure
@@ -313,7 +326,13 @@ class Path:
             # a guess may turn elements inside out
             if np.isfinite(potential_energy(self.system, start, parameter)):
                 break
-        descent = descend(self.system, start, parameter)
+        descent = descend(self.system, start, parameter, _FAR)
+        if descent.is_on_its_way:
+            loose = self._come_off(descent, parameter)
+            descent = descend(self.system, descent.unknown_values if loose is None else loose, parameter)
+        if descent.is_on_its_way:
+            reason = "falling energy leads far away, and has not come to rest after many steps"
+            raise ConvergenceError(reason, (), parameter, "long fall")
         if descent.away:
             reason = "the body comes off and moves away: its energy has no lower bound"
             raise ConvergenceError(reason, (), parameter, "limit load")
@@ -334,6 +353,23 @@ class Path:
             raise ConvergenceError(reason, result.iterations, parameter, "line search")
         return Found(parameter, result, "jump", 0)
 
+    def _come_off(self, descent: Descent, parameter: float) -> FloatArray | None:
+        """The body without its joint (count,), where its energy is below what a long search has come to.
+
+        A block whose joint opens at an edge comes off as a whole: falling energy has to open it point by
+        point. None where the body is not held otherwise, or has not the less energy.
+        """
+        reached = potential_energy(self.system, descent.unknown_values, parameter)
+        for start in (descent.unknown_values, self.history[-1].unknown_values if self.history else None):
+            if start is None:
+                continue
+            try:
+                loose = newton(self.system.without_joint(), start, parameter, self.settings).unknown_values
+            except ConvergenceError:
+                continue
+            return loose if potential_energy(self.system, loose, parameter) < reached else None
+        return None
+
     def jumped(self, parameter: float) -> Found:
         """The equilibrium at a parameter that the last states fall to, by less energy than they would have.
 
@@ -346,7 +382,8 @@ class Path:
                 found = self.landed([start], parameter)
             except ConvergenceError as error:
                 failure = failure or error
-                if error.cause == "limit load":
+                if error.cause in ("limit load", "long fall"):
+                    # another start would fall as far
                     break
                 continue
             if last is None or self._begins:

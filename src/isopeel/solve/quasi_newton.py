@@ -11,7 +11,7 @@ from isopeel.assembly.start import extent
 from isopeel.assembly.system import BandMatrix, Equilibrium, System
 from isopeel.compilation import compiled_reordered
 from isopeel.solve.blocks import BlockedFactor, Floats, NotPositiveDefiniteError
-from isopeel.solve.linear import GOLDEN_RATIO, approximate
+from isopeel.solve.linear import approximate
 from isopeel.solve.newton import NewtonResult, NewtonSettings
 from isopeel.solve.pairs import Pairs, Singles, correct, follow
 
@@ -35,13 +35,11 @@ _TRIFLE = 1e-2
 #: Of the tolerance, and _SHARE of that: where Newton's method has begun, whose end squares what is left. The
 #: slope of a path that has just snapped on would correct no reaction.
 _EXACT = 1e-3
-#: Steps after that of its tangent in which the stiffness of its softest motion is looked at again: each four
-#: times as far as the one before. A stiffness that falls evenly does not vanish before the next look where it
-#: has kept three quarters.
-_LOOKS = (1, 4, 16)
-_KEPT = 3 / 4
-#: Inverse iterations for the softest motion. What they miss of it shows in both stiffnesses alike.
-_SOFTENINGS = 3
+#: Steps after that of its tangent in which the stiffness of its softest motion is looked at again: one that
+#: has kept nine tenths in a tenth of the steps that a tangent serves, and falls evenly, does not vanish
+#: while it serves. A look costs an evaluation of the forces, a hundredth of the time of these steps.
+_LOOK = _MOST_STEPS // 10
+_KEPT = 9 / 10
 #: Of the size of the body: the motion over which forces are compared. What it strains by its square is below
 #: what it bends by, in bodies some hundred times as long as high; and what corrections have left of the
 #: forces is a few hundredths of those that it takes to bend them by it.
@@ -90,7 +88,7 @@ class QuasiNewton:
         self._factor: BlockedFactor | None = None
         #: What goes on from here needs to do so bit for bit.
         self.memory: Memory | None = None if memory is None else replace(memory, pairs=memory.pairs.copy())
-        # a small motion along the softest one of the tangent, and twice the energy that it takes there
+        # a motion next to the softest one of the tangent, and twice the energy that it takes there
         self._softest: tuple[FloatArray, float] | None = None
         # whether a tangent, which is positive definite then, was made in the step
         self._is_new = False
@@ -103,20 +101,16 @@ class QuasiNewton:
     def has_softened(self, result: NewtonResult, parameter: float) -> tuple[bool, bool]:
         """Whether the softest motion of the tangent is much softer in what was found, and falls in energy.
 
-        It costs an evaluation of the forces, a few times for each tangent: a body may lose its stability
-        while a tangent of a stable state serves on.
+        It costs an evaluation of the forces, once for each tangent that serves long: a body may lose its
+        stability while a tangent of a stable state serves on. What the motion misses of the softest one shows
+        in both stiffnesses alike.
         """
-        memory, factor = self.memory, self._factor
-        if memory is None or factor is None or memory.steps - 1 not in _LOOKS:
+        memory = self.memory
+        if memory is None or self._softest is None or memory.slow or memory.steps - 1 != _LOOK:
             return False, False
-        if self._softest is None:
-            motion = np.mod(np.arange(len(memory.unknown_values)) * GOLDEN_RATIO, 1.0) - 0.5
-            for _ in range(_SOFTENINGS):
-                force = motion / np.abs(motion).max()
-                motion = factor.solve(force)
-            scale = _SMALL_MOTION * extent(self._system.problem) / float(np.abs(motion).max())
-            self._softest = scale * motion, scale**2 * float(motion @ force)
         motion, before = self._softest
+        scale = _SMALL_MOTION * extent(self._system.problem) / float(np.abs(motion).max())
+        motion, before = scale * motion, scale**2 * before
         u, load = self._system.state(result.unknown_values + motion, parameter)
         change = self._system.equilibrium(u, load).residual - result.equilibrium.residual
         now = float(motion @ change)
@@ -146,9 +140,10 @@ class QuasiNewton:
     ) -> NewtonResult | None:
         """End what Newton's method has begun: see `isopeel.solve.newton.Finish`."""
         try:
-            self._factor, self._softest = approximate(matrix), None
+            made = approximate(matrix)
         except NotPositiveDefiniteError:
             return None
+        self._factor, self._softest = made.factor, (made.soft, made.needed)
         self.memory = Memory(made_at, parameter, self._system.openings, Pairs.none(len(start)))
         result = self._solve(start, parameter, None, _EXACT * self._settings.tolerance, 0.0)
         if result is None:
@@ -225,9 +220,10 @@ class QuasiNewton:
         return self._factor, memory
 
     def _made(self, memory: Memory) -> BlockedFactor:
-        self._softest = None
         u, load = self._system.state(memory.unknown_values, memory.parameter)
-        return approximate(self._system.linearize(u, "symmetric", load, memory.openings)[1])
+        made = approximate(self._system.linearize(u, "symmetric", load, memory.openings)[1])
+        self._softest = made.soft, made.needed
+        return made.factor
 
 
 @compiled_reordered
