@@ -207,9 +207,9 @@ def _jumped(path: Path, error: ConvergenceError, parameter: float) -> Found:
     try:
         return path.jumped(parameter)
     except ConvergenceError as failure:
-        if failure.cause == "long fall":
-            raise failure from error
         cause = _diagnosed(path, error, parameter)
+        if failure.cause == "long fall" and cause.cause != "limit load":
+            raise failure from error
         raise (failure if cause is error else cause) from failure
 
 
