@@ -9,7 +9,7 @@ import numpy as np
 from threadpoolctl import ThreadpoolController
 
 from isopeel.interrupts import check, deferred
-from isopeel.solve.branching import LOCATED, gone_over
+from isopeel.solve.branching import gone_over
 from isopeel.solve.continuation import (
     CALM_COSINE,
     LEAST_COSINE,
@@ -167,8 +167,7 @@ def _with_last(parameters: Iterable[float]) -> Iterator[tuple[float, bool]]:
 def _shortest(path: Path, whole: float) -> float:
     """Size of a step that is not halved again: a share of a whole one, or of the last one if that was less.
 
-    Where a body buckles, say, steps must be small against the way since the bifurcation, which is located to
-    a share of a whole one itself.
+    Where a body buckles, say, steps must be small against the way since the bifurcation.
     """
     made = [abs(other.parameter - one.parameter) for one, other in pairwise(path.history[-2:])]
     least = abs(whole) * 0.5**_MOST_HALVINGS
