@@ -131,7 +131,8 @@ def test_a_step_is_what_its_parts_are() -> None:
     # its last correction is a trifle
     assert found.clock.calls["solve"] == found.clock.calls["update"] == corrections
     assert corrections <= found.clock.calls["forces"] <= corrections + 3
-    assert found.clock.calls["tangent"] == found.clock.calls["factor"]
+    # one tangent more tells whether the last state is stable
+    assert found.clock.calls["tangent"] - found.clock.calls["factor"] in (0, 1)
     assert 0 < sum(found.share(part) for part in found.clock.seconds) < 1
     assert System.equilibrium is unwatched
 

@@ -61,7 +61,7 @@ def test_a_state_is_chosen_in_any_unit(folder: Path, written: str) -> None:
     [
         ("50", "it has no unit; a length is needed, such as '200 nm'"),
         ("0.05", "it has no unit; a length is needed, such as '200 nm'"),
-        ("50 mm", "displacements are stored from 0 to 0.1"),
+        ("50 mm", "displacements are stored from 0 um to 100 nm"),
         ("1 N/m", "a length is needed, such as '200 nm'"),
         ("30 deg", "a length is needed, such as '200 nm'"),
         ("nan", "it has no unit; a length is needed"),
