@@ -148,8 +148,6 @@ def let_go(out: Path, *, replaced: bool = True) -> None:
         if not replaced and not (run.exists() and run.samefile(file)):
             continue
         file.unlink()
-        if not any(file.parent.iterdir()):
-            file.parent.rmdir()
 
 
 def _foreign(folder: Path, *, stages_too: bool) -> Iterator[Path]:

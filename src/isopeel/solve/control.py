@@ -27,6 +27,8 @@ from isopeel.solve.step import Kind, Past, Step
 _HALVINGS = 4
 #: The same where the last step was a short one, as after a bifurcation, with twice as many.
 _MOST_HALVINGS = 8
+#: Of what is left of a step: less than this is none.
+_ROUND_OFF = 1e-9
 #: Points of the curve that a limit point is looked for on: a step of the parameter has some ten at most.
 _MOST_SEARCHED = 40
 #: Points of one stretch of the curve; more mean that it leads nowhere.
@@ -117,7 +119,7 @@ def _cut(path: Path, parameters: Iterable[float]) -> Iterator[Found]:
         last = path.history[-1].parameter if path.history else parameter
         size = whole = parameter - last
         while True:
-            whole_rest = abs(size) >= abs(parameter - last)
+            whole_rest = abs(size) >= (1 - _ROUND_OFF) * abs(parameter - last)
             aim = parameter if whole_rest else last + size
             kind: Kind = "requested" if whole_rest else "between"
             cuts = bool(whole) and abs(size) > _shortest(path, whole)
