@@ -9,6 +9,8 @@ where no such point is reached in time, it ends the process. That loses nothing:
 there is nothing to lose, and then each step is in its journal.
 """
 
+# these of `signal` turn numbers into enumerations at each call, which a step of 0.6 ms would notice
+import _signal  # type: ignore[import-not-found]
 import os
 import signal
 import sys
@@ -18,6 +20,7 @@ from threading import Lock, Thread, current_thread, main_thread
 from time import perf_counter, sleep
 from types import FrameType
 
+_SIGINT = int(signal.SIGINT)
 #: Exit code of a process that Ctrl-C has ended.
 INTERRUPTED = 130
 #: Seconds that a run with steps has until its next point to leave it: most take some milliseconds, a figure
@@ -67,7 +70,7 @@ def deferred() -> Iterator[None]:
         yield
         return
     _begin()
-    signal.signal(signal.SIGINT, _note)
+    _signal.signal(_SIGINT, _note)
     try:
         yield
     except BaseException:
@@ -75,7 +78,7 @@ def deferred() -> Iterator[None]:
         _noted.came = 0
         raise
     finally:
-        signal.signal(signal.SIGINT, signal.default_int_handler)
+        _signal.signal(_SIGINT, signal.default_int_handler)
     check()
 
 
@@ -139,7 +142,7 @@ def cleared_up(how: Callable[[], object]) -> Iterator[None]:
 
 def _is_usual() -> bool:
     """Whether Ctrl-C raises KeyboardInterrupt, and this thread can change that."""
-    usual = signal.getsignal(signal.SIGINT) is signal.default_int_handler
+    usual = _signal.getsignal(_SIGINT) is signal.default_int_handler
     return usual and current_thread() is main_thread()
 
 
