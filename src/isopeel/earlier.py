@@ -27,7 +27,7 @@ from isopeel.folder import (
     first_names,
     stage_files,
 )
-from isopeel.post.summary import short_unit
+from isopeel.post.laboratory import short_unit
 from isopeel.problem import Column
 from isopeel.results.files import is_written_by_isopeel, kind_of
 from isopeel.results.journal import journal_path

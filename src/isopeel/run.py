@@ -28,11 +28,13 @@ from isopeel.folder import (
 )
 from isopeel.interrupts import check, deferred, leave_time
 from isopeel.post.figures import reaction_figure, save, shapes_figure
+from isopeel.post.findings import Findings, find, in_laboratory
 from isopeel.post.laboratory import Laboratory
 from isopeel.post.locking import locking_notes
 from isopeel.post.mesh_error import mesh_changes
-from isopeel.post.resolution import estimate_notes
-from isopeel.post.summary import Findings, find, in_laboratory, summarize, summary_rows
+from isopeel.post.resolution_notes import estimate_notes
+from isopeel.post.summary import summarize
+from isopeel.post.summary_table import summary_rows
 from isopeel.post.table import write_curve
 from isopeel.progress import progress
 from isopeel.results.curve import Curve

@@ -6,8 +6,8 @@ from pathlib import Path
 from isopeel.case import Case, Stage
 from isopeel.errors import InputError
 from isopeel.folder import run_files
+from isopeel.post.findings import Findings, find
 from isopeel.post.laboratory import Laboratory
-from isopeel.post.summary import Findings, find
 from isopeel.results.run_file import StoredRun, read_run
 from isopeel.splines.rows import RowSpace
 

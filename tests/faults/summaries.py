@@ -3,8 +3,10 @@
 from typing import Any, NamedTuple
 
 from isopeel.case import Case
+from isopeel.post.findings import Findings, find
 from isopeel.post.laboratory import Laboratory
-from isopeel.post.summary import Findings, Row, find, summarize, summary_rows
+from isopeel.post.summary import summarize
+from isopeel.post.summary_table import Row, summary_rows
 from isopeel.results.curve import Curve
 from isopeel.results.fields import Fields
 from isopeel.results.provenance import Provenance

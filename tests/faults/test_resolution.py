@@ -12,7 +12,8 @@ from isopeel.case import Case, load_case, shipped_cases
 from isopeel.cli import main
 from isopeel.post.front import front_profile, process_zone
 from isopeel.post.laboratory import Laboratory
-from isopeel.post.resolution import estimate_notes, estimated, needed_elements, process_zone_length
+from isopeel.post.resolution import estimated, needed_elements, process_zone_length
+from isopeel.post.resolution_notes import estimate_notes
 from isopeel.run import run_case
 from isopeel.solve.newton import NewtonSettings
 from isopeel.solve.trace import trace

@@ -23,8 +23,8 @@ from isopeel.page.region import substrate_region
 from isopeel.page.write import page, write_page
 from isopeel.physics.substrates import Circle, Flat
 from isopeel.post.fields import sample_fields
+from isopeel.post.findings import find
 from isopeel.post.states import Window
-from isopeel.post.summary import find
 from isopeel.results.run_file import Ending, StoredRun, read_run, write_run
 from isopeel.solve.step import KINDS
 from isopeel.stored import StoredStage, stored_stages

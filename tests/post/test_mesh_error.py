@@ -8,7 +8,7 @@ import pytest
 from isopeel.arrays import FloatArray
 from isopeel.case import Case
 from isopeel.post.mesh_error import MeshChange, mesh_changes
-from isopeel.post.summary import MESH_CHANGE
+from isopeel.post.notes import MESH_CHANGE
 from isopeel.results.curve import Curve
 from isopeel.results.run_file import StoredRun
 from isopeel.solve.newton import NewtonSettings

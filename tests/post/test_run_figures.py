@@ -21,11 +21,11 @@ from isopeel.post.figures import (
 )
 from isopeel.post.figures.labels import power_of_ten
 from isopeel.post.figures.moving import MovingFigure
+from isopeel.post.findings import Findings
 from isopeel.post.front import front_profile, process_zone
 from isopeel.post.laboratory import Laboratory
 from isopeel.post.reading import oscillation, read_plateau
 from isopeel.post.style import line_style
-from isopeel.post.summary import Findings
 from isopeel.problem import Column
 from isopeel.results.run_file import StoredRun
 from isopeel.solve.step import KINDS

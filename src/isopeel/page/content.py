@@ -14,6 +14,7 @@ from isopeel.errors import InputError
 from isopeel.page.packing import packed, packed_positions, packed_stress
 from isopeel.page.region import substrate_region
 from isopeel.post.figures.reaction import is_reached, unstable_pieces, widest_turn
+from isopeel.post.findings import Findings, Shown, in_laboratory
 from isopeel.post.front import front_profile
 from isopeel.post.laboratory import Laboratory
 from isopeel.post.law import law_character
@@ -27,7 +28,6 @@ from isopeel.post.states import (
     stress_scale,
     whole_window,
 )
-from isopeel.post.summary import Findings, Shown, in_laboratory
 from isopeel.problem import Column, Problem
 from isopeel.results.curve import Curve
 from isopeel.results.fields import Fields

@@ -7,7 +7,8 @@ from typing import Any
 
 from isopeel.page.content import column_words, field_steps, plain
 from isopeel.post.figures.reaction import unstable_pieces
-from isopeel.post.summary import Findings, summary_rows
+from isopeel.post.findings import Findings
+from isopeel.post.summary_table import summary_rows
 from isopeel.results.run_file import Failure
 from isopeel.solve.step import KINDS
 from isopeel.stored import StoredStage

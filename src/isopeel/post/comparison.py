@@ -7,8 +7,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from isopeel.arrays import FloatArray
+from isopeel.post.findings import Findings
 from isopeel.post.reading import onset_angle, plateau_mean, rising
-from isopeel.post.summary import Findings
 from isopeel.results.curve import Curve
 from isopeel.results.run_file import StoredRun
 

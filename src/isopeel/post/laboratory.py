@@ -180,6 +180,11 @@ def kind_of(column: Column) -> Kind:
     return _KINDS.get(column.unit, "number")
 
 
+def short_unit(column: Column) -> str:
+    """The unit of a column as it stands behind a number."""
+    return "deg" if column.unit == "degree" else column.unit
+
+
 def _by_size(kind: Kind, size: float, internal: Fraction) -> Unit:
     si = size * float(internal)
     *units, last = _BY_SIZE[kind]

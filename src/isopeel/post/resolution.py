@@ -24,43 +24,30 @@ where that stretch is shorter than the estimate, it governs.
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from math import ceil, floor, log10, sqrt
+from math import sqrt
 from types import MappingProxyType
 from typing import Self
 
 import numpy as np
-from scipy.optimize import brentq
 
 from isopeel.arrays import BoolArray, FloatArray
 from isopeel.errors import InputError
 from isopeel.physics.adhesion import AdhesionLaw
 from isopeel.physics.batch import evaluate_substrate
 from isopeel.physics.materials.base import plane_strain_modulus
-from isopeel.post.closed_form.strip import free_strip
-from isopeel.post.front import ProcessZone, front_profile
-from isopeel.post.laboratory import Laboratory
+from isopeel.post.front import ProcessZone
 from isopeel.post.law import law_character
 from isopeel.problem import Problem
-from isopeel.results.notes import Note
 from isopeel.splines.nurbs import Side
-from isopeel.splines.rows import STRONGEST_GRADING, RowSpace
+from isopeel.splines.rows import RowSpace
 from isopeel.splines.space import SplineSpace
 
 #: Process zone over the lengths of slender and of thick bodies, and reach over process zone (see above).
 _SLENDER, _THICK, _REACH = 0.47, 1.45, 0.88
 #: Places along the adhering side that its gap at rest is looked at.
 _PLACES = 2001
-#: More elements along than this are not proposed, but a grading.
-_MOST_PROPOSED = 5000
-#: Oscillation of a plateau, over its mean, from which the mean may be wrong by a percent: 3 to 5 % on strips.
-SWINGS = 0.04
-#: Jumps of a strip on flat ground that its start and its end do not explain.
-JUMPS = 3
 #: A gap that varies by less of the length of the joint is the same everywhere: round-off.
-_EVEN = 1e-9
-#: A proposed mesh has so many times the elements that are needed; of a graded one, of which more elements
-#: are shorter by less where they are short, more of them.
-_SPARE, _SPARE_GRADED = 1.1, 1.4
+EVEN = 1e-9
 
 
 @dataclass(frozen=True)
@@ -146,22 +133,22 @@ def estimated(problem: Problem, space: RowSpace) -> Resolution | None:
         around = places[lowest] + np.array([-edge, edge])
         fronts = [float(front) for front in around if places[0] <= front <= places[-1]] or [float(places[-1])]
     zone = min(process_zone_length(irwin, _height(problem)), limit)
-    ends_of_elements = _ends(problem, space)
+    ends_of_elements = ends_along(problem, space)
     longest = max(_longest(ends_of_elements, front - zone, front + zone) for front in fronts)
-    return Resolution(zone, zone * _reach(law), longest, needed_elements(_functions(problem, space)))
+    return Resolution(zone, zone * _reach(law), longest, needed_elements(functions_along(problem, space)))
 
 
 def measured(problem: Problem, space: RowSpace, zone: ProcessZone) -> Resolution:
     """Resolution of a process zone that was found in a state, with the law's reach beside such a zone."""
-    longest = _longest(_ends(problem, space), zone.start, zone.end)
-    needed = needed_elements(_functions(problem, space))
+    longest = _longest(ends_along(problem, space), zone.start, zone.end)
+    needed = needed_elements(functions_along(problem, space))
     return Resolution(zone.length, zone.length * _reach(problem.adhesion.law), longest, needed)
 
 
 def lies_flat(problem: Problem) -> bool:
     """Whether the adhering part is everywhere as far from the substrate at rest."""
     places, gap = _at_rest(problem)
-    return bool(np.ptp(gap) <= _EVEN * (places[-1] - places[0]))
+    return bool(np.ptp(gap) <= EVEN * (places[-1] - places[0]))
 
 
 def parts_at_once(problem: Problem) -> bool:
@@ -174,19 +161,6 @@ def parts_at_once(problem: Problem) -> bool:
     whole = (adhesion.start, adhesion.end) == (0.0, 1.0)
     alone = held or problem.body.material.poissons_ratio == 0
     return bool(drive.side == opposite[adhesion.side] and whole and alone and lies_flat(problem))
-
-
-def estimate_notes(problem: Problem, space: RowSpace, laboratory: Laboratory) -> list[Note]:
-    """Say before the first step that the elements are too few for the front, and what would do."""
-    found = estimated(problem, space)
-    if found is None or found.is_enough or parts_at_once(problem):
-        return []
-    return [
-        Note(
-            "resolution",
-            f"{_told(problem, space, found, laboratory)} (estimated from law, material and thickness)",
-        )
-    ]
 
 
 @dataclass(frozen=True)
@@ -221,104 +195,6 @@ class Zones:
         }
 
 
-def peels(problem: Problem, space: RowSpace, fields: Mapping[float, FloatArray]) -> bool:
-    """Whether a joint was pulled by half of its strength somewhere in one of the last and largest states.
-
-    One that was not is a support, whose front is nowhere; `fields` are displacements (size, 2) by parameters.
-    """
-    try:
-        strength = law_character(problem.adhesion.law).strength
-    except InputError:
-        return False
-    states = {max(fields, key=abs), list(fields)[-1]} if fields else set()
-    pulls = (-front_profile(problem, space, fields[at]).adhesive_traction.min() for at in states)
-    return not fields or any(pull > strength / 2 for pull in pulls)
-
-
-def zone_notes(problem: Problem, space: RowSpace, zones: Zones, laboratory: Laboratory) -> list[Note]:
-    """Say that elements were too few at a front that was measured, or at that estimated where none was."""
-    if zones.worst is None:
-        return estimate_notes(problem, space, laboratory)
-    value, front = zones.worst
-    if front.is_enough:
-        return []
-    # a front that elements do not resolve is as long as they are
-    if zones.estimated is not None and zones.estimated.elements < front.elements:
-        return estimate_notes(problem, space, laboratory)
-    where = f"measured at the front at {laboratory.parameter(problem.drive.parameter_column, value)}"
-    return [Note("resolution", f"{_told(problem, space, front, laboratory)} ({where})")]
-
-
-def oscillation_notes(problem: Problem, plateau: tuple[float, float] | None, jumps: int) -> list[Note]:
-    """Say that the front of a strip moves from element to element, of which its reaction tells.
-
-    `plateau` are the mean of a steady reaction and its oscillation, peak to peak, where they could be read.
-    A strip on flat ground parts steadily but for its start and its end, which may jump.
-    """
-    if free_strip(problem) is None:
-        return []
-    told = None
-    if plateau is not None and abs(plateau[1]) > SWINGS * abs(plateau[0]):
-        told = f"the reaction swings by {100 * abs(plateau[1] / plateau[0]):.2g} % of its plateau"
-    elif jumps >= JUMPS:
-        told = f"the front jumped {jumps} times"
-    if told is None:
-        return []
-    text = f"{told}, where that of such a strip moves steadily: elements along are too large for the front"
-    return [Note("resolution", text)]
-
-
-def _told(problem: Problem, space: RowSpace, found: Resolution, laboratory: Laboratory) -> str:
-    """Numbers of a resolution that is not enough, and the space, mesh or grading that would do."""
-    element, zone, reach = (
-        laboratory.text(length, "length", 3) for length in (found.element, found.zone, found.reach)
-    )
-    ways = ", or ".join(_ways(problem, space, found))
-    return (
-        f"{found.elements:.2g} elements of {element} in the process zone of {zone}, and "
-        f"{found.elements_in_reach:.2g} in the reach of the law, {reach}; space {space.name} needs "
-        f"{found.needed:.2g} in the zone: take {ways}"
-    )
-
-
-def _ways(problem: Problem, space: RowSpace, found: Resolution) -> list[str]:
-    """What would give the process zone the elements that it needs."""
-    along, across = space.elements
-    if problem.adhesion.side in ("left", "right"):
-        return [f"mesh = '{along}x{_rounded_up(_SPARE * across * found.needed / found.elements)}'"]
-    sizes = np.diff(space.rows[0].breakpoints)
-    spare = _SPARE if np.ptp(sizes) < _EVEN else _SPARE_GRADED
-    wanted = _rounded_up(spare * along * found.needed / found.elements)
-    ways = [f"mesh = '{wanted}x{across}'"] if wanted <= _MOST_PROPOSED else [f"{wanted} elements along"]
-    usual = SplineSpace.uniform(3, 1, 2)
-    if found.needed > needed_elements(usual) and found.elements >= _SPARE * needed_elements(usual):
-        ways.append("space = 'N2.1'")
-    if problem.drive.side in ("bottom", "top"):
-        # the front stays near where it starts
-        grading = _grading(along, found.zone / found.needed / _SPARE / _ends(problem, space)[-1])
-        ways += [] if grading is None else [f"grade the elements towards the front, by up to 1:{grading}"]
-    return ways
-
-
-def _grading(elements: int, smallest: float) -> int | None:
-    """Ratio of the last of so many elements to the first one, the latter being a share of them all."""
-
-    def share(logarithm: float) -> float:
-        rate = logarithm / (elements - 1)
-        return float(np.expm1(rate) / np.expm1(rate * elements)) - smallest
-
-    largest = float(np.log(STRONGEST_GRADING))
-    if elements < 2 or not share(largest) < 0 < share(1e-6):
-        return None
-    return _rounded_up(float(np.exp(brentq(share, 1e-6, largest))))
-
-
-def _rounded_up(number: float) -> int:
-    """The next number of two digits and zeros."""
-    unit: int = 10 ** max(floor(log10(number)) - 1, 0)
-    return int(ceil(number / unit) * unit)
-
-
 def _reach(law: AdhesionLaw) -> float:
     """The reach of a law over the process zone; 1 of a law without a peak."""
     try:
@@ -329,15 +205,15 @@ def _reach(law: AdhesionLaw) -> float:
     return _REACH * sqrt(spent / opened)
 
 
-def _functions(problem: Problem, space: RowSpace) -> SplineSpace:
+def functions_along(problem: Problem, space: RowSpace) -> SplineSpace:
     """The functions along the adhering side."""
     rows: dict[Side, SplineSpace] = {"bottom": space.rows[0], "top": space.rows[-1]}
     return rows.get(problem.adhesion.side, space.across)
 
 
-def _ends(problem: Problem, space: RowSpace) -> FloatArray:
+def ends_along(problem: Problem, space: RowSpace) -> FloatArray:
     """Ends (elements + 1,) of the elements along the adhering side at rest, from its start."""
-    ends = _functions(problem, space).breakpoints
+    ends = functions_along(problem, space).breakpoints
     # chords of parts of each element: the elements of a bent side are its arcs
     parts = (ends[:-1, None] + np.diff(ends)[:, None] * np.arange(4) / 4).ravel()
     points = problem.body.shape.boundary(problem.adhesion.side).evaluate(np.append(parts, ends[-1]))

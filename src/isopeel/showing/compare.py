@@ -15,8 +15,9 @@ from isopeel.errors import InputError
 from isopeel.folder import check_overwritten, make_folder
 from isopeel.post.comparison import Compared, comparison, difference
 from isopeel.post.figures import comparison_figure, save
+from isopeel.post.findings import in_laboratory
+from isopeel.post.laboratory import short_unit
 from isopeel.post.style import check_format
-from isopeel.post.summary import in_laboratory, short_unit
 from isopeel.results.curve import Curve
 from isopeel.results.files import replacing
 from isopeel.showing.chosen import shown_stage

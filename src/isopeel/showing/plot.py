@@ -19,11 +19,11 @@ from isopeel.post.figures import (
     tractions_figure,
 )
 from isopeel.post.figures.shapes import MOST_SHAPES, spread
+from isopeel.post.findings import Findings, Shown, in_laboratory
 from isopeel.post.front import front_profile
 from isopeel.post.laboratory import Laboratory
 from isopeel.post.reading import unreadable
 from isopeel.post.style import check_format
-from isopeel.post.summary import Findings, Shown, in_laboratory
 from isopeel.results.files import replacing
 from isopeel.showing.chosen import shown_stages, stored_parameters
 from isopeel.stored import StoredStage

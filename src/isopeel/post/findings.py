@@ -1,0 +1,226 @@
+"""What is read from a run: readings, fronts, closed forms, and doubts of the discretization."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import NamedTuple
+
+import numpy as np
+
+from isopeel.post.closed_form import Expected
+from isopeel.post.closed_form.expected import invalid, theory
+from isopeel.post.crack import Front, crack_length_at, fronts, joint_ends, jumps
+from isopeel.post.fields import depth_inside
+from isopeel.post.laboratory import Laboratory, kind_of
+from isopeel.post.locking import locking_notes
+from isopeel.post.reading import PlateauReading, plateau_mean, read_plateau
+from isopeel.post.readings import (
+    LAST,
+    Reading,
+    drive_test,
+    halves,
+    is_only_pressed,
+    read,
+    steady_window,
+)
+from isopeel.post.resolution import Zones
+from isopeel.post.resolution_notes import oscillation_notes, peels, zone_notes
+from isopeel.problem import Problem
+from isopeel.results.curve import Curve
+from isopeel.results.notes import Note
+from isopeel.results.run_file import StoredRun
+from isopeel.splines.rows import RowSpace
+from isopeel.units import UnitSystem
+
+
+@dataclass(frozen=True)
+class Findings:
+    """What is read from a run beyond its curve, and what theory says of it.
+
+    `window` is where the plateau is read, if the case names one; `inside` is how deep (in L0) the body has
+    come to lie in the substrate. `period` is that of the mesh's oscillation, in the parameter's unit, also
+    where the closed form is not valid, for the reason that `unproven` gives. `fronts` are those of the stored
+    states, `readings` what a user of the drive looks for. `zones` are the elements at the fronts, and
+    `doubts` what is to be said of the discretization.
+    """
+
+    window: tuple[float, float] | None
+    plateau: PlateauReading | None
+    closed_form: Expected | None
+    inside: float
+    period: float | None = None
+    unproven: str = ""
+    fronts: Mapping[float, Front] = field(default_factory=dict)
+    readings: Sequence[Reading] = ()
+    halves: str | None = None
+    zones: Zones = field(default_factory=Zones)
+    doubts: Sequence[Note] = ()
+    laboratory: Laboratory = Laboratory(UnitSystem())  # noqa: RUF009 (both are frozen)
+
+
+def find(
+    problem: Problem,
+    space: RowSpace,
+    run: StoredRun,
+    window: tuple[float, float] | None,
+    laboratory: Laboratory | None = None,
+) -> Findings:
+    """Read a run of a problem on a space, to be shown in the units of a laboratory."""
+    laboratory = laboratory or Laboratory.of(UnitSystem(), problem)
+    curve = run.curve
+    said = theory(problem, space)
+    form, unproven = said.form, said.reason
+    if form is not None and run.base is not None:
+        # a stage after another one comes to the same steady state, but not by the same way; what lies on the
+        # substrate without being held was stretched by the stage before
+        slides = problem.adhesion.sliding_length is None and problem.drive.load is not None
+        form = None if slides else replace(form, onset=None)
+    period = form.period if form else None
+    plateau = read_plateau(curve, window, period) if window else None
+    found = fronts(problem, space, run.fields)
+    steady = window if window and plateau_mean(curve, window) is not None else None
+    test = drive_test(problem, curve)
+    reason = None
+    if steady is not None:
+        reason = _invalid(problem, found, form, steady, laboratory)
+    elif test in ("moment", "tape"):
+        steady, reason = _own_window(problem, curve, found, form, laboratory)
+        if steady is None and window is None:
+            reason = f"no part of the run has a steady {curve.reaction_column.name}"
+    elif form is not None:
+        reason = "the end was not lifted far enough for a tape to turn into its direction"
+    if steady is None and run.base is not None:
+        form = None
+    if form is not None and reason:
+        unproven, form = f"{form.source} is not shown: {reason}", None
+    readings: list[Reading] = []
+    if len(curve):
+        readings = read(problem, curve, found, window)
+        mean = plateau_mean(curve, steady) if steady else None
+        if steady and mean is not None:
+            readings.insert(0, _steady(curve, mean, steady, plateau, form))
+    inside = depth_inside(problem, space, run.fields)
+    zones = Zones.of(problem, space, {at: front.zone for at, front in found.items()})
+    doubts = locking_notes(problem, space, laboratory)
+    if not is_only_pressed(problem, curve) and (zones.measured or peels(problem, space, run.fields)):
+        doubts = zone_notes(problem, space, zones, laboratory) + doubts
+    if not doubts:
+        swing = None if plateau is None else (plateau.mean, plateau.amplitude)
+        doubts = oscillation_notes(problem, swing, int(jumps(curve).sum()))
+    return Findings(
+        window,
+        plateau,
+        form,
+        inside,
+        period,
+        unproven,
+        found,
+        readings,
+        halves(problem, test),
+        zones,
+        doubts,
+        laboratory,
+    )
+
+
+def _own_window(
+    problem: Problem,
+    curve: Curve,
+    found: Mapping[float, Front],
+    form: Expected | None,
+    laboratory: Laboratory,
+) -> tuple[tuple[float, float] | None, str | None]:
+    """Where a curve is read that the case names no window of, and why the closed form does not hold there.
+
+    The first part of its end that is steady, and where the closed form holds if there is one.
+    """
+    windows = [window for share in LAST if (window := steady_window(curve, share))]
+    reasons = [_invalid(problem, found, form, window, laboratory) for window in windows]
+    for window, reason in zip(windows, reasons, strict=True):
+        if reason is None:
+            return window, None
+    return (windows[0], reasons[0]) if windows else (None, None)
+
+
+def _invalid(
+    problem: Problem,
+    found: Mapping[float, Front],
+    form: Expected | None,
+    window: tuple[float, float],
+    laboratory: Laboratory,
+) -> str | None:
+    """Why a closed form does not hold in a window; None where it does, or there is none."""
+    if form is None:
+        return None
+    lengths = [crack_length_at(found, at) for at in window]
+    return invalid(form, lengths, joint_ends(problem)[1], laboratory.length)
+
+
+class Shown(NamedTuple):
+    """A curve and what was read from it in laboratory units, for figures and tables of several runs."""
+
+    curve: Curve
+    plateau: PlateauReading | None
+    closed_form: Expected | None
+    period: float | None
+
+
+def in_laboratory(curve: Curve, found: Findings) -> Shown:
+    """Convert a curve, its plateau and its closed form to the units that they are shown in."""
+    laboratory, plateau, form = found.laboratory, found.plateau, found.closed_form
+    p, r = (laboratory.column(column).factor for column in (curve.parameter_column, curve.reaction_column))
+    return Shown(
+        laboratory.curve(curve),
+        plateau
+        and replace(
+            plateau,
+            window=(plateau.window[0] * p, plateau.window[1] * p),
+            mean=plateau.mean * r,
+            drift=plateau.drift * r / p,
+            amplitude=plateau.amplitude * r,
+            steepest_rise=plateau.steepest_rise * r / p,
+            steepest_fall=plateau.steepest_fall * r / p,
+        ),
+        form
+        and replace(
+            form,
+            reaction=form.reaction * r,
+            onset=None if form.onset is None else form.onset * p,
+            period=None if form.period is None else form.period * p,
+        ),
+        None if found.period is None else found.period * p,
+    )
+
+
+def _steady(
+    curve: Curve,
+    mean: float,
+    window: tuple[float, float],
+    plateau: PlateauReading | None,
+    form: Expected | None,
+) -> Reading:
+    """The steady reaction in a window, with its drift and its oscillation in percent where they were read."""
+    words = "mean"
+    if plateau and mean:
+        drift = 100 * plateau.drift * (window[1] - window[0]) / mean
+        oscillation = 100 * plateau.amplitude / abs(mean)
+        words += f", drift {drift:+.2g} %, oscillation {oscillation:.2g} %"
+    kind = kind_of(curve.reaction_column)
+    theory, source = (form.reaction, form.source) if form else (None, "")
+    return Reading(f"steady {curve.reaction_column.name}", mean, kind, None, theory, source, words, window)
+
+
+def all_readings(curve: Curve, found: Findings, onset: float | None) -> list[Reading]:
+    """What was read, in the order of the table."""
+    readings = list(found.readings)
+    form = found.closed_form
+    if onset is not None:
+        theory, source = (form.onset, form.source) if form else (None, "")
+        readings.append(Reading("onset", onset, "angle", None, theory, source))
+    jumped = np.flatnonzero(jumps(curve))
+    readings += [
+        Reading(
+            "jump", float(curve.released_energy[k]), "energy", float(curve.parameter[k]), words="released"
+        )
+        for k in jumped
+    ]
+    return readings

@@ -1,0 +1,72 @@
+"""The notes on a run: where its numbers can be doubted, and what could not be read."""
+
+from collections.abc import Sequence
+from functools import partial
+
+from isopeel.post.findings import Findings
+from isopeel.post.mesh_error import MeshChange
+from isopeel.post.reading import plateau_mean, unreadable
+from isopeel.post.readings import (
+    FAR,
+)
+from isopeel.post.stability import stability_notes
+from isopeel.results.notes import Note
+from isopeel.results.run_file import StoredRun
+
+#: Change of a reaction on a finer space that is worth a note. For an error that falls with the element size
+#: or faster the error itself is at most twice that: 3 %.
+MESH_CHANGE = 0.015
+
+
+def run_notes(run: StoredRun, found: Findings, onset: float | None) -> list[Note]:
+    """All notes on a run but those of a finer mesh."""
+    window, laboratory = found.window, found.laboratory
+    notes = [*found.doubts]
+    if found.inside:
+        depth = laboratory.text(found.inside, "length", 2)
+        text = f"a part that does not adhere, and feels no substrate, lies up to {depth} inside it"
+        notes.append(Note("penetration", text))
+    notes += stability_notes(run.curve, laboratory)
+    for reading in found.readings:
+        deviation = reading.deviation
+        # a crack's length differs from that of an arm clamped at its front by what the front gives way
+        if deviation is None or abs(deviation) <= FAR or reading.kind in ("length", "toughness"):
+            continue
+        text = (
+            f"{reading.name}: the run is {100 * deviation:+.3g} % off {reading.source},"
+            f" {laboratory.text(reading.theory or 0.0, reading.kind)}; up to {100 * FAR:g} % is usual:"
+            " compare a finer mesh, a later window and smaller steps"
+        )
+        notes.append(Note("closed form", text))
+    if found.unproven:
+        notes.append(Note("reading", f"closed form: {found.unproven}"))
+    if window is None:
+        if found.closed_form is not None:
+            text = "plateau, amplitude and slopes: the case names no window to read them in"
+            notes.append(Note("reading", text))
+    elif reason := unreadable(
+        run.curve, window, found.period, partial(laboratory.parameter, run.curve.parameter_column)
+    ):
+        covered = plateau_mean(run.curve, window) is not None
+        notes.append(Note("reading", f"{'' if covered else 'plateau, '}amplitude and slopes: {reason}"))
+    if onset is None and run.curve.parameter_column.unit == "degree":
+        notes.append(Note("reading", "onset: no peeling began"))
+    return notes
+
+
+def mesh_notes(run: StoredRun, found: Findings, changes: Sequence[MeshChange]) -> list[Note]:
+    """Say where a reaction changes on a finer mesh by more than MESH_CHANGE."""
+    parameter, reaction = run.curve.parameter_column, run.curve.reaction_column
+    length, height = str(run.attributes["mesh"]).split("x")
+    notes = []
+    for change in changes:
+        if change.relative > MESH_CHANGE:
+            at = f"{reaction.name} at {found.laboratory.parameter(parameter, change.parameter)}"
+            seen = (
+                "has no equilibrium near it on elements of half the length"
+                if change.finer is None
+                else f"changes by {100 * change.relative:.2g} % on elements of half the length"
+            )
+            text = f"the mesh is too coarse: the {at} {seen}; try --mesh {2 * int(length)}x{height}"
+            notes.append(Note("resolution", text))
+    return notes
