@@ -32,6 +32,9 @@ FIGURES, DRAWN = "figures", ("curve", "plateau", "shapes", "front", "tractions",
 PARAVIEW, EXPORTED = "paraview", re.compile(r"(body|adhesive-side)(-\d{4,}\.vtu|\.pvd)")
 #: The file that a process holds while it writes to a folder, and what the names of stage folders begin with.
 LOCK, STAGE_FOLDER = ".lock", re.compile(r"\d{1,9}(?=-)")
+#: What file managers leave everywhere, and what was being written when its process was killed.
+_OF_NOBODY = (".DS_Store", "Thumbs.db", "desktop.ini")
+_PART = re.compile(r"\.[^.].*\.part\.[a-z0-9]+")
 _MOST_NAMES = 3  # in one line
 # a pipe in place of a file would wait for who writes to it
 _NO_LINK = getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0)
@@ -100,14 +103,24 @@ def run_files(folder: Path) -> list[Path]:
     return files
 
 
-def make_folder(out: Path) -> None:
-    """Make a folder. Raises InputError where no file could be written to it."""
+def make_folder(out: Path, field: str = "--out") -> None:
+    """Make a folder. Raises InputError, of a field, where no file could be written to it."""
     try:
         out.mkdir(parents=True, exist_ok=True)
         TemporaryFile(dir=out).close()
     except OSError as error:
-        allowed = f"a folder that can be written is needed: {error.strerror}"
-        raise InputError("--out", str(out), allowed) from error
+        allowed = f"a folder that can be written is needed: {_in_the_way(out) or error.strerror}"
+        raise InputError(field, str(out), allowed) from error
+
+
+def _in_the_way(folder: Path) -> str:
+    """What has the name of a folder, or of one that it lies in, and is none; else nothing."""
+    for path in (*reversed(folder.parents), folder):
+        if os.path.lexists(path) and not path.is_dir():
+            if path.is_symlink():
+                return f"{path} is a link to {path.readlink()}, where there is no folder"
+            return f"{path} is no folder"
+    return ""
 
 
 def check_folder(out: Path) -> None:
@@ -126,11 +139,13 @@ def clear_parts(out: Path) -> None:
         part_of(out / name).unlink(missing_ok=True)
 
 
-def check_overwritten(field: str, files: Iterable[Path], force: bool = False) -> None:
+def check_overwritten(
+    field: str, files: Iterable[Path], force: bool = False, way: str = "give another place, or --force"
+) -> None:
     """Raise InputError where one of the files to write is there already, and isopeel did not write it.
 
     A table (.csv, .md) is taken for isopeel's where a page or a figure beside it is. With `force` only what
-    is no file is refused.
+    is no file is refused. `way` says what a user can do.
     """
     others = []
     for path in files:
@@ -143,7 +158,7 @@ def check_overwritten(field: str, files: Iterable[Path], force: bool = False) ->
         if not force and not _is_ours(path):
             others.append(str(path))
     if others:
-        allowed = f"isopeel did not write {first_names(others)}; give another place, or --force"
+        allowed = f"isopeel did not write {first_names(others)}; {way}"
         raise InputError(field, others[0], allowed)
 
 
@@ -155,6 +170,13 @@ def _is_ours(path: Path) -> bool:
     beside = path.parent.parent if path.parent.name == "tables" else path.parent
     anchors = [beside / REPORT, *beside.glob("compare.[!c]*"), *beside.glob(f"{FIGURES}/*.*")]
     return any(is_written_by_isopeel(anchor) for anchor in anchors)
+
+
+def is_of_nobody(path: Path) -> bool:
+    """Whether something in the folder of a run may be there, whoever left it, and may go."""
+    if path.name == LOCK:
+        return not path.lstat().st_size
+    return path.name in _OF_NOBODY or _PART.fullmatch(path.name) is not None
 
 
 def first_names(names: Sequence[str]) -> str:

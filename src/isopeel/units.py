@@ -48,6 +48,10 @@ _POWER_OF_TEN = r"\s*[x×*·]\s*10\s*(?:\^|\*\*)\s*([-+]?[0-9]{1,3})"
 _QUANTITY = re.compile(
     rf"({_NUMBER})(?:{_POWER_OF_TEN})?(?:(?<=[0-9.])|\s)\s*([^\s0-9.].*)|({_NUMBER})", re.DOTALL
 )
+#: A force per width of a tape, such as N/25 mm: the unit, and the number and unit of the width.
+_PER_WIDTH = re.compile(
+    r"(?P<unit>[^/]+)/\s*(?P<open>\()?(?P<width>[0-9]{1,4}(?:\.[0-9]{1,4})?)\s*(?P<of>[mc]m|in|inch)(?(open)\))"
+)
 _SPLIT_NUMBER = re.compile(r"([0-9.]+)\s+([eE][-+]?[0-9]+)(?![0-9])")
 _LONGEST = 100  # characters
 
@@ -84,7 +88,7 @@ def parse_quantity(text: str) -> Quantity:
 
     Units are multiplied by a space, a point or an asterisk, and divided by a solidus; powers follow ^ or **
     or stand behind the name, raised or not; those that are no whole numbers are ^0.5 or ^(1/2). What could be
-    read in two ways, such as J/m nm, is refused.
+    read in two ways, such as J/m nm, is refused. N/25 mm is a force per width of that many millimetres.
     Mass^a length^b time^c is a power product of stresses and lengths where c = -2 a: it is
     stress^a length^(a + b). For whole powers the conversion is exact until the value is rounded to a float,
     so that "200 nm" is 200.0 to the last bit. L0 and E0 are 1 nm and 2 GPa unless `measured_in` other units.
@@ -93,7 +97,7 @@ def parse_quantity(text: str) -> Quantity:
     number, exponent, unit = _split(text)
     if not isfinite(float(number)):
         raise ValueError("it is not finite")
-    powers = _powers(unit)
+    powers, width = _powers_and_width(unit)
     factors = {name: _factor(name) for name in powers}
     angle = any(factor.radians for factor in factors.values())
     # radians have no dimension, so that an angle would pass unseen in a product
@@ -107,7 +111,7 @@ def parse_quantity(text: str) -> Quantity:
     if any(dimension.values()) or time != -2 * mass or not (angle or mass or length):
         raise ValueError(_of_another_kind(unit))
     system = _MEASURED_IN.get()
-    exact = Fraction(number) * Fraction(10) ** exponent
+    exact = Fraction(number) * Fraction(10) ** exponent / width
     try:
         for name, power in powers.items():
             exact *= _raised(factors[name].size, power)
@@ -137,6 +141,14 @@ def _split(text: str) -> tuple[str, int, str]:
     if alone is not None:
         raise ValueError("it has no unit")
     return number, int(exponent or 0), unit
+
+
+def _powers_and_width(unit: str) -> tuple[Mapping[str, Fraction], Fraction]:
+    """Return the powers of a product of units, and the number that divides it, such as 25 in N/25 mm."""
+    per_width = _PER_WIDTH.fullmatch(unit)
+    if per_width is None or not Fraction(per_width["width"]):
+        return _powers(unit), Fraction(1)
+    return _powers(f"{per_width['unit']}/{per_width['of']}"), Fraction(per_width["width"])
 
 
 def _powers(unit: str) -> Mapping[str, Fraction]:
@@ -210,6 +222,9 @@ class _Factor(NamedTuple):
     radians: int
 
 
+_KNOWN = "known are nm, um, mm, m, in, thou, Pa, MPa, psi, N, mN, lbf, J, mJ, deg, rad and others of pint's"
+
+
 @lru_cache(maxsize=1000)
 def _factor(name: str) -> _Factor:
     """Look a unit up. Raises ValueError where there is none of this name, or it is no factor."""
@@ -219,7 +234,11 @@ def _factor(name: str) -> _Factor:
         unit = pint.util.UnitsContainer({known: 1}, non_int_type=Fraction)
         size, base = registry.get_base_units(unit)
     except pint.PintError as error:
-        raise ValueError(f"{name!r} is not a known unit") from error
+        raise ValueError(f"{name!r} is not a known unit; {_KNOWN}") from error
+    if known.endswith("mil"):
+        # an angle to pint; on the data sheet of a tape it is a length
+        allowed = "as it is an angle or a length; a thousandth of an inch is 'thou'"
+        raise ValueError(f"{name!r} is not a known unit, {allowed}, and {_KNOWN}")
     radians = Fraction(dict(registry.Quantity(1, base).unit_items()).get("radian", 0))
     dimension = {str(key): Fraction(power) for key, power in registry.get_dimensionality(unit).items()}
     # a pure number, such as a percent or a decibel, which is not even a factor, would change a length unseen

@@ -69,7 +69,7 @@ def test_a_fracture_toughness_has_half_a_power_of_a_length() -> None:
         ("1 e-3 m", "there is a space in its number; write 1e-3"),
         ("1 J/m nm", "can be read in two ways"),
         ("1 J/m*nm", "can be read in two ways"),
-        ("1 N/25mm", "it is not a number and a unit"),
+        ("1 N/25mm2", "it is not a number and a unit"),
         ("1 N/", "it is not a number and a unit"),
         ("1 N/(m", "it is not a number and a unit"),
         ("1 m^-", "it is not a number and a unit"),

@@ -332,7 +332,10 @@ def load_case(case: str | Path) -> Case:
     except OSError as error:
         raise InputError("CASE", str(case), f"it cannot be read: {error.strerror}") from error
     except UnicodeDecodeError as error:
-        allowed = f"a TOML file is UTF-8 text; byte {error.start} is not"
+        is_utf_16 = content.startswith((b"\xff\xfe", b"\xfe\xff"))
+        allowed = "a TOML file is UTF-8 text; " + (
+            "it is UTF-16, to be saved as UTF-8" if is_utf_16 else f"byte {error.start} is not"
+        )
         raise InputError("CASE", str(case), allowed) from error
     return Case.parse(text.replace("\r\n", "\n"), str(case), path.parent)
 

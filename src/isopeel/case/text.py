@@ -30,6 +30,8 @@ _PARTS = re.compile(rf"(?<![\w-])(?:(?>[\w-]+)[ \t]*\.[ \t]*){{{MOST_PARTS}}}")
 
 def document_of(text: str, source: str) -> dict[str, Any]:
     """Read TOML of bounded size and depth; InputError for CASE otherwise."""
+    # some editors begin a text in UTF-8 by its mark
+    text = text.removeprefix("\ufeff")
     size = size_of(text)
     if size is None:
         raise InputError("CASE", source, "half of a pair that encodes a character is no character")

@@ -30,8 +30,24 @@ def quantity_of(dimension: Dimension, written: object) -> Quantity:
         raise ValueError(f"{error}; {dimension.needed}") from error
     powers_agree = quantity.stress == dimension.stress and quantity.length == dimension.length
     if not powers_agree or quantity.angle != dimension.angle:
-        raise ValueError(dimension.needed)
+        raise ValueError(f"{dimension.needed}, and this is {_kind(quantity)}")
     return quantity
+
+
+_KINDS: dict[tuple[Fraction | int, Fraction | int], str] = {
+    (0, 1): "a length",
+    (0, 2): "an area",
+    (1, 0): "a stress",
+    (1, 1): "a force per width or an energy per area",
+    (1, 2): "a force",
+    (1, 3): "an energy",
+}
+
+
+def _kind(quantity: Quantity) -> str:
+    if quantity.angle:
+        return "an angle"
+    return _KINDS.get((quantity.stress, quantity.length), "something else")
 
 
 def read_quantity(dimension: Dimension, written: object) -> float:

@@ -8,7 +8,7 @@ from rich.table import Table
 
 from isopeel.case import load_case
 from isopeel.errors import InputError
-from isopeel.folder import check_overwritten
+from isopeel.folder import check_overwritten, make_folder
 from isopeel.physics.adhesion import AdhesionLaw
 from isopeel.physics.adhesion.mirrored import Mirrored
 from isopeel.post.figures import law_figure, save
@@ -34,7 +34,7 @@ def show_law(name: str, out: Path | None, console: Console, *, force: bool = Fal
     path = out or Path("out") / f"{Path(name).stem}.png"
     character = law_character(law)
     check_overwritten("--out", [path], force)
-    path.parent.mkdir(parents=True, exist_ok=True)
+    make_folder(path.parent)
     try:
         save(law_figure(law, Laboratory(units)), path)
     except InputError as error:

@@ -8,7 +8,7 @@ from rich.table import Table
 
 from isopeel.case import parse_mesh
 from isopeel.errors import InputError
-from isopeel.folder import check_overwritten
+from isopeel.folder import check_overwritten, make_folder
 from isopeel.post.figures import save, space_figure
 from isopeel.splines.names import SplineFamily, parse_space_name
 from isopeel.splines.rows import RowSpace, row_space
@@ -24,7 +24,7 @@ def show_space(name: str, mesh: str, out: Path | None, console: Console, *, forc
         space = row_space(name, parse_mesh("--mesh", mesh))
         path = out or Path("out") / f"{space.name}.png"
         check_overwritten("--out", [path], force)
-        path.parent.mkdir(parents=True, exist_ok=True)
+        make_folder(path.parent)
         save(space_figure(space), path)
     except InputError as error:
         field = {"space": "NAME", "mesh": "--mesh", "figure": "--out"}.get(error.field, error.field)
