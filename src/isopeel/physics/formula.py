@@ -113,6 +113,15 @@ def check_constants(field: str, constants: Mapping[str, float], reserved: tuple[
             raise InputError(f"{field}.{name}", value, "it must be finite")
 
 
+def check_used(field: str, constants: Mapping[str, float], text: str) -> None:
+    """Raise InputError where a formula, which has been parsed before, does not use one of the constants."""
+    used = {node.id for node in ast.walk(ast.parse(text.strip(), mode="eval")) if isinstance(node, ast.Name)}
+    for name, value in constants.items():
+        if name not in used:
+            allowed = "the formula does not use it; leave it out, or correct the formula"
+            raise InputError(f"{field}.{name}", value, allowed)
+
+
 def check_smooth(field: str, text: str, expressions: "Iterable[sympy.Expr]") -> None:
     """Raise InputError where derivatives of a formula have jumps, or functions that a formula has not."""
     import sympy

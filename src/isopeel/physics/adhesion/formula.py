@@ -15,10 +15,12 @@ from isopeel.physics.formula import (
     batch_source,
     check_constants,
     check_smooth,
+    check_used,
     compile_source,
     parse_formula,
 )
 from isopeel.physics.formula_dimensions import FormulaDimensions
+from isopeel.physics.formula_poles import poles
 from isopeel.quantities import LENGTH, SURFACE_ENERGY
 
 if TYPE_CHECKING:
@@ -30,6 +32,7 @@ _GAPS = np.geomspace(1e-12, 1e9, 48_001)
 
 
 _UNFINISHED = 1e-3  # of the work of adhesion, for gap times traction at the last gap
+_ROUND_OFF = 1e-9  # of a gap, to which a pole is found
 
 
 @dataclass(frozen=True)
@@ -38,8 +41,9 @@ class FormulaAdhesion:
 
     `potential` may use `r` and the names in `constants` (values in the units of the problem). T = -dPhi/dr
     (repulsion positive) and dT/dr are derived by SymPy. A potential that is not finite at r = 0 holds for
-    positive gaps only. Raises InputError unless the traction turns from repulsion to attraction at some gap,
-    the equilibrium gap, and it takes a positive, finite work to part the surfaces from there.
+    positive gaps only, and one with a pole below the equilibrium for gaps beyond that. Raises InputError
+    unless the traction turns from repulsion to attraction at some gap, the equilibrium gap, has finite values
+    from there on, and it takes a positive, finite work to part the surfaces.
     """
 
     name: ClassVar[str] = "formula"
@@ -51,10 +55,14 @@ class FormulaAdhesion:
         """Check the formula, its equilibrium gap and its work of adhesion."""
         check_constants("adhesion.constants", self.constants, ("r",))
         object.__setattr__(self, "constants", dict(sorted(self.constants.items())))
-        _source(self.potential, tuple(self.constants), self._positive_gaps_only)
+        derived = _derive(self.potential, tuple(self.constants))
+        check_smooth("adhesion.potential", self.potential, derived)
         if not np.isfinite(self.equilibrium_gap):
             allowed = "it must have a minimum over the gap r, the equilibrium"
+            if len(self._poles):
+                allowed += f"; it has a pole at the gap r = {self._poles[-1]:.6g}, in units of the problem"
             raise InputError("adhesion.potential", self.potential, allowed)
+        self._check_values()
         if not 0 < self.work_of_adhesion < np.inf:
             allowed = f"its work of adhesion must be positive and finite, it is {self.work_of_adhesion:g}"
             raise InputError("adhesion.potential", self.potential, allowed)
@@ -62,6 +70,7 @@ class FormulaAdhesion:
         if abs(float(self._function(1)(_GAPS[-1:])[0])) * _GAPS[-1] > _UNFINISHED * self.work_of_adhesion:
             allowed = "its attraction must vanish with the gap, so that the surfaces can be parted"
             raise InputError("adhesion.potential", self.potential, allowed)
+        check_used("adhesion.constants", self.constants, self.potential)
 
     @classmethod
     def like(cls, strength: float, work_of_adhesion: float, equilibrium_gap: float) -> Self:
@@ -78,7 +87,7 @@ class FormulaAdhesion:
     @property
     def kernel(self) -> BatchFunction:
         """Batch function of potential, traction and its derivative."""
-        source = _source(self.potential, tuple(self.constants), self._positive_gaps_only)
+        source = _source(self.potential, tuple(self.constants), self._least_gap)
         return compile_source(source, ADHESION_SIGNATURE)
 
     @cached_property
@@ -105,6 +114,42 @@ class FormulaAdhesion:
         """Phi(infinity) - Phi(r_eq)."""
         near, far = self._function(0)(np.array([self.equilibrium_gap, _GAPS[-1]]))
         return float(far - near)
+
+    def _check_values(self) -> None:
+        """Raise InputError where the traction has no value from the equilibrium on, or attracts to a pole."""
+        gap, least = self.equilibrium_gap, self._least_gap
+        beyond = self._poles[self._poles >= gap - _ROUND_OFF * abs(gap)]
+        if len(beyond):
+            allowed = (
+                f"it has a pole at the gap r = {beyond[0]:.6g}, in units of the problem, where a joint opens"
+            )
+            raise InputError("adhesion.potential", self.potential, allowed)
+        gaps = self._gaps
+        values = self._function(1)(gaps)
+        lost = gaps[(gaps > gap) & np.isnan(values)]
+        if len(lost):
+            allowed = f"it has no value at the gap r = {lost[0]:.6g}, in units of the problem"
+            raise InputError("adhesion.potential", self.potential, f"{allowed}, where a joint opens")
+        near = values[(gaps > (least if least is not None else -np.inf)) & np.isfinite(values)]
+        if least is not None and near[0] < 0:
+            allowed = f"it attracts without bound at the gap r = {least:.6g}, in units of the problem"
+            raise InputError("adhesion.potential", self.potential, f"{allowed}; it must repel there")
+
+    @cached_property
+    def _poles(self) -> FloatArray:
+        return poles(self._function(1), self._gaps)
+
+    @property
+    def _gaps(self) -> FloatArray:
+        """The gaps that it is tried at, negative ones where it may be pressed so far."""
+        return _GAPS if self._positive_gaps_only else np.concatenate([-_GAPS[::-1], [0.0], _GAPS])
+
+    @property
+    def _least_gap(self) -> float | None:
+        """The gap that it holds beyond, the nearest pole below the equilibrium; None for any gap."""
+        below = self._poles[self._poles < self.equilibrium_gap]
+        ends = [*below[-1:], *([0.0] if self._positive_gaps_only else [])]
+        return float(max(ends)) if ends else None
 
     @cached_property
     def _positive_gaps_only(self) -> bool:
@@ -137,10 +182,9 @@ def _derive(potential: str, constants: tuple[str, ...]) -> "tuple[sympy.Expr, sy
 
 
 @cache
-def _source(potential: str, constants: tuple[str, ...], positive_gaps_only: bool) -> str:
+def _source(potential: str, constants: tuple[str, ...], least_gap: float | None) -> str:
     arguments = "gap, curvature, parameters, count, potential, traction, derivative"
     entries = ("potential[n]", "traction[n]", "derivative[n]")
     outputs = dict(zip(entries, _derive(potential, constants), strict=True))
-    check_smooth("adhesion.potential", potential, outputs.values())
-    guard = "gap[n] > 0.0" if positive_gaps_only else None
+    guard = None if least_gap is None else f"gap[n] > {least_gap!r}"
     return batch_source(arguments, {"r": "gap[n]"}, constants, outputs, guard)

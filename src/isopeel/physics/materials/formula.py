@@ -14,6 +14,7 @@ from isopeel.physics.formula import (
     batch_source,
     check_constants,
     check_smooth,
+    check_used,
     compile_source,
     parse_formula,
 )
@@ -61,6 +62,7 @@ class FormulaMaterial:
         if not self._is_isotropic:
             allowed = "it must not change when the body is turned, before or after its deformation"
             raise InputError("material.energy", self.energy, allowed)
+        check_used("material.constants", self.constants, self.energy)
 
     @cached_property
     def _at_rest(self) -> tuple[float, float, float]:

@@ -14,6 +14,7 @@ from isopeel.physics.formula import (
     batch_source,
     check_constants,
     check_smooth,
+    check_used,
     compile_source,
     parse_formula,
 )
@@ -55,6 +56,7 @@ class FormulaSubstrate:
             heights = height(_PLACES, *map(np.float64, self.constants.values()))
         if not np.isfinite(heights).any():
             raise InputError("substrate.formula", self.formula, "it must have finite real values")
+        check_used("substrate.constants", self.constants, self.formula)
 
     @property
     def parameters(self) -> FloatArray:
