@@ -233,7 +233,7 @@ def test_what_cannot_be_viewed(
     monkeypatch.setattr(sys, "platform", "linux")
     assert "there is none to open a window on" in refused(capsys, "view", one)
     assert "must end in .png" in refused(capsys, "view", one, "--screenshot", tmp_path / "a.jpg")
-    assert "displacements are stored from 0 deg to 20 deg" in refused(capsys, "view", one, "--at", "26")
+    assert "the path goes from 0 deg to 20 deg" in refused(capsys, "view", one, "--at", "26")
     monkeypatch.setitem(sys.modules, "pyvista", None)
     error = refused(capsys, "view", one, "--screenshot", tmp_path / "a.png")
     assert "pip install 'isopeel[view]'" in error
@@ -264,7 +264,9 @@ def test_figures_that_make_no_sense(runs: Path, tmp_path: Path, capsys: pytest.C
         capsys, "plot", one, "--only", "plateau"
     )
     assert "png, pdf, svg" in refused(capsys, "plot", one, "--format", "doc")
-    assert "--at: '40' cannot be used; displacements are stored" in refused(capsys, "plot", one, "--at", "40")
+    assert "--at: '40' cannot be used; the path goes from 0 deg to 20 deg" in refused(
+        capsys, "plot", one, "--at", "40"
+    )
     assert "--at: '5 nm' cannot be used" in refused(capsys, "plot", one, "--at", "5 nm")
     (tmp_path / "file").touch()
     error = refused(capsys, "plot", one, "--out", tmp_path / "file")

@@ -1,8 +1,10 @@
 """Values of options have a unit, and are read in those of the run's case; plain numbers are degrees only."""
 
+from importlib.util import find_spec
 from pathlib import Path
 
 import pytest
+from rich.console import Console
 
 from isopeel.case import Case
 from isopeel.cli import main
@@ -52,8 +54,29 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.mark.parametrize("written", ["0.05 um", "50 nm", "5e-8 m", "50e-6 mm"])
 def test_a_state_is_chosen_in_any_unit(folder: Path, written: str) -> None:
-    (chosen,) = stored_parameters(shown_stage(folder), [written])
+    console = Console(record=True)
+    (chosen,) = stored_parameters(shown_stage(folder), [written], console)
+    assert console.export_text() == ""
     assert chosen == pytest.approx(0.05, rel=1e-12)  # in micrometres
+
+
+@pytest.mark.parametrize(
+    ("written", "taken"),
+    [("30 nm", "50 nm"), ("0.02 um", "0 um"), ("99 nm", "100 nm"), ("5.0001e-8 m", "50 nm")],
+)
+def test_another_state_than_was_asked_for_is_told(
+    folder: Path, written: str, taken: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    commands = [["plot", str(folder), "--only", "front", "--at", written]]
+    if find_spec("pyvista"):
+        commands.append(
+            ["view", str(folder), "--at", written, "--screenshot", str(folder / "figures/shapes.png")]
+        )
+    for command in commands:
+        capsys.readouterr()
+        assert main(command) == 0
+        told = f"--at {written}: the nearest state that is stored is at {taken}; `isopeel run --fields-every`"
+        assert told in capsys.readouterr().out
 
 
 @pytest.mark.parametrize(
@@ -61,7 +84,10 @@ def test_a_state_is_chosen_in_any_unit(folder: Path, written: str) -> None:
     [
         ("50", "it has no unit; a length is needed, such as '200 nm'"),
         ("0.05", "it has no unit; a length is needed, such as '200 nm'"),
-        ("50 mm", "displacements are stored from 0 um to 100 nm"),
+        ("50 mm", "the path goes from 0 um to 100 nm"),
+        ("-1 nm", "the path goes from 0 um to 100 nm"),
+        ("100.1 nm", "the path goes from 0 um to 100 nm"),
+        ("120 nm", "the path goes from 0 um to 100 nm"),
         ("1 N/m", "a length is needed, such as '200 nm'"),
         ("30 deg", "a length is needed, such as '200 nm'"),
         ("nan", "it has no unit; a length is needed"),

@@ -1,14 +1,19 @@
 """What of a stored run is to be shown: its stages, and the states in them."""
 
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 
 import numpy as np
+from rich.console import Console
 
 from isopeel.case.values import as_written, read_quantity
 from isopeel.errors import InputError
 from isopeel.stored import StoredStage, stored_stages
 from isopeel.units import measured_in
+
+#: Of the largest parameter of a path: states that differ by less are the same.
+_SAME = 1e-9
 
 
 def shown_stages(folder: Path) -> tuple[StoredStage, ...]:
@@ -37,16 +42,17 @@ def shown_stage(folder: Path) -> StoredStage:
     return stage
 
 
-def stored_parameters(stage: StoredStage, written: Sequence[str]) -> list[float]:
+def stored_parameters(stage: StoredStage, written: Sequence[str], console: Console) -> list[float]:
     """The parameters of the stored displacements that are nearest to those that a user writes, in turn.
 
-    They are read in the units of the run's case. Plain numbers are degrees of an angle, and nothing else.
-    Raises InputError for --at, also where one lies off all that is stored.
+    Where one is another than was asked for, a line says so. They are read in the units of the run's case.
+    Plain numbers are degrees of an angle, and nothing else. Raises InputError for --at, also where one lies
+    beyond the path.
     """
-    return list(dict.fromkeys(_nearest(stage, value) for value in written))
+    return list(dict.fromkeys(_nearest(stage, value, console) for value in written))
 
 
-def _nearest(stage: StoredStage, written: str) -> float:
+def _nearest(stage: StoredStage, written: str, console: Console) -> float:
     drive, stored = stage.stage.problem.drive, np.array(list(stage.run.fields))
     dimension = drive.parameter_dimension
     try:
@@ -54,12 +60,14 @@ def _nearest(stage: StoredStage, written: str) -> float:
             value = read_quantity(dimension, as_written(dimension, written))
     except ValueError as error:
         raise InputError("--at", written, str(error)) from error
-    room = stage.run.field_interval / 2
-    if not stored.min() - room <= value <= stored.max() + room:
-        ends = (
-            stage.laboratory.parameter(drive.parameter_column, float(end))
-            for end in (stored.min(), stored.max())
-        )
-        reach = "from {} to {}".format(*ends)
-        raise InputError("--at", written, f"displacements are stored {reach}")
-    return float(stored[np.abs(stored - value).argmin()])
+    shown = partial(stage.laboratory.parameter, drive.parameter_column)
+    path = stage.run.curve.parameter
+    same = _SAME * float(np.abs(path).max())
+    if not path.min() - same <= value <= path.max() + same:
+        reach = f"the path goes from {shown(float(path.min()))} to {shown(float(path.max()))}"
+        raise InputError("--at", written, reach)
+    nearest = float(stored[np.abs(stored - value).argmin()])
+    if abs(nearest - value) > same:
+        told = f"--at {written}: the nearest state that is stored is at {shown(nearest)}"
+        console.print(f"{told}; `isopeel run --fields-every` stores more", soft_wrap=True)
+    return nearest

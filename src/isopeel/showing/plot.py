@@ -75,7 +75,7 @@ def plot_run(
         shown = _Shown(
             stage,
             stage.found(),
-            stored_parameters(stage, at),
+            stored_parameters(stage, at, console),
         )
         into = stage.folder / FIGURES if out is None else out / stage.folder.relative_to(folder)
         check_overwritten("--out", [into / f"{part}.{suffix}" for part in only or PARTS], force)
