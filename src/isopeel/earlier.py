@@ -1,7 +1,6 @@
 """What lies in the folder of a run before it begins: nothing that a user owns, or computed, is lost."""
 
 import os
-import re
 import shutil
 import tomllib
 from collections.abc import Callable, Iterator, Sequence
@@ -20,11 +19,11 @@ from isopeel.folder import (
     EXPORTED,
     FIGURES,
     FILES,
-    LOCK,
     PARAVIEW,
     REPORT,
     STAGE_FOLDER,
     first_names,
+    is_of_nobody,
     stage_files,
 )
 from isopeel.post.laboratory import short_unit
@@ -34,8 +33,6 @@ from isopeel.results.journal import journal_path
 from isopeel.results.run_file import StoredRun, read_run
 from isopeel.solve.step import KINDS
 
-#: What file managers leave everywhere.
-_OF_NOBODY = (".DS_Store", "Thumbs.db", "desktop.ini")
 #: Of the size of a parameter: two ends that differ by less are the same.
 _SAME = 1e-9
 _ANOTHER = "give another folder, or --force"
@@ -155,9 +152,8 @@ def _foreign(folder: Path, *, stages_too: bool) -> Iterator[Path]:
     kept = {*FILES, journal_path(Path(FILES[0])).name, REPORT}
     has_run = (folder / FILES[0]).exists()
     for path in folder.iterdir():
-        about = path.lstat()
-        kind = kind_of(about.st_mode)
-        if path.name in _OF_NOBODY or _is_part(path.name) or (path.name == LOCK and not about.st_size):
+        kind = kind_of(path.lstat().st_mode)
+        if is_of_nobody(path):
             continue
         if kind == "a folder" and path.name == FIGURES:
             yield from _others(path, lambda name: name.partition(".")[0] in DRAWN)
@@ -176,15 +172,8 @@ def _foreign(folder: Path, *, stages_too: bool) -> Iterator[Path]:
 def _others(folder: Path, is_known: Callable[[str], bool]) -> Iterator[Path]:
     """Files in a folder but those of known names that isopeel wrote."""
     for path in folder.iterdir():
-        if path.name in _OF_NOBODY or _is_part(path.name):
-            continue
-        if not (is_known(path.name) and is_written_by_isopeel(path)):
+        if not is_of_nobody(path) and not (is_known(path.name) and is_written_by_isopeel(path)):
             yield path
-
-
-def _is_part(name: str) -> bool:
-    """Whether a file of this name is one that was being written when its process was killed."""
-    return re.fullmatch(r"\.[^.].*\.part\.[a-z0-9]+", name) is not None
 
 
 def _document(text: str) -> dict[str, Any]:

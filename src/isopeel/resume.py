@@ -8,7 +8,7 @@ from rich.console import Console
 
 from isopeel.case import Case, Stage
 from isopeel.errors import InputError
-from isopeel.folder import alone_in, places, run_files
+from isopeel.folder import FILES, alone_in, check_overwritten, places, run_files
 from isopeel.post.laboratory import Laboratory
 from isopeel.results.run_file import StoredRun, read_run
 from isopeel.run import Result, check_later_stages, go_through, let_go_when_finished
@@ -26,6 +26,9 @@ def resume_case(folder: Path, console: Console, to: str | None = None, control: 
     with alone_in(folder, "DIR"):
         case, stored = _found(folder, to, control)
         check_later_stages(case)
+        where = places(case.name, [stage.name for stage in case.stages()], folder)
+        written = [place.folder / name for place in where for name in FILES[1:]]
+        check_overwritten("DIR", written, way="move it to another folder")
         if control is not None:
             stored = {number: replace(run, failure=None) for number, run in stored.items()}
         return let_go_when_finished(go_through(case, folder, console, stored), case, folder, console)

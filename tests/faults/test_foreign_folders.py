@@ -8,6 +8,7 @@ import pytest
 
 import isopeel
 from isopeel.cli import main
+from isopeel.report.folder import replaced, take_folder
 
 SMALL = ("--mesh", "10x1", "--space", "L1", "--step", "1", "--to")
 OUT = Path("out/strip")
@@ -274,6 +275,132 @@ def test_no_other_command_replaces_what_isopeel_did_not_write(
     assert Path(file).read_text() == "my own work with isopeel"
     assert main([*command, "--force"]) == 0
     assert main(command) == 0  # which it wrote itself
+
+
+@pytest.mark.parametrize("name", ["curve.csv", "summary.json", "shapes.png"])
+def test_resuming_replaces_no_file_that_isopeel_did_not_write(
+    name: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with monkeypatch.context() as patch:
+        patch.setattr("isopeel.run.check", _interrupting(2))
+        assert main(["run", "strip", *SMALL, "3"]) == 130
+    (OUT / name).write_text("my own work with isopeel")
+    before = contents(OUT)
+    capsys.readouterr()
+    assert main(["resume", "out/strip"]) == 2
+    assert f"isopeel did not write out/strip/{name}; move it to another folder" in the_error(capsys)
+    assert contents(OUT) == before
+    (OUT / name).unlink()
+    assert main(["resume", "out/strip"]) == 0
+
+
+def test_a_screenshot_replaces_no_other_picture(capsys: pytest.CaptureFixture[str]) -> None:
+    pytest.importorskip("pyvista")
+    assert main(["run", "strip", *SMALL, "1"]) == 0
+    for mine in ("photo.png", "in/photo.PNG", "link.png"):
+        Path(mine).parent.mkdir(exist_ok=True)
+        if mine == "link.png":
+            Path(mine).symlink_to("photo.png")
+        else:
+            Path(mine).write_bytes(b"\x89PNG drawn by hand")
+        capsys.readouterr()
+        command = ["view", "out/strip", "--screenshot", mine]
+        before = Path(mine).read_bytes()
+        assert main(command) == 2
+        error = the_error(capsys)
+        assert (
+            f"isopeel did not write {mine}" in error or f"{mine!r} cannot be used; it is a symbolic" in error
+        )
+        assert Path(mine).read_bytes() == before
+    assert main(["view", "out/strip", "--screenshot", "photo.png", "--force"]) == 0
+    assert main(["view", "out/strip", "--screenshot", "photo.png"]) == 0  # which it wrote itself
+
+
+def test_an_export_lists_what_it_removes(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["run", "strip", *SMALL, "3", "--fields-every", "1"]) == 0
+    assert main(["export", "out/strip"]) == 0
+    assert main(["run", "strip", *SMALL, "3", "--fields-every", "2"]) == 0
+    capsys.readouterr()
+    assert main(["export", "out/strip"]) == 0
+    gone = [f"out/strip/paraview/{name}-0003.vtu" for name in ("body", "adhesive-side")]
+    assert f"removed {', '.join(gone)}\n" in capsys.readouterr().out
+
+
+def a_thesis(folder: Path) -> str:
+    (folder / "report.md").write_text("# My own\n")
+    return "report.md"
+
+
+def a_page_of_mine(folder: Path) -> str:
+    (folder / "report.html").write_text("<p>isopeel is what I used</p>")
+    return "report.html"
+
+
+def a_drawing(folder: Path) -> str:
+    (folder / "figures").mkdir()
+    (folder / "figures" / "bending-drift.png").write_bytes(b"\x89PNG drawn by hand")
+    return "figures/bending-drift.png"
+
+
+def a_measured_table(folder: Path) -> str:
+    (folder / "tables").mkdir()
+    (folder / "tables" / "bending.csv").write_text("angle,force\n")
+    return "tables/bending.csv"
+
+
+def another_folder(folder: Path) -> str:
+    (folder / "raw").mkdir()
+    (folder / "raw" / "data.csv").write_text("1\n")
+    return "raw"
+
+
+def in_a_part(folder: Path) -> str:
+    (folder / "bending-table3").mkdir()
+    (folder / "bending-table3" / "notes.txt").write_text("mine")
+    return "bending-table3"
+
+
+def a_measurement(folder: Path) -> str:
+    (folder / "records.h5").write_bytes(b"\x89HDF\r\n measured, for isopeel")
+    return "records.h5"
+
+
+@pytest.mark.parametrize("command", ["paper", "validate"])
+@pytest.mark.parametrize(
+    "plant",
+    [notes, a_thesis, a_page_of_mine, a_drawing, a_measured_table, another_folder, in_a_part, a_measurement],
+)
+def test_a_report_is_written_to_no_folder_of_something_else(
+    command: str, plant: Callable[[Path], str], capsys: pytest.CaptureFixture[str]
+) -> None:
+    Path("mine").mkdir()
+    named, before = plant(Path("mine")), contents(Path("mine"))
+    only = "table3" if command == "paper" else "bending"
+    assert main([command, "--only", only, "--out", "mine"]) == 2
+    assert f"'mine' cannot be used; it holds {named} that is of no report" in the_error(capsys)
+    assert contents(Path("mine")) == before
+
+
+def test_a_report_replaces_a_report_and_says_so(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr("isopeel.paper.report.execute", lambda *_: None)
+    for options in ([], [], ["--mesh", "m1"]):
+        assert main(["paper", "--only", "spaces", *options, "--out", "mine"]) == 0
+    (Path("mine") / "spaces" / "notes.txt").write_text("mine")
+    capsys.readouterr()
+    assert main(["paper", "--only", "spaces", "--out", "mine"]) == 2
+    assert "it holds spaces/notes.txt that is of no report" in the_error(capsys)
+    assert main(["paper", "--only", "spaces", "--out", "mine", "--force"]) == 0
+    assert "replaces the report in mine/spaces" in capsys.readouterr().out
+    assert (Path("mine") / "spaces" / "notes.txt").read_text() == "mine"
+
+
+def test_the_stored_reports_are_taken_for_reports() -> None:
+    docs = Path(__file__).parents[2] / "docs"
+    for name in ("paper", "validation"):
+        assert take_folder(docs / name, "", lambda _: False) == docs / name
+        assert replaced(docs / name) == f"replaces the report in {docs / name}"
 
 
 def _interrupting(number: int) -> Callable[[], None]:

@@ -21,6 +21,9 @@ from isopeel.interrupts import INTERRUPTED, telling
 if TYPE_CHECKING:
     from isopeel.run import Result
 
+_ForceOption = Annotated[
+    bool, typer.Option("--force", help="Write to DIR whatever is in it; files of other names stay.")
+]
 _ControlOption = Annotated[
     str | None,
     typer.Option(
@@ -160,6 +163,7 @@ def paper(
     out: Annotated[Path, typer.Option(metavar="DIR", help="Folder of the report and its runs.")] = Path(
         "out/paper"
     ),
+    force: _ForceOption = False,
 ) -> int:
     """Run the published study, and report on it beside the published figures.
 
@@ -172,7 +176,8 @@ def paper(
 
         try:
             with telling(f"interrupted; {kept}"):
-                page = make_report(chosen_parts(only or []), chosen_meshes(mesh or []), out, console())
+                parts, meshes = chosen_parts(only or []), chosen_meshes(mesh or [])
+                page = make_report(parts, meshes, out, console(), force=force)
         except WorkerLostError as error:
             return fail(BAD_INPUT, f"{error}; {kept}")
     except KeyboardInterrupt:
@@ -187,6 +192,7 @@ def validate(
         list[str] | None, typer.Option(metavar="CHECK", help="A check, such as tapes; repeatable.")
     ] = None,
     out: Annotated[Path, typer.Option(metavar="DIR", help="Folder of the report.")] = Path("out/validation"),
+    force: _ForceOption = False,
 ) -> int:
     """Hold runs against closed forms, and report on all deviations."""
     from isopeel.processes import WorkerLostError
@@ -194,7 +200,7 @@ def validate(
     from isopeel.validation.report import validate as run_checks
 
     try:
-        found = run_checks(chosen_checks(only or []), out, console())
+        found = run_checks(chosen_checks(only or []), out, console(), force=force)
     except WorkerLostError as error:
         return fail(BAD_INPUT, str(error))
     console().print(f"the report is {found.page}", soft_wrap=True)

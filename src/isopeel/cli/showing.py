@@ -134,11 +134,12 @@ def view(
     screenshot: Annotated[
         Path | None, typer.Option(metavar="FILE", help="Write a PNG picture instead of opening a window.")
     ] = None,
+    force: _ForceOption = False,
 ) -> int:
     """Show the deformed body of a stored run in a window, with a slider (needs isopeel[view])."""
     from isopeel.showing.view import view_run
 
-    view_run(folder, at, screenshot, console())
+    view_run(folder, at, screenshot, console(), force=force)
     return COMPLETED
 
 

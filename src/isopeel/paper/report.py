@@ -7,6 +7,7 @@ from pathlib import Path
 from rich.console import Console
 
 from isopeel.errors import InputError
+from isopeel.folder import first_names, make_folder
 from isopeel.paper.execution import Store, execute
 from isopeel.paper.monitor import Monitor
 from isopeel.paper.record import Record, write_records
@@ -27,6 +28,7 @@ from isopeel.paper.sections import (
 from isopeel.paper.study import MESHES, Run, with_bases
 from isopeel.processes import cores
 from isopeel.report.document import Block, Document, Section, Table, Text, print_table, write_document
+from isopeel.report.folder import RUNS, replaced, take_folder
 
 
 @dataclass(frozen=True)
@@ -72,31 +74,39 @@ def chosen_meshes(names: Sequence[str]) -> list[str]:
 
 
 def make_report(
-    parts: Sequence[str], meshes: Sequence[str], out: Path, console: Console, workers: int | None = None
+    parts: Sequence[str],
+    meshes: Sequence[str],
+    out: Path,
+    console: Console,
+    workers: int | None = None,
+    *,
+    force: bool = False,
 ) -> Path:
     """Compute what is not there yet, and write the report on the parts and meshes; returns its HTML page.
 
     Finished runs are in `runs` of the folder and are not computed again, whenever an earlier study ended.
-    Raises InputError where the folder cannot be written, OSError where a file cannot.
+    Raises InputError where the folder cannot be written, or holds what is of no report, unless with `force`;
+    OSError where a file cannot be written.
     """
-    store = Store(out / "runs")
-    try:
-        store.folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        allowed = f"a folder that can be written is needed: {error.strerror}"
-        raise InputError("--out", str(out), allowed) from error
+    folder = take_folder(out, _folder(parts, meshes), _is_folder, force=force)
+    store = Store(out / RUNS)
+    make_folder(store.folder)
     runs = needed_runs(parts, meshes)
     missing = [run for run in runs if store.finished(run) is None]
     if runs:
         console.print(f"{len(runs)} runs, {len(runs) - len(missing)} of them are there already")
+    outdated = [str(path) for run in missing if (path := store.path(run)).exists()]
+    if outdated:
+        what = f"replaces {first_names(outdated)}: not finished, or computed by other code"
+        console.print(what, soft_wrap=True)
+    if told := replaced(folder):
+        console.print(told, soft_wrap=True)
     with Monitor(console, missing) as monitor:
         execute(missing, store, workers or cores(), monitor)
     # a variant whose base ended before it starts was not computed
     stored = {run: found for run in runs if (found := store.finished(run)) is not None}
     results = Results({run: Record.of(run, found) for run, found in stored.items()}, store)
     document = make_document(results, parts, meshes)
-    folder = out / _folder(parts, meshes)
-    folder.mkdir(exist_ok=True)
     write_records(folder / "records.h5", results.records)
     write_document(document, folder)
     if len(parts) < len(PARTS):
@@ -111,6 +121,11 @@ def _folder(parts: Sequence[str], meshes: Sequence[str]) -> str:
     named = [] if len(parts) == len(PARTS) else [*parts]
     named += [] if len(meshes) == len(MESHES) else [*meshes]
     return "-".join(named)
+
+
+def _is_folder(name: str) -> bool:
+    """Whether a report on less than everything could have a folder of this name."""
+    return set(name.split("-")) <= {*PARTS, *MESHES}
 
 
 def needed_runs(parts: Sequence[str], meshes: Sequence[str]) -> list[Run]:

@@ -27,6 +27,7 @@ _MARKS = {
     ".vtu": (b"<!-- isopeel -->",),
     ".pvd": (b"<!-- isopeel -->",),
     ".csv": (b"iterations", b"kind"),
+    ".h5": (b"\x89HDF\r\n", b"isopeel "),
     ".journal": (b"isopeel journal",),
 }
 

@@ -41,11 +41,13 @@ def export_run(
                 place = out / stage.folder.name
             known = [path for path in place.glob("*") if EXPORTED.fullmatch(path.name)]
             check_overwritten("--out", known, force)
-            _export(stage, place, linear)
+            removed = _export(stage, place, linear)
             unit = run.curve.parameter_column.unit
             told = "" if run.ending == "completed" else f" (the run {_ENDINGS[run.ending]})"
             states = f"{len(run.fields)} states, to {list(run.fields)[-1]:g} {unit}{told}"
             console.print(f"{states}: {place / _BODY}.pvd and {_SIDE}.pvd", soft_wrap=True)
+            if removed:
+                console.print(f"removed {', '.join(map(str, removed))}", soft_wrap=True)
 
 
 _ENDINGS = {
@@ -55,7 +57,8 @@ _ENDINGS = {
 }
 
 
-def _export(stage: StoredStage, out: Path, linear: int | None) -> None:
+def _export(stage: StoredStage, out: Path, linear: int | None) -> list[Path]:
+    """Write the files of a stage, and return those of an earlier export that are removed."""
     run, case, space = stage.run, stage.case, stage.space
     problem = stage.stage.problem
     make_folder(out)
@@ -75,9 +78,12 @@ def _export(stage: StoredStage, out: Path, linear: int | None) -> None:
             file = f"{name}-{number:04d}.vtu"
             write_grid(out / file, grid, time, notes)
             times[name][file] = time
+    removed = []
     for name, written in times.items():
         write_series(out / f"{name}.pvd", written)
         # what an earlier run with more states has left
-        for old in out.glob(f"{name}-*.vtu"):
+        for old in sorted(out.glob(f"{name}-*.vtu")):
             if old.name not in written and re.fullmatch(rf"{name}-\d{{4,}}\.vtu", old.name):
                 old.unlink()
+                removed.append(old)
+    return removed

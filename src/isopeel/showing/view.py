@@ -8,21 +8,26 @@ from typing import Any
 
 import matplotlib as mpl
 import numpy as np
+from PIL import Image
+from PIL.PngImagePlugin import PngInfo
 from rich.console import Console
 
 from isopeel.arrays import FloatArray
 from isopeel.errors import InputError
-from isopeel.folder import make_folder
+from isopeel.folder import check_overwritten, make_folder
 from isopeel.physics.batch import evaluate_substrate
 from isopeel.post.fields import SampledFields
 from isopeel.post.states import BodyState, Window, body_state, common_view
 from isopeel.post.style import FIELD_MAP, SHADE, VERMILION
 from isopeel.problem import Problem
-from isopeel.results.files import replacing
+from isopeel.results.files import MAKER, replacing
 from isopeel.showing.chosen import shown_stage, stored_parameters
 from isopeel.stored import StoredStage
 
 _SIZE = (1280, 720)  # pixels
+#: Who made a picture, as those of matplotlib say it.
+_MARK = PngInfo()
+_MARK.add_text("Creator", MAKER)
 _FIELD = "I1 = tr(sigma)/E"
 #: Where the colours are told: on the right, above the units.
 _BAR = {
@@ -38,18 +43,24 @@ _BAR = {
 }
 
 
-def view_run(folder: Path, at: str | None, screenshot: Path | None, console: Console) -> None:
+def view_run(
+    folder: Path, at: str | None, screenshot: Path | None, console: Console, *, force: bool = False
+) -> None:
     """Show the stored states of a run of one stage, or of a stage, in a window, until it is closed.
 
     It begins with the state `at` a parameter, by default the last one. With `screenshot`, a picture of that
     state is written to a PNG file instead, which needs no display. Raises InputError where pyvista is not
-    installed or there is no display, OSError where the file cannot be written.
+    installed, there is no display, or the file is one that isopeel did not write, unless with `force`;
+    OSError where it cannot be written.
     """
     stage = shown_stage(folder)
     fields = list(stage.run.fields)
-    number = fields.index(stored_parameters(stage, [at])[0]) if at is not None else len(fields) - 1
-    if screenshot is not None and screenshot.suffix.lower() != ".png":
-        raise InputError("--screenshot", str(screenshot), "its name must end in .png")
+    chosen = stored_parameters(stage, [] if at is None else [at], console)
+    number = fields.index(chosen[0]) if chosen else len(fields) - 1
+    if screenshot is not None:
+        if screenshot.suffix.lower() != ".png":
+            raise InputError("--screenshot", str(screenshot), "its name must end in .png")
+        check_overwritten("--screenshot", [screenshot], force)
     pyvista = _pyvista()
     if screenshot is None:
         _check_display()
@@ -57,12 +68,13 @@ def view_run(folder: Path, at: str | None, screenshot: Path | None, console: Con
         viewer.add_slider(number)
         viewer.plotter.show(title=f"isopeel: {stage.title}")
         return
-    make_folder(screenshot.parent)
+    make_folder(screenshot.parent, "--screenshot")
     # without a display VTK warns that there is none, and draws all the same
     with pyvista.vtk_verbosity("off"), replacing(screenshot) as part:
         viewer = Viewer(pyvista, stage, off_screen=True)
         viewer.show(number)
-        viewer.plotter.screenshot(str(part))
+        picture = Image.fromarray(viewer.plotter.screenshot(return_img=True))
+        picture.save(part, "PNG", pnginfo=_MARK)
         viewer.plotter.close()
     console.print(f"drawn in {screenshot}", soft_wrap=True)
 

@@ -12,6 +12,7 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 from isopeel.errors import InputError
 from isopeel.processes import Done, compute_all, cores
 from isopeel.report.document import Block, Document, Section, Table, Text, print_table, write_document
+from isopeel.report.folder import replaced, take_folder
 from isopeel.results.provenance import Provenance
 from isopeel.validation import bending, cantilever, curvature, cylinder, hertz, tapes
 from isopeel.validation.check import Check, Result, Row
@@ -59,18 +60,16 @@ def chosen_checks(names: Sequence[str]) -> list[str]:
     return [name for name in CHECKS if not names or name in names]
 
 
-def validate(names: Sequence[str], out: Path, console: Console) -> Validation:
+def validate(names: Sequence[str], out: Path, console: Console, *, force: bool = False) -> Validation:
     """Run checks, print their tables, and write the report on them with its figures and tables.
 
     A report on less than all checks has a folder of its own in `out`. Raises InputError where the folder
-    cannot be written, OSError where a file cannot.
+    cannot be written, or holds what is of no report, unless with `force`; OSError where a file cannot be.
     """
-    folder = out if len(names) == len(CHECKS) else out / "-".join(names)
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        allowed = f"a folder that can be written is needed: {error.strerror}"
-        raise InputError("--out", str(out), allowed) from error
+    part = "" if len(names) == len(CHECKS) else "-".join(names)
+    folder = take_folder(out, part, lambda name: set(name.split("-")) <= set(CHECKS), force=force)
+    if told := replaced(folder):
+        console.print(told, soft_wrap=True)
     provenance = Provenance.of_this_process()
     done = _computed(names, console)
     results = {name: CHECKS[name].judge([d.outcome for d in done[name]]) for name in names}

@@ -1,0 +1,75 @@
+"""The folder of a report before one is written to it: nothing that a user owns is lost."""
+
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+from isopeel.errors import InputError
+from isopeel.folder import first_names, is_of_nobody, make_folder
+from isopeel.results.files import is_written_by_isopeel, kind_of
+
+#: What a report is made of, and its folders: of pictures, of tables, and of the runs that it is about.
+PAGES, PICTURES, TABLES, RUNS = ("report.md", "report.html", "records.h5"), "figures", "tables", "runs"
+#: What stands in each report that has a section with a command.
+_MARK = "This section is made by\n\n```sh\nisopeel "
+
+
+def take_folder(out: Path, part: str, is_part: Callable[[str], bool], *, force: bool = False) -> Path:
+    """Make the folder of a report, or of the report on a `part` inside of it, and return it.
+
+    Reports on less are in folders inside, whose names `is_part` accepts. Raises InputError for --out where it
+    cannot be written, or holds anything that is of no report, unless with `force`.
+    """
+    make_folder(out)
+    others = sorted(str(path.relative_to(out)) for path in _foreign(out, is_part))
+    if others and not force:
+        what = "that is of no report" if len(others) == 1 else "that are of no report"
+        allowed = (
+            f"it holds {first_names(others)} {what}; give another folder, or --force, which replaces the"
+            " files of a report in it, and leaves all others"
+        )
+        raise InputError("--out", str(out), allowed)
+    make_folder(out / part)
+    return out / part
+
+
+def replaced(folder: Path) -> str:
+    """Say that the report in a folder is replaced; nothing where there is none."""
+    return f"replaces the report in {folder}" if (folder / PAGES[0]).exists() else ""
+
+
+def _foreign(folder: Path, is_part: Callable[[str], bool]) -> Iterator[Path]:
+    """What in the folder of a report is of none; links are not followed."""
+    report = _text(folder / PAGES[0])
+    for path in folder.iterdir():
+        is_folder = kind_of(path.lstat().st_mode) == "a folder"
+        if is_of_nobody(path):
+            continue
+        if is_folder and path.name == PICTURES:
+            # those of reports from before pictures had a mark, too
+            yield from _others(
+                path,
+                lambda file: f"({file.parent.name}/{file.stem}.png)" in report or is_written_by_isopeel(file),
+            )
+        elif is_folder and path.name == TABLES:
+            yield from _others(path, lambda file: bool(report) and file.suffix == ".csv")
+        elif is_folder and path.name == RUNS:
+            yield from _others(path, is_written_by_isopeel)
+        elif is_folder and is_part(path.name):
+            yield from _foreign(path, lambda _: False)
+        elif path.name not in PAGES or not (report if path.name == PAGES[0] else is_written_by_isopeel(path)):
+            yield path
+
+
+def _others(folder: Path, is_known: Callable[[Path], bool]) -> Iterator[Path]:
+    for path in folder.iterdir():
+        if not (is_of_nobody(path) or (not kind_of(path.lstat().st_mode) and is_known(path))):
+            yield path
+
+
+def _text(page: Path) -> str:
+    """The text of a report; nothing where a file of its name is none."""
+    try:
+        text = "" if kind_of(page.lstat().st_mode) else page.read_text("utf-8")
+    except (OSError, UnicodeDecodeError):
+        return ""
+    return text if _MARK in text else ""
