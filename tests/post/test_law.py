@@ -5,7 +5,7 @@ import pytest
 from scipy.integrate import quad
 from scipy.special import lambertw
 
-from isopeel import Exponential, FormulaAdhesion, InputError, LennardJones, VanDerWaals
+from isopeel import Bilinear, Exponential, FormulaAdhesion, InputError, LennardJones, VanDerWaals
 from isopeel.physics.adhesion import AdhesionLaw
 from isopeel.post.figures import law_figure
 from isopeel.post.law import evaluate_flat, law_character, opened_flat
@@ -48,6 +48,19 @@ def test_work_is_the_integral_of_the_attraction(law: AdhesionLaw) -> None:
     assert law_character(law).work_of_adhesion == pytest.approx(work, rel=1e-8)  # the quadrature's
     # parted, an irreversible joint gives nothing back; T and the area under the secant vanish with the gap
     assert opened_flat(law, np.array([1e6])).dissipated[0] == pytest.approx(work, rel=1e-8)
+
+
+@pytest.mark.parametrize("rise", [0.02, 0.08, 0.3])
+def test_half_of_the_strength_is_found_wherever_a_sharp_peak_lies(rise: float) -> None:
+    """A peak between the places that are looked at is higher than at them, and so is its half."""
+    for work in np.geomspace(1e-4, 1e-3, 200):
+        law = Bilinear(0.00195, work, rise)
+        character = law_character(law)
+        at = character.softened_gap + np.array([-0.001, 0.0, 0.001]) * work / 0.00195
+        before, half, after = -evaluate_flat(law, at)[1] / character.strength
+        # to what the search for the peak leaves
+        assert half == pytest.approx(0.5, rel=1e-6)
+        assert before > 0.5 > after
 
 
 def test_a_law_that_is_out_of_sight_is_refused() -> None:

@@ -57,12 +57,14 @@ def law_character(law: AdhesionLaw) -> LawCharacter:
         gap = np.array([law.equilibrium_gap + np.exp(logarithm)])
         return float(evaluate_flat(law, gap)[1][0])
 
-    def last_above(share: float) -> int:
-        return at + int(np.flatnonzero(attraction[at:-1] >= share * attraction[at])[-1])
-
     # the grid's neighbours hold the peak between them
     bounds = np.log(opening[at - 1]), np.log(opening[at + 1])
     peak = minimize_scalar(repulsion, bounds=bounds, method="bounded", options={"xatol": 1e-9})
+
+    def last_above(share: float) -> int:
+        # of the peak itself, which is above that on the grid
+        return at + int(np.flatnonzero(attraction[at:-1] >= -share * peak.fun)[-1])
+
     half = last_above(0.5)
     softened = law.equilibrium_gap + np.exp(
         brentq(lambda z: repulsion(z) - 0.5 * peak.fun, *np.log(opening[half : half + 2]), xtol=1e-13)
