@@ -1,12 +1,18 @@
 """A dead load beyond the largest one that has an equilibrium is named as that, and located."""
 
+import json
+import re
 from math import cos, radians, sqrt
+from pathlib import Path
 
 import pytest
 from paths import paths
 
+from isopeel.cli import main
 from isopeel.controls import Control
+from isopeel.post.laboratory import Laboratory
 from isopeel.solve.newton import ConvergenceError
+from isopeel.units import UnitSystem
 
 TAPE = """
 name = "weight"
@@ -115,3 +121,38 @@ def test_a_load_that_snaps_the_body_on_is_no_limit() -> None:
     )
     (steps,) = paths(text.replace('to = "1 N/mm"', 'to = "0.06 N/mm"'))
     assert steps[-1].parameter == pytest.approx(0.06)
+
+
+@pytest.mark.parametrize(("width", "shown"), [(None, (100.0, "N/m")), ("20 mm", (2.0, "N"))])
+def test_the_largest_load_is_in_the_units_of_the_readings(
+    width: str | None, shown: tuple[float, str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """In the terminal, in the summary and in the report."""
+    text = BLOCK if width is None else BLOCK.replace("[material]", f'width = "{width}"\n[material]')
+    (tmp_path / "case.toml").write_text(text, "utf-8")
+    out = tmp_path / "out"
+    assert main(["run", str(tmp_path / "case.toml"), "--out", str(out)]) == 3
+    summary = json.loads((out / "summary.json").read_text("utf-8"))
+    assert main(["report", str(out)]) == 0
+    page = (out / "report.html").read_text("utf-8")
+    page = page[: page.index("[material]")]
+    for told in (capsys.readouterr().err, summary["failure"]["reason"], page):
+        assert "E0 L0," not in told
+        (value,) = re.findall(rf"above ([\d.]+) {shown[1]},", told)
+        assert float(value) == pytest.approx(shown[0], rel=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("internal", "shown"),
+    [
+        ("near above 0.0998532 E0 L0, a limit", "near above 0.199706 N/m, a limit"),
+        ("turns back at 12.5 L0; x", "turns back at 12.5 nm; x"),
+        ("turns back at -54.3 degree; x", "turns back at -54.3 deg; x"),
+        ("grows by 1.2e-05 E0 L0^3 without", "grows by 2.4e-14 J/m without"),
+        ("a stress of -3e-4 E0.", "a stress of -600 kPa."),
+        ("3 L0s, and v1.2 L0", "3 L0s, and v1.2 L0"),
+    ],
+)
+def test_sentences_are_in_laboratory_units(internal: str, shown: str) -> None:
+    # 1 nm and 2 GPa
+    assert Laboratory(UnitSystem(), 100.0).sentence(internal) == shown

@@ -278,3 +278,49 @@ def test_a_run_of_one_step_has_one_state(stage: StoredStage) -> None:
     assert [state["step"] for state in shown["states"]] == [0]
     left, right = shown["views"][0]["x"]
     assert left < 0.0 < right
+
+
+def _recount(monkeypatch: pytest.MonkeyPatch) -> list[float]:
+    """The parameters of states that the page computes on a finer mesh."""
+    computed: list[float] = []
+
+    def counted(_problem: object, _space: object, run: StoredRun, _points: object = None) -> list[object]:
+        computed.extend(run.fields)
+        return []
+
+    monkeypatch.setattr("isopeel.page.write.mesh_changes", counted)
+    return computed
+
+
+def test_a_page_takes_the_finer_mesh_from_the_summary(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    computed = _recount(monkeypatch)
+    changes = json.loads((folder / "summary.json").read_text("utf-8"))["finer_mesh"]
+    assert changes
+    text = page(stored_stages(folder))
+    assert not computed
+    assert text.count("half the elements&#x27; length") == len(changes)
+
+
+@pytest.mark.parametrize(
+    "damage",
+    [
+        lambda told: told | {"run": "0" * 32},
+        lambda told: told | {"finer_mesh": [{"parameter": 1}]},
+        lambda told: told | {"finer_mesh": [one | {"on_finer_mesh": "x"} for one in told["finer_mesh"]]},
+        lambda told: told | {"finer_mesh": [one | {"on_finer_mesh": 1e999} for one in told["finer_mesh"]]},
+        lambda told: told | {"finer_mesh": 5},
+        lambda told: [told],
+    ],
+    ids=["another run", "no numbers", "text", "infinity", "no list", "no table"],
+)
+def test_a_summary_that_is_not_of_the_run_is_not_believed(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, damage: Any
+) -> None:
+    computed, file = _recount(monkeypatch), folder / "summary.json"
+    told = file.read_text("utf-8")
+    try:
+        file.write_text(json.dumps(damage(json.loads(told))), "utf-8")
+        page(stored_stages(folder))
+        assert computed
+    finally:
+        file.write_text(told, "utf-8")

@@ -147,7 +147,8 @@ def _ended(result: "Result", folder: Path) -> int:
     if run.failure is not None:
         (stored,) = stored_stages(stage_folder)
         at = stored.laboratory.parameter(run.curve.parameter_column, run.failure.parameter)
-        return fail(NOT_CONVERGED, failure_message(run.failure, at, stage_folder, folder))
+        failure = run.failure._replace(reason=stored.laboratory.sentence(run.failure.reason))
+        return fail(NOT_CONVERGED, failure_message(failure, at, stage_folder, folder))
     return COMPLETED
 
 

@@ -39,7 +39,11 @@ def ending(stored: StoredStage) -> str:
         steps += f", to {_units(told(float(run.curve.parameter[-1])))}"
     if run.failure is not None:
         return _box(
-            _failure(run.failure, _units(told(run.failure.parameter)))
+            _failure(
+                run.failure,
+                stored.laboratory.sentence(run.failure.reason),
+                _units(told(run.failure.parameter)),
+            )
             + paragraph(f"What converged before: {steps}.")
         )
     match run.ending:
@@ -52,10 +56,10 @@ def ending(stored: StoredStage) -> str:
     return _box(paragraph(words))
 
 
-def _failure(failure: Failure, at: str) -> str:
+def _failure(failure: Failure, reason: str, at: str) -> str:
     residuals = ", ".join(f"{measure:.1e}" for measure in failure.iterations)
     lines = [
-        f"No equilibrium at {at}: {failure.reason}.",
+        f"No equilibrium at {at}: {reason}.",
         f"Cause: {failure.cause}. What to try: {failure.hint}.",
         *([f"Energy residual per unknown before each correction: {residuals}."] if residuals else []),
     ]

@@ -18,6 +18,7 @@ from isopeel.page import markup
 from isopeel.page.content import Content, column_words, stage_content
 from isopeel.page.packing import packed
 from isopeel.post.mesh_error import mesh_changes
+from isopeel.post.stored_changes import stored_changes
 from isopeel.post.style import BLUE, FIELD_MAP, SHADE, SKY, VERMILION
 from isopeel.post.summary import summarize
 from isopeel.results.files import replacing
@@ -88,7 +89,9 @@ def _section(name: str, stored: StoredStage, several: bool, most_bytes: int) -> 
         raise InputError("DIR", str(stored.folder), "its curve holds what is no number")
     found = stored.found()
     points = stored.case.discretization.contact_points
-    changes = mesh_changes(stage.problem, stored.space, run, points)
+    changes = stored_changes(stored.folder / "summary.json", run)
+    if changes is None:
+        changes = mesh_changes(stage.problem, stored.space, run, points)
     content = stage_content(stored, found, most_bytes)
     seconds = float(run.curve.seconds.sum())
     section = _template("stage.html").substitute(

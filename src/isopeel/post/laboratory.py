@@ -3,6 +3,7 @@
 A run computes and stores in the units L0 and E0 of its case. Whatever is shown is converted here.
 """
 
+import re
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import Literal, NamedTuple, TypeAlias
@@ -154,6 +155,15 @@ class Laboratory:
             reaction=values[1],
         )
 
+    def sentence(self, text: str) -> str:
+        """A sentence whose values are in the units of columns, as the reason of a failure, in these units."""
+
+        def shown(found: re.Match[str]) -> str:
+            value, unit = float(found[1]), found[2]
+            return f"{found[1]} deg" if unit == "degree" else self.text(value, _KINDS[unit])
+
+        return _VALUE.sub(shown, text)
+
     def note(self) -> str:
         """What outputs are measured in, in words."""
         if self.width is not None:
@@ -170,6 +180,11 @@ _KINDS: dict[str, Kind] = {
     "1": "number",
     "E0 L0^3": "energy",
 }
+_UNITS = "|".join(re.escape(unit) for unit in sorted(_KINDS, key=len, reverse=True) if unit != "1")
+
+
+#: A value in the unit of a column, the longest units first.
+_VALUE = re.compile(rf"(?<![\w.])([-+]?\d[\d.]*(?:e[-+]?\d+)?) ({_UNITS})(?![\w^])")
 
 
 def kind_of(column: Column) -> Kind:

@@ -42,6 +42,7 @@ def summarize(
     versions = {name: value for name, value in attributes.items() if name.startswith("version_")}
     return {
         "case": title,
+        "run": run.identity,
         **{name: attributes[name] for name in ("space", "mesh", "dofs", "traction")},
         "units": {
             **{column.name: column.unit for column in (parameter, reaction)},
@@ -77,7 +78,7 @@ def summarize(
         "failure": failure
         and {
             parameter.name: failure.parameter,
-            "reason": failure.reason,
+            "reason": found.laboratory.sentence(failure.reason),
             "cause": failure.cause,
             "hint": failure.hint,
             # JSON knows no inf

@@ -192,10 +192,11 @@ def _balanced(path: Path, found: Found) -> Found:
     if misfit.fits:
         return found
     path.forget()
+    energy = f"{abs(misfit.gained):.3g} E0 L0^3"
     if misfit.gains:
-        reason = f"the energy grows by {misfit.gained:.3g} without work of the drive: it is another branch"
+        reason = f"the energy grows by {energy} without work of the drive: it is another branch"
     elif misfit.gained < 0:
-        reason = f"the step releases an energy of {-misfit.gained:.3g}, by a jump or by what it leaves out"
+        reason = f"the step releases an energy of {energy}, by a jump or by what it leaves out"
     else:
         reason = "the step has met another branch"
     raise ConvergenceError(reason, found.result.iterations, found.parameter, "energy without work")

@@ -1,0 +1,37 @@
+"""The reactions on a finer mesh that a summary has already, so that they are not computed again."""
+
+import json
+from math import isfinite
+from pathlib import Path
+
+from isopeel.errors import InputError
+from isopeel.post.mesh_error import MeshChange
+from isopeel.results.files import check_readable
+from isopeel.results.run_file import StoredRun
+
+#: Bytes of the file of a summary that is read: a long list of jumps has a tenth of them.
+_LARGEST_SUMMARY = 10_000_000
+
+
+def stored_changes(summary: Path, run: StoredRun) -> list[MeshChange] | None:
+    """Reactions on a finer space that the file of a summary has of this very run; None where it has not.
+
+    The file may come from anywhere, and is not believed where it is not as `summarize` writes it.
+    """
+    parameter, reaction = run.curve.parameter_column.name, run.curve.reaction_column.name
+    try:
+        check_readable(summary)
+        if run.ending == "interrupted" or summary.stat().st_size > _LARGEST_SUMMARY:
+            return None
+        told = json.loads(summary.read_text("utf-8"))
+        if told["run"] != run.identity:
+            return None
+        changes = [
+            MeshChange(one[parameter], one[reaction], one["on_finer_mesh"]) for one in told["finer_mesh"]
+        ]
+    except (OSError, InputError, ValueError, LookupError, TypeError, RecursionError):
+        return None
+    known = [value for change in changes for value in change if value is not None]
+    of_stored = all(change.parameter in run.fields and change.reaction is not None for change in changes)
+    numbers = all(isinstance(value, int | float) and isfinite(value) for value in known)
+    return changes if numbers and of_stored else None
