@@ -118,7 +118,7 @@ def _run(source: str | Path, out: Path, reading: Reading) -> Outcome:
 
 #: What the rows of a summary that tell of each reading begin with.
 _ROWS: dict[Reading, tuple[str, ...]] = {
-    "plateau": ("steady ",),
+    "plateau": ("steady ", "mean "),
     "largest": ("largest force", "largest moment"),
     "pull-off": ("pull-off force", "largest tension"),
     "push": ("largest push",),

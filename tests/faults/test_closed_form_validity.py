@@ -92,7 +92,7 @@ def test_no_form_of_a_tape_is_shown_for_an_arm_that_is_only_lifted() -> None:
 def test_no_form_is_shown_before_the_arm_points_along_its_force() -> None:
     reading = '[reading]\nwindow = ["0.5 mm", "0.9 mm"]\n[output]\nfields_every = "0.1 mm"'
     told = soft(work=0.02, to=1, step=0.05, reading=reading)
-    assert told.reading("steady force")["closed_form"] is None
+    assert told.reading("mean force")["closed_form"] is None
     assert "is not shown" in told.notes("reading")[0]
 
 

@@ -84,14 +84,36 @@ def crack_lengths(curve: Curve, found: Mapping[float, Front]) -> FloatArray:
     return lengths
 
 
-def crack_length_at(found: Mapping[float, Front], parameter: float) -> float | None:
-    """Crack length at a parameter, linear between the stored states on either side; None outside of them."""
+def crack_length_at(
+    problem: Problem, curve: Curve, found: Mapping[float, Front], parameter: float
+) -> float | None:
+    """Crack length at a parameter of a curve, linear between the stored states on either side.
+
+    Outside of them it is that of the nearest one with a front, and what has `opened` in between. None where
+    there is none, or the curve turns back.
+    """
     known = sorted((at, front.crack_length) for at, front in found.items() if front.crack_length is not None)
     if not known:
         return None
     at, lengths = np.array(known).T
-    length = float(np.interp(parameter, at, lengths, left=np.nan, right=np.nan))
-    return None if np.isnan(length) else length
+    if at[0] <= parameter <= at[-1]:
+        return float(np.interp(parameter, at, lengths))
+    rise = np.diff(curve.parameter)
+    if not ((rise > 0).all() or (rise < 0).all()):
+        return None
+    nearest = int(np.argmin(np.abs(at - parameter)))
+    order = np.argsort(curve.parameter)
+    advance = np.interp([at[nearest], parameter], curve.parameter[order], opened(problem, curve)[order])
+    return float(lengths[nearest] + advance[1] - advance[0])
+
+
+def opened(problem: Problem, curve: Curve) -> FloatArray:
+    """Length of the joint that has opened since the first step (steps,), by the energy that it took over W.
+
+    Of a joint that lies flat, as one with waves below does not take W of all of its area.
+    """
+    taken = curve.adhesive_energy + curve.dissipated_energy
+    return (taken - taken[:1]) / problem.adhesion.law.work_of_adhesion
 
 
 def release(

@@ -14,8 +14,10 @@ from isopeel.post.laboratory import Laboratory, kind_of
 from isopeel.post.locking import locking_notes
 from isopeel.post.reading import PlateauReading, plateau_mean, read_plateau
 from isopeel.post.readings import (
+    DRIFT,
     LAST,
     Reading,
+    drift,
     drive_test,
     halves,
     is_only_pressed,
@@ -81,7 +83,7 @@ def find(
     test = drive_test(problem, curve)
     reason = None
     if steady is not None:
-        reason = _invalid(problem, found, form, steady, laboratory)
+        reason = _invalid(problem, curve, found, form, steady, laboratory)
     elif test in ("moment", "tape"):
         steady, reason = _own_window(problem, curve, found, form, laboratory)
         if steady is None and window is None:
@@ -104,8 +106,7 @@ def find(
     if not is_only_pressed(problem, curve) and (zones.measured or peels(problem, space, run.fields)):
         doubts = zone_notes(problem, space, zones, laboratory) + doubts
     if not doubts:
-        swing = None if plateau is None else (plateau.mean, plateau.amplitude)
-        doubts = oscillation_notes(problem, swing, int(jumps(curve).sum()))
+        doubts = oscillation_notes(problem, curve, plateau, steady)
     return Findings(
         window,
         plateau,
@@ -134,7 +135,7 @@ def _own_window(
     The first part of its end that is steady, and where the closed form holds if there is one.
     """
     windows = [window for share in LAST if (window := steady_window(curve, share))]
-    reasons = [_invalid(problem, found, form, window, laboratory) for window in windows]
+    reasons = [_invalid(problem, curve, found, form, window, laboratory) for window in windows]
     for window, reason in zip(windows, reasons, strict=True):
         if reason is None:
             return window, None
@@ -143,6 +144,7 @@ def _own_window(
 
 def _invalid(
     problem: Problem,
+    curve: Curve,
     found: Mapping[float, Front],
     form: Expected | None,
     window: tuple[float, float],
@@ -151,7 +153,7 @@ def _invalid(
     """Why a closed form does not hold in a window; None where it does, or there is none."""
     if form is None:
         return None
-    lengths = [crack_length_at(found, at) for at in window]
+    lengths = [crack_length_at(problem, curve, found, at) for at in window]
     return invalid(form, lengths, joint_ends(problem)[1], laboratory.length)
 
 
@@ -198,15 +200,24 @@ def _steady(
     plateau: PlateauReading | None,
     form: Expected | None,
 ) -> Reading:
-    """The steady reaction in a window, with its drift and its oscillation in percent where they were read."""
-    words = "mean"
-    if plateau and mean:
-        drift = 100 * plateau.drift * (window[1] - window[0]) / mean
-        oscillation = 100 * plateau.amplitude / abs(mean)
-        words += f", drift {drift:+.2g} %, oscillation {oscillation:.2g} %"
+    """The mean reaction in a window, steady where it drifts by little, with that and its oscillation."""
+    words, rise = "mean", 0.0
+    if mean:
+        # the fit of the plateau is not moved by its oscillation
+        rise = plateau.drift * (window[1] - window[0]) / mean if plateau else drift(curve, window)
+        words += f", drift {_drifted(rise)}"
+        if plateau:
+            words += f", oscillation {100 * plateau.amplitude / abs(mean):.2g} %"
+    # where a closed form is valid the state is steady, and what drifts is the swing from element to element
+    name = "steady" if form or abs(rise) <= DRIFT else "mean"
     kind = kind_of(curve.reaction_column)
     theory, source = (form.reaction, form.source) if form else (None, "")
-    return Reading(f"steady {curve.reaction_column.name}", mean, kind, None, theory, source, words, window)
+    return Reading(f"{name} {curve.reaction_column.name}", mean, kind, None, theory, source, words, window)
+
+
+def _drifted(rise: float) -> str:
+    """A drift in words, without digits that are round-off."""
+    return f"{100 * rise:+.2g} %" if abs(rise) > 1e-4 else "below 0.01 %"
 
 
 def all_readings(curve: Curve, found: Findings, onset: float | None) -> list[Reading]:

@@ -6,14 +6,17 @@ from math import sqrt
 from typing import Literal, TypeAlias
 
 import numpy as np
+from numpy.typing import NDArray
 
 from isopeel.arrays import FloatArray
 from isopeel.physics.adhesion.mirrored import Mirrored
 from isopeel.physics.batch import evaluate_substrate
 from isopeel.physics.materials.base import plane_strain_modulus
+from isopeel.post.closed_form.expected import reach_behind
 from isopeel.post.closed_form.opening import opening
-from isopeel.post.crack import Front, load_position, release
+from isopeel.post.crack import Front, load_position, opened, release
 from isopeel.post.laboratory import Kind, kind_of
+from isopeel.post.resolution import lies_flat
 from isopeel.problem import Problem
 from isopeel.results.curve import Curve
 from isopeel.solve.step import KINDS
@@ -33,6 +36,9 @@ _NORMAL = sqrt(0.5)
 #: Share of the path, its last, in which a steady value is read where a case names no window, and how much the
 #: reaction may vary there to be steady, as a share; smaller ones for a path that becomes steady late.
 LAST, _STEADY = (0.2, 0.1, 0.05), 0.05
+#: Drift, as a share of the mean, up to which a reaction is called steady: in a window that the case names,
+#: and over the largest share of the path where it names none.
+DRIFT = 0.02
 
 
 @dataclass(frozen=True)
@@ -130,13 +136,16 @@ def read(
         readings += _pull(problem, curve, pulled)
     else:
         arm = " on each arm" if mirrored else ""
-        peak = first_peak(pulled.force) if test == "tape" else None
+        peak = _initiation(problem, curve, pulled) if test == "tape" else None
         if peak is not None:
             value, at = float(pulled.force[peak]), float(curve.parameter[peak])
             readings.append(Reading("initiation force", value, "force", at, words="first peak"))
         strongest = _largest_force(curve, pulled)
         if peak is None or curve.parameter[peak] != strongest.at:
-            readings.append(replace(strongest, name=f"largest force{arm}"))
+            words = ""
+            if test == "tape" and _at_the_end(problem, curve)[curve.parameter == strongest.at].any():
+                words = "as the end of the joint comes off"
+            readings.append(replace(strongest, name=f"largest force{arm}", words=words))
         if test == "opening":
             readings += _opened(problem, curve, pulled, arm)
     readings += _buckled(curve, pulled)
@@ -144,15 +153,17 @@ def read(
     released = release(problem, curve, found, window[0] if window else None)
     if released is not None:
         both = 2 if mirrored else 1
-        work = both * problem.adhesion.law.work_of_adhesion
+        # what only touches, as a strip does on waves, takes W of a part of its face: G is right, W no theory
+        flat = lies_flat(problem)
+        work = both * problem.adhesion.law.work_of_adhesion if flat else None
         readings.append(
             Reading(
                 "energy release rate",
                 both * released.rate,
                 "toughness",
                 theory=work,
-                source="W",
-                words="by the drive",
+                source="W" if flat else "",
+                words="by the drive" if flat else "by the drive, per area of the face, which adheres in part",
                 between=released.between,
             )
         )
@@ -172,7 +183,21 @@ def steady_window(curve: Curve, share: float = LAST[0]) -> tuple[float, float] |
     inside = curve.reaction[(curve.parameter >= low) & (curve.parameter <= high)]
     if len(inside) < 4 or np.ptp(inside) > _STEADY * abs(float(inside.mean())):
         return None
+    # what is left of a joint that has come off is steady too, and as small as round-off
+    if np.abs(inside).max() < _FALL * np.abs(curve.reaction).max():
+        return None
+    if abs(drift(curve, (low, high))) * LAST[0] / share > DRIFT:
+        return None
     return low, high
+
+
+def drift(curve: Curve, window: tuple[float, float]) -> float:
+    """What a line fitted to the reaction rises by in a window of at least two steps, over the mean there."""
+    inside = (curve.parameter >= window[0]) & (curve.parameter <= window[1])
+    along, values = curve.parameter[inside], curve.reaction[inside]
+    along = along - along.mean()
+    slope = float(along @ values / (along @ along))
+    return slope * (window[1] - window[0]) / float(values.mean())
 
 
 def is_only_pressed(problem: Problem, curve: Curve) -> bool:
@@ -184,11 +209,29 @@ def is_only_pressed(problem: Problem, curve: Curve) -> bool:
     return float(tension.max()) <= _PRESSED * float(-tension.min())
 
 
-def first_peak(force: FloatArray) -> int | None:
-    """The first step with the largest force so far, after which that falls by more than an oscillation."""
+def first_fall(force: FloatArray) -> int | None:
+    """The first step at which a force is below its largest so far by more than an oscillation."""
     largest = np.maximum.accumulate(force)
     fallen = np.flatnonzero((force < (1 - _FALL) * largest) & (largest > 0))
-    return None if not fallen.size else int(np.argmax(force[: fallen[0] + 1]))
+    return None if not fallen.size else int(fallen[0])
+
+
+def _initiation(problem: Problem, curve: Curve, pulled: Forces) -> int | None:
+    """The step of the first peak of a force; None where it falls because the joint ends."""
+    fallen = first_fall(pulled.force)
+    if fallen is None or _at_the_end(problem, curve)[fallen]:
+        return None
+    return int(np.argmax(pulled.force[: fallen + 1]))
+
+
+def _at_the_end(problem: Problem, curve: Curve) -> NDArray[np.bool_]:
+    """Whether less of a joint is left at each step (steps,) than its front reaches into it."""
+    adhesion, shape = problem.adhesion, problem.body.shape
+    length = shape.boundary(adhesion.side).length()
+    height = shape.area() / length
+    left = length * (adhesion.end - adhesion.start) - opened(problem, curve)
+    ends: NDArray[np.bool_] = left < reach_behind(problem, height)
+    return ends
 
 
 def _pull(problem: Problem, curve: Curve, pulled: Forces) -> list[Reading]:
@@ -196,10 +239,14 @@ def _pull(problem: Problem, curve: Curve, pulled: Forces) -> list[Reading]:
     readings = []
     if tension.max() > 0:
         step = int(np.argmax(tension))
-        # a body that snaps into contact is pulled most at the first step, and one that holds at the last
-        comes_off = 0 < step < len(curve) - 1
-        rising = "; it rises to the end of the run" if 0 < step == len(curve) - 1 else ""
-        words = f"tension, away from the substrate{rising}"
+        # a body that snaps into contact is pulled while it approaches, one that holds most at the last step
+        moved = np.diff(pulled.displacement) * np.sign(_away(problem))
+        comes_off = 0 < step < len(curve) - 1 and moved[step] > 0
+        words = "tension, away from the substrate"
+        if 0 < step == len(curve) - 1:
+            words += "; it rises to the end of the run"
+        elif step < len(curve) - 1 and not comes_off:
+            words += ", while the body approaches it"
         name = "pull-off force" if comes_off else "largest tension"
         readings.append(
             Reading(name, float(tension[step]), "force", float(curve.parameter[step]), words=words)

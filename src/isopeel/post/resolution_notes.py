@@ -9,9 +9,12 @@ from scipy.optimize import brentq
 from isopeel.arrays import FloatArray
 from isopeel.errors import InputError
 from isopeel.post.closed_form.strip import free_strip
+from isopeel.post.crack import jumps
 from isopeel.post.front import front_profile
 from isopeel.post.laboratory import Laboratory
 from isopeel.post.law import law_character
+from isopeel.post.reading import PlateauReading, read_window, rising
+from isopeel.post.readings import LAST
 from isopeel.post.resolution import (
     EVEN,
     Resolution,
@@ -22,6 +25,7 @@ from isopeel.post.resolution import (
     parts_at_once,
 )
 from isopeel.problem import Problem
+from isopeel.results.curve import Curve
 from isopeel.results.notes import Note
 from isopeel.splines.rows import STRONGEST_GRADING, RowSpace
 from isopeel.splines.space import SplineSpace
@@ -78,23 +82,44 @@ def zone_notes(problem: Problem, space: RowSpace, zones: Zones, laboratory: Labo
     return [Note("resolution", f"{_told(problem, space, front, laboratory)} ({where})")]
 
 
-def oscillation_notes(problem: Problem, plateau: tuple[float, float] | None, jumps: int) -> list[Note]:
-    """Say that the front of a strip moves from element to element, of which its reaction tells.
+def oscillation_notes(
+    problem: Problem, curve: Curve, plateau: PlateauReading | None, steady: tuple[float, float] | None
+) -> list[Note]:
+    """Say that the front of a strip moves from element to element, where its reaction swings by SWINGS.
 
-    `plateau` are the mean of a steady reaction and its oscillation, peak to peak, where they could be read.
-    A strip on flat ground parts steadily but for its start and its end, which may jump.
+    The swing is that of a `plateau`, or else that about a line in the `steady` window, or in the last fifth
+    of the path where the front jumped. A strip on flat ground parts steadily but for its start and its end,
+    which may jump.
     """
     if free_strip(problem) is None:
         return []
-    told = None
-    if plateau is not None and abs(plateau[1]) > SWINGS * abs(plateau[0]):
-        told = f"the reaction swings by {100 * abs(plateau[1] / plateau[0]):.2g} % of its plateau"
-    elif jumps >= JUMPS:
-        told = f"the front jumped {jumps} times"
-    if told is None:
+    jumped = int(jumps(curve).sum())
+    if plateau is None:
+        window = steady or (_last_part(curve) if jumped >= JUMPS else None)
+        plateau = None if window is None else _about_a_line(curve, window)
+    if plateau is None or not plateau.amplitude > SWINGS * abs(plateau.mean):
         return []
+    told = f"the reaction swings by {100 * plateau.amplitude / abs(plateau.mean):.2g} % of its mean"
+    if jumped >= JUMPS:
+        told += f", and the front jumped {jumped} times"
     text = f"{told}, where that of such a strip moves steadily: elements along are too large for the front"
     return [Note("resolution", text)]
+
+
+def _last_part(curve: Curve) -> tuple[float, float]:
+    """The last part of the path in which a steady reaction is looked for."""
+    first, last = float(curve.parameter[0]), float(curve.parameter[-1])
+    low, high = sorted((last - LAST[0] * (last - first), last))
+    return low, high
+
+
+def _about_a_line(curve: Curve, window: tuple[float, float]) -> PlateauReading | None:
+    """What a window tells about a line; None where it holds few steps."""
+    parameter, reaction = rising(curve)
+    inside = (parameter >= window[0]) & (parameter <= window[1])
+    if np.count_nonzero(inside) < 4:
+        return None
+    return read_window(parameter[inside], reaction[inside], window)
 
 
 def _told(problem: Problem, space: RowSpace, found: Resolution, laboratory: Laboratory) -> str:

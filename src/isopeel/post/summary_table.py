@@ -35,7 +35,7 @@ def summary_rows(summary: Mapping[str, Any], curve: Curve, found: Findings) -> l
     readings = all_readings(curve, found, None)
     rows += [_row(reading, parameter, laboratory) for reading in readings if reading.name != "jump"]
     if (found.window or found.closed_form) and not any(
-        reading.name.startswith("steady") for reading in readings
+        reading.name.startswith(("steady", "mean")) for reading in readings
     ):
         form = found.closed_form
         kind = kind_of(curve.reaction_column)

@@ -204,12 +204,17 @@ def _tape(problem: Problem, strip: FreeStrip, element: float | None) -> Theory |
     period = None if element is None else element * (1 - cos(angle) if small else exact.rate)
     reach = decay_length(problem, strip.height) or strip.height
     arm = max(_ARM * sqrt(modulus * strip.height**3 / 12 / force), strip.free_length + _DECAY * reach)
-    behind = _DECAY * max(reach, _shear_lag(problem, strip))
+    behind = reach_behind(problem, strip.height)
     return Theory(Expected(name, force, None, period, arm, behind))
 
 
-def _shear_lag(problem: Problem, strip: FreeStrip) -> float:
+def reach_behind(problem: Problem, height: float) -> float:
+    """Length that a front reaches into a joint by bending and by shear: less of it ends steady peeling."""
+    return _DECAY * max(decay_length(problem, height) or height, _shear_lag(problem, height))
+
+
+def _shear_lag(problem: Problem, height: float) -> float:
     """Length sqrt(E'h/k) over which a joint takes up a tension along it, k = 2 W/d^2; 0 where it slides."""
     sliding, work = problem.adhesion.sliding_length, problem.adhesion.law.work_of_adhesion
-    stiffness = plane_strain_modulus(problem.body.material) * strip.height
+    stiffness = plane_strain_modulus(problem.body.material) * height
     return 0.0 if sliding is None else sliding * sqrt(stiffness / (2 * work))
