@@ -54,7 +54,7 @@ def in_a_fork(
             if not figures:
                 import isopeel.run
 
-                vars(isopeel.run)["save"] = lambda _, path: path.touch()
+                vars(isopeel.run)["save"] = lambda _, path: path.write_bytes(b"Creator\0isopeel")
             code = main(arguments)
             sys.stdout.flush()
         finally:
