@@ -9,6 +9,7 @@ import numpy as np
 from threadpoolctl import ThreadpoolController
 
 from isopeel.interrupts import check, deferred
+from isopeel.solve.balance import NO_MISFIT, Misfit
 from isopeel.solve.branching import gone_over
 from isopeel.solve.continuation import (
     CALM_COSINE,
@@ -20,15 +21,13 @@ from isopeel.solve.continuation import (
 )
 from isopeel.solve.linear import SingularError
 from isopeel.solve.newton import ConvergenceError
-from isopeel.solve.path import Found, Path
+from isopeel.solve.path import LEAST_REST, Found, Path
 from isopeel.solve.step import Kind, Past, Step
 
 #: Halvings of a step before it counts as one that ends at a limit point.
 _HALVINGS = 4
 #: The same where the last step was a short one, as after a bifurcation, with twice as many.
 _MOST_HALVINGS = 8
-#: Of what is left of a step: less than this is none.
-_ROUND_OFF = 1e-9
 #: Points of the curve that a limit point is looked for on: a step of the parameter has some ten at most.
 _MOST_SEARCHED = 40
 #: Points of one stretch of the curve; more mean that it leads nowhere.
@@ -119,25 +118,28 @@ def _cut(path: Path, parameters: Iterable[float]) -> Iterator[Found]:
         last = path.history[-1].parameter if path.history else parameter
         size = whole = parameter - last
         while True:
-            whole_rest = abs(size) >= (1 - _ROUND_OFF) * abs(parameter - last)
+            whole_rest = abs(size) >= (1 - LEAST_REST) * abs(parameter - last)
             aim = parameter if whole_rest else last + size
             kind: Kind = "requested" if whole_rest else "between"
             cuts = bool(whole) and abs(size) > _shortest(path, whole)
             try:
-                found = _balanced(path, path.equilibrium(aim, kind, soon=cuts))
-                size *= 2
+                found = _balanced(path, path.equilibrium(aim, kind, soon=cuts), cuts=cuts)
             except ConvergenceError as error:
                 if cuts:
                     size = min(abs(size), abs(parameter - last)) / 2 * np.sign(whole)
                     continue
                 found = _jumped(path, error, aim)
-                past = path.past_of(found.result, aim)
-                if whole and path.misfit(found).fits and path.on_one_branch(path.history[-1], past):
+                if whole and found.kind == "jump" and path.is_smooth(found):
                     # a search has found what Newton's method did not
                     found = found._replace(kind=kind)
-                # a new branch is begun with whole steps, of the old one little may be left
-                size = whole if found.kind == "jump" else 2 * size
-                whole_rest = aim == parameter
+                if found.kind == "jump":
+                    # a new branch is begun with whole steps, of the old one little may be left
+                    size = whole / 2
+            if found.parameter != aim:
+                # a state inside of the step
+                aim, size = found.parameter, found.parameter - last
+            size *= 2
+            whole_rest = aim == parameter
             if found.negative is None:
                 found = found._replace(negative=path.negative_eigenvalues(found))
             if found.negative is None and is_last and whole_rest:
@@ -181,16 +183,34 @@ def _without_gain(path: Path, found: Found) -> Found:
 
     What falls to another branch has been passed by published studies; nothing rises to one.
     """
-    if path.misfit(found).gains and path.verified(found).gains:
-        return _balanced(path, found)
-    return found
+    misfit = path.misfit(found)
+    if misfit is NO_MISFIT or not misfit.gains:
+        return found._replace(is_balanced=misfit is not NO_MISFIT and misfit.fits)
+    misfit, _ = path.verified(found, by_order=True)
+    if misfit.gains:
+        raise _unbalanced(path, found, misfit)
+    return found._replace(is_balanced=True)
 
 
-def _balanced(path: Path, found: Found) -> Found:
-    """What was found, where its energy comes from the work of the drive; raises ConvergenceError."""
-    misfit = path.verified(found)
-    if misfit.fits:
+def _balanced(path: Path, found: Found, *, cuts: bool) -> Found:
+    """What was found, where its energy comes from the work of the drive; raises ConvergenceError.
+
+    Where the ends of the step do not suffice to say so it is cut, if it `cuts`; if not, the branch inside is
+    followed, and its first state is returned. Where no more than the error of the trapezoidal rule is in
+    doubt, the step stays whole.
+    """
+    misfit = path.misfit(found)
+    if misfit is NO_MISFIT:
         return found
+    inside: list[Found] = []
+    if not misfit.fits and (misfit.is_slight or not cuts):
+        misfit, inside = path.verified(found, by_order=not cuts)
+    if not misfit.fits:
+        raise _unbalanced(path, found, misfit)
+    return inside[0] if len(inside) > 1 and not misfit.is_slight else found._replace(is_balanced=True)
+
+
+def _unbalanced(path: Path, found: Found, misfit: Misfit) -> ConvergenceError:
     path.forget()
     energy = f"{abs(misfit.gained):.3g} E0 L0^3"
     if misfit.gains:
@@ -199,16 +219,25 @@ def _balanced(path: Path, found: Found) -> Found:
         reason = f"the step releases an energy of {energy}, by a jump or by what it leaves out"
     else:
         reason = "the step has met another branch"
-    raise ConvergenceError(reason, found.result.iterations, found.parameter, "energy without work")
+    return ConvergenceError(reason, found.result.iterations, found.parameter, "energy without work")
 
 
 def _jumped(path: Path, error: ConvergenceError, parameter: float) -> Found:
-    """What a path jumps to where its smallest step fails; raises ConvergenceError with the cause of that."""
+    """What a path jumps to where its smallest step fails; raises ConvergenceError with the cause of that.
+
+    Where its branch goes on to the parameter after all, or less far and nothing is met by falling energy, the
+    first state on the way.
+    """
     if not path.has_energy:
         raise _diagnosed(path, error, parameter) from error
+    inside = path.followed(parameter, by_order=True) if path.history else []
+    if inside and inside[-1].parameter == parameter:
+        return inside[0]
     try:
         return path.jumped(parameter)
     except ConvergenceError as failure:
+        if inside and failure.cause == "energy without work":
+            return inside[0]
         cause = _diagnosed(path, error, parameter)
         if failure.cause == "long fall" and cause.cause != "limit load":
             raise failure from error

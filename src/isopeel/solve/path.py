@@ -13,7 +13,7 @@ from isopeel.assembly.start import extent
 from isopeel.assembly.system import Equilibrium, System
 from isopeel.errors import InputError
 from isopeel.physics.batch import evaluate_substrate
-from isopeel.solve.balance import MISFIT, NO_MISFIT, ROUND_OFF, Misfit, gain_allowed, misfit, released
+from isopeel.solve.balance import CUBIC, MISFIT, NO_MISFIT, ROUND_OFF, Misfit, gain_allowed, misfit, released
 from isopeel.solve.descent import Descent, descend, potential_energy
 from isopeel.solve.newton import ConvergenceError, NewtonResult, NewtonSettings, newton
 from isopeel.solve.predictor import Predictor, extrapolate
@@ -25,6 +25,8 @@ from isopeel.solve.step import PARABOLA_POINTS, Kind, Past, State, Step
 _FORESEEN = 0.3
 #: Of the change of the unknowns in a step: two states that differ by more are of two branches.
 _ELSEWHERE = 0.01
+#: Of what is left of a step: less than this is none.
+LEAST_REST = 1e-9
 #: Halvings of a step by which its branch is followed, where its energy does not seem to come from its work.
 _DEEPEST = 6
 #: Corrections of Newton's method where a shorter step can be taken instead: where it converges it takes some
@@ -44,6 +46,7 @@ class Found(NamedTuple):
     negative: int | None = None
     resumes: bool = True
     is_elsewhere: bool = False  # on another branch than the states before, which would mislead the next guess
+    is_balanced: bool = False  # its energy comes from the work, but for the error of the trapezoidal rule
 
 
 class Path:
@@ -111,7 +114,9 @@ class Path:
             missed = self._predictor.slope(at.residual)
             past = self.history[-1] = past._replace(rate=past.rate + missed)
             reaction += missed if system.load is None else -missed
-        if last is not None and self.has_energy:
+        # at the same parameter, a stage before has let go of what it held
+        lets_go = last is not None and last.parameter == parameter
+        if last is not None and self.has_energy and (lets_go or not found.is_balanced):
             released_energy = released(last, past)
             if found.kind == "jump":
                 # no jump gains energy: what seems so is the error of the trapezoidal rule
@@ -179,48 +184,60 @@ class Path:
             return NO_MISFIT
         return misfit(self.history, past, self.gain_allowed)
 
-    def verified(self, found: Found) -> Misfit:
-        """The same, by the branch that the path is on, where the ends of the step do not tell enough.
+    def verified(self, found: Found, *, by_order: bool = False) -> tuple[Misfit, list[Found]]:
+        """The same, by the branch that the path is on, where the ends of the step do not suffice.
 
-        The branch is followed by smaller steps as far as it goes. Where it comes to the same state, all is
-        well. Where it ends before, the body has jumped there, with the work of the drive so far.
+        The branch is followed by smaller steps as far as it goes, which are returned too. Where it comes to
+        the same state, all is well. Where it ends before, the body has jumped there, with the work of the
+        drive so far.
         """
         whole = self.misfit(found)
         if whole.fits or not self.history or self.history[-1].parameter == found.parameter:
-            return whole
+            return whole, []
         one, other = self.history[-1], self.past_of(found.result, found.parameter)
-        last = self._followed(other.parameter)
+        inside = self.followed(other.parameter, by_order=by_order)
+        last = self.past_of(inside[-1].result, inside[-1].parameter) if inside else one
         rest = other.parameter - last.parameter
         gained = other.energy - last.energy - max(last.rate * rest, other.rate * rest)
         if rest:
             work = max(abs(one.rate), abs(other.rate)) * abs(other.parameter - one.parameter)
-            return Misfit(gained, gained > self.gain_allowed, -gained > self.gain_allowed + MISFIT * work)
+            releases = -gained > self.gain_allowed + MISFIT * work
+            return Misfit(gained, gained > self.gain_allowed, releases), inside
         n = self.system.constraints.count
         apart, moved = (np.abs(other.unknown_values - past.unknown_values)[:n].max() for past in (last, one))
         elsewhere = bool(apart > _ELSEWHERE * moved)
         gains = gained > self.gain_allowed
-        return Misfit(gained, gains, elsewhere and not gains)
+        return Misfit(gained, gains, elsewhere and not gains, whole.is_slight), inside
 
-    def _followed(self, parameter: float) -> Past:
-        """The last state towards a parameter on the branch that the path is on, by halved steps."""
-        states = self.history[-PARABOLA_POINTS:]
+    def followed(self, parameter: float, *, by_order: bool) -> list[Found]:
+        """States towards a parameter on the branch that the path is on, by halved steps, as far as they go.
+
+        Where too few states are known for the error of the trapezoidal rule, its `by_order` tells it.
+        """
+        states, found = [*self.history], []
         size = whole = parameter - states[-1].parameter
+        longer = np.inf  # what a step of twice the size misses
         while (rest := parameter - states[-1].parameter) and abs(size) > abs(whole) / 2**_DEEPEST:
-            size = rest if abs(size) >= abs(rest) else size
+            size = rest if abs(size) >= (1 - LEAST_REST) * abs(rest) else size
             at = parameter if size == rest else states[-1].parameter + size
-            guess = extrapolate({past.parameter: past.exact for past in states}, at, self.system.count)
+            near = states[-PARABOLA_POINTS:]
+            guess = extrapolate({past.parameter: past.exact for past in near}, at, self.system.count)
             try:
                 result = newton(self.system, guess, at, self.settings)
             except ConvergenceError:
-                size /= 2
+                size, longer = size / 2, np.inf
                 continue
-            past = self.past(at, result.unknown_values, result.displacement, result.load, result.equilibrium)
+            past = self.past_of(result, at)
             # some of these make one step
-            if misfit(states, past, self.gain_allowed / 4).fits:
-                states = [*states, past][-PARABOLA_POINTS:]
+            missed = misfit(states, past, self.gain_allowed / 4)
+            smooth = by_order and missed.is_slight and abs(missed.gained) <= CUBIC * longer
+            if missed.fits or smooth:
+                states.append(past)
+                found.append(Found(at, result, "between"))
+                longer = np.inf
             else:
-                size /= 2
-        return states[-1]
+                size, longer = size / 2, abs(missed.gained)
+        return found
 
     def negative_eigenvalues(self, found: Found, *, told: bool = False) -> int | None:
         """Count those at what was found, where its tangents tell, or where that is to be `told` for sure."""
@@ -295,6 +312,11 @@ class Path:
         # off by half of this
         change = abs((other.rate - one.rate) * (other.parameter - one.parameter)) / 3
         return abs(misfits) <= most and -misfits <= self.gain_allowed + change
+
+    def is_smooth(self, found: Found) -> bool:
+        """Whether what was found lies on the branch of the last state, as its energy tells."""
+        past = self.past_of(found.result, found.parameter)
+        return self.misfit(found).fits and self.on_one_branch(self.history[-1], past)
 
     @staticmethod
     def on_one_branch(one: Past, other: Past) -> bool:

@@ -58,9 +58,9 @@ class Step:
     irreversible adhesion it is what closing would give back, and is zero where it was never opened.
 
     The released energy is the work of the drive since the last step, by the trapezoidal rule, less what the
-    energies gained: zero to second order in the step, unless the path jumped (then it is known up to half
-    of the step times the fall of the reaction), or a stage before let go of what it held. Forces without a
-    potential have none.
+    energies gained: zero, or of third order in the step, unless the path jumped (then it is known up to half
+    of the step times the fall of the reaction), or a stage before let go of what it held. It is set to zero
+    where it is known to be the error of that rule alone. Forces without a potential have none.
     """
 
     number: int
