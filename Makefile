@@ -9,8 +9,8 @@ export OMP_NUM_THREADS := 1
 strip: .venv/run  ## run the shipped strip to its figures, in out/strip
 	$(BIN)/isopeel run strip
 
-test: .venv/develop  ## run the tests
-	$(BIN)/python -m pytest -rs --cov=isopeel --cov-report=term:skip-covered
+test: .venv/develop  ## run the tests, each file in one of as many processes as there are cores
+	$(BIN)/python -m pytest -n auto --dist loadfile -rs --cov=isopeel --cov-report=term:skip-covered
 
 lint: .venv/develop  ## check style and types
 	$(BIN)/ruff check .

@@ -1,6 +1,9 @@
 """Case files for property-based tests: parts that fit together, and what may be written in their place."""
 
+import json
 import math
+import os
+from pathlib import Path
 from typing import Any
 
 import tomli_w
@@ -16,6 +19,35 @@ BODIES: list[dict[str, Any]] = [
     {"shape": "quarter-cylinder", "radius": "20 nm"},
     {"shape": "patch", "file": "patch.json", "unit_length": "10 nm"},
 ]
+#: Control points of a patch, and its weights; the last ones are degenerate.
+_PATCHES: dict[str, tuple[list[list[float]], list[float] | None]] = {
+    "patch": ([[0, 0], [10, 0], [0, 1], [10, 1]], None),
+    "light": ([[0, 0], [10, 0], [0, 1], [10, 1]], [1, 1e-300, 1, 1]),
+    "heavy": ([[0, 0], [10, 0], [0, 1], [10, 1]], [1, 1e300, 1, 1]),
+    "steep": ([[0, 0], [10, 0], [0, 1], [10, 1]], [1, 1e-5, 1, 1]),
+    "point": ([[0, 0], [10, 0], [0, 0], [10, 1]], None),
+    "thin": ([[0, 0], [10, 0], [0, 1e-9], [10, 1e-9]], None),
+    "folded": ([[0, 0], [10, 0], [10, 1], [0, 1]], None),
+    "inside out": ([[0, 1], [10, 1], [0, 0], [10, 0]], None),
+    "endless": ([[0, 0], [1e308, 0], [0, 1], [10, 1]], None),
+}
+
+
+def lay_files(folder: Path) -> None:
+    """Write the files that cases name to a folder: patches, a pipe, and links."""
+    for name, (points, weights) in _PATCHES.items():
+        spline = {"para_dim": 2, "dim": 2, "degrees": [1, 1], "control_points": points}
+        spline |= (
+            {"SplineType": "Bezier"}
+            if weights is None
+            else {"SplineType": "RationalBezier", "weights": weights}
+        )
+        (folder / f"{name}.json").write_text(json.dumps({"SplineList": [spline]}))
+    (folder / "link.json").symlink_to("patch.json")
+    (folder / "dangling.json").symlink_to("nowhere")
+    os.mkfifo(folder / "pipe.json")
+
+
 MATERIALS: list[dict[str, Any]] = [
     {"law": "neo-hooke", "youngs_modulus": "2 GPa", "poissons_ratio": 0.2},
     {"law": "neo-hooke", "youngs_modulus": "2 GPa", "poissons_ratio": 0.2, "prestretch": 1.05},
@@ -120,7 +152,8 @@ QUANTITIES = [
     "181 deg", "1e-6 deg", "0.1 J", "1 N/m", "1 lb", "1 in", "1 π", "1 nm²", "1 nm³", "1 kilonm", "1 E0",
     "1 L0", "1 _", "1 [length]", "1 %", "1 Mpa", "+1 nm", "1. nm", ".1 nm", "1e3nm",
     "30 mJ m-2", "1 N m-1", "1 e-3 m", "1e-3m", "1 N·m⁻¹", "1 J/m nm", "5×10⁻³ nm", "1 nm^0.5", "1 (((nm",
-    "1 nm)", "−1 nm", "0.03 J/(m²)", "1 N.m-1", "1 m**-2", "1 nm^(1/2)", "2 GPa\x00", "0.03 kN/km",
+    "1 nm)", "−1 nm", "1 mil", "2 mils", "5 N/25 mm", "5 N/25mm", "1 N/0 mm", "1 N/(25 mm", "1 Newton",
+    "0.03 J/(m²)", "1 N.m-1", "1 m**-2", "1 nm^(1/2)", "2 GPa\x00", "0.03 kN/km",
 ]  # fmt: skip
 NUMBERS: list[Any] = [
     0, 1, -1, 0.0, -0.0, 0.5, 0.4999999, 0.49999999999999994, math.nan, math.inf, -math.inf, 1e308, 5e-324,
@@ -141,7 +174,10 @@ FORMULAS = [
     "tan(1e300)*r", "W*((s/r)**8/3 - 4/3*(s/r)**2) + 0*unknown", "exp(r**99)", "(r**99)**99", "r**(1/3)",
     "sin(r)**-2", "nan", "inf*r", "I1*I2*J*F11", "log(J)**2", "J**-50*I1**9", "x**2*1e-300", "1e300*x**2",
     "exp(x)", "tan(x)", "log(x)", "sqrt(x)", "1/x", "a*cos(x/30)", "a*cos(x/l)", "a**l*x",
-    "W*(s/r)**s", "0 + 0*r",
+    "W*(s/r)**s", "0 + 0*r", "-W/(r/s - 1)**2", "-W*s/(r-s)", "-W/cosh(r/s)",
+    "W*((s/(r+s))**8/3 - 4/3*(s/(r+s))**2)",
+    "W*((s/r)**8/3 - 4/3*(s/r)**2) + W*s**2/(r - 2*s)**2", "W*log((r-s)**2/s**2)*exp(-r/s)",
+    "-W*exp(-r**2/s**2)",
 ]  # fmt: skip
 SPACE_NAMES = [
     "L0", "L20", "L21", "N9", "N99", "N2.20", "L1+L1@99", "H3", "H2", "", "Q1C4", "N2.1@2", "L1+N2@3", "n2",
@@ -245,6 +281,17 @@ LIKELY: dict[str, list[Any]] = {
     ],
     "start": [0.0, 0.5, 1.0, -1.0, math.nan],
     "end": [0.0, 0.5, 1.0, 2.0, math.inf],
+    "file": [
+        *(f"{name}.json" for name in (*_PATCHES, "link", "dangling", "pipe", "nothing")),
+        "case.toml",
+        "",
+        ".",
+        "/dev/zero",
+        "/dev/stdin",
+        "/proc/self/mem",
+        "x\x7f.json",
+        "patch.json\n",
+    ],
     "held": [
         {"left": "x"},
         {"left": "xy"},
@@ -270,7 +317,7 @@ OPTIONS: list[list[str]] = [
     [], [], [], [], ["--mesh", "4x1"], ["--space", "N3"], ["--to", "1"], ["--step", "0.5"], ["--to", "nan"],
     ["--mesh", "0x0"], ["--contact-points", "3"], ["--traction", "projected"], ["--to", "1e-300 nm"],
     ["--step", "9 parsec"], ["--space", ""], ["--to", "1 e-3 m"], ["--fields-every", "30 mJ m-2"],
-    ["--to", "0.5Å"], ["--control", "jump"],
+    ["--to", "0.5Å"], ["--control", "jump"], ["--strict"], ["--out", "/proc/x"], ["--out", "/dev/null"],
 ]  # fmt: skip
 
 
@@ -343,3 +390,18 @@ def _change(draw: st.DrawFn, document: dict[str, Any]) -> None:
 def toml(document: dict[str, Any]) -> str:
     """Write a document."""
     return tomli_w.dumps(document)
+
+
+#: What a text may begin or end with, besides what a document makes of it.
+AROUND: list[tuple[str, str]] = [
+    *[("", "")] * 40,
+    ("\ufeff", ""),
+    ("\ufeff\ufeff", ""),
+    ("", "\n[extra]\n" + "a." * 60_000 + "a = 1\n"),
+    ("", "\n[extra]\n" + ".".join(["a"] * 15) + " = 1\n"),
+    ("#" + "\x7f", ""),
+    ("", "\n# " + "x" * 30_000),
+    ("", "\x00"),
+    ("[[[[", ""),
+    ("", "\n[material]\n"),
+]

@@ -1,7 +1,6 @@
 """Whatever a case file says, it runs or is refused with one line, in seconds."""
 
 import io
-import json
 import signal
 import tempfile
 from collections.abc import Callable
@@ -12,7 +11,7 @@ from types import FrameType
 from typing import Any
 
 import pytest
-from cases import BODIES, LAWS, MATERIALS, OPTIONS, documents, toml
+from cases import AROUND, BODIES, LAWS, MATERIALS, OPTIONS, documents, lay_files, toml
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
@@ -27,17 +26,6 @@ pytestmark = [
 
 LIMIT = 10.0  # seconds
 PATIENCE = 4.0  # with a run of many steps
-PATCH = {
-    "SplineList": [
-        {
-            "SplineType": "Bezier",
-            "para_dim": 2,
-            "dim": 2,
-            "degrees": [1, 1],
-            "control_points": [[0, 0], [10, 0], [0, 1], [10, 1]],
-        }
-    ]
-}
 
 
 class HangError(Exception):
@@ -73,7 +61,7 @@ def outcome(text: str, options: list[str], figures: bool) -> tuple[int, str]:
         if not figures:
             patch.setattr(isopeel.run, "save", lambda _, path: path.touch())
         Path(folder, "case.toml").write_text(text, encoding="utf-8")
-        Path(folder, "patch.json").write_text(json.dumps(PATCH))
+        lay_files(Path(folder))
         signal.setitimer(signal.ITIMER_REAL, PATIENCE, LIMIT - PATIENCE)
         try:
             with redirect_stdout(written), redirect_stderr(error):
@@ -85,9 +73,9 @@ def outcome(text: str, options: list[str], figures: bool) -> tuple[int, str]:
     return code, error.getvalue()
 
 
-def check(document: dict[str, Any], options: list[str], figures: bool) -> None:
+def check(document: dict[str, Any], options: list[str], around: tuple[str, str], figures: bool) -> None:
     """Either it runs, or it is told in the right way why not."""
-    code, error = outcome(toml(document), options, figures)
+    code, error = outcome(toml(document).join(around), options, figures)
     assert "Traceback" not in error
     match code:
         case 0:
@@ -109,7 +97,12 @@ def any_case(examples: int) -> Callable[[Callable[..., None]], Callable[..., Non
     """Ask for so many cases, the same ones each time."""
 
     def decorate(test: Callable[..., None]) -> Callable[..., None]:
-        asked = given(documents(), st.sampled_from(OPTIONS), st.integers(0, 49).map(lambda n: n == 0))
+        asked = given(
+            documents(),
+            st.sampled_from(OPTIONS),
+            st.sampled_from(AROUND),
+            st.integers(0, 49).map(lambda n: n == 0),
+        )
         limited = settings(
             max_examples=examples,
             deadline=None,  # HangError tells
@@ -123,11 +116,15 @@ def any_case(examples: int) -> Callable[[Callable[..., None]], Callable[..., Non
 
 
 @any_case(200)
-def test_a_case_runs_or_says_why_not(document: dict[str, Any], options: list[str], figures: bool) -> None:
-    check(document, options, figures)
+def test_a_case_runs_or_says_why_not(
+    document: dict[str, Any], options: list[str], around: tuple[str, str], figures: bool
+) -> None:
+    check(document, options, around, figures)
 
 
 @pytest.mark.long
 @any_case(2000)
-def test_two_thousand_cases(document: dict[str, Any], options: list[str], figures: bool) -> None:
-    check(document, options, figures)
+def test_two_thousand_cases(
+    document: dict[str, Any], options: list[str], around: tuple[str, str], figures: bool
+) -> None:
+    check(document, options, around, figures)
