@@ -188,3 +188,16 @@ def test_another_use_of_ctrl_c_stays(handler: Callable[..., None]) -> None:
             check()
     finally:
         signal.signal(signal.SIGINT, before)
+
+
+@pytest.mark.parametrize("code", [0, 3])
+def test_what_is_done_is_not_interrupted(
+    code: int, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    def ended(*_: object) -> int:
+        signal.raise_signal(signal.SIGINT)
+        return code
+
+    monkeypatch.setattr("isopeel.cli.running._ended", ended)
+    assert main([*SMALL, "out", "--to", "1"]) == code
+    assert capfd.readouterr().err == ""

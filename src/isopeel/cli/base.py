@@ -43,11 +43,14 @@ def command(function: Callable[P, int]) -> Callable[P, int]:
 
     @wraps(function)
     def run(*arguments: P.args, **options: P.kwargs) -> int:
+        code: int | None = None
         try:
             with deferred():
-                return function(*arguments, **options)
+                code = function(*arguments, **options)
         except KeyboardInterrupt:
-            return fail(INTERRUPTED, "interrupted")
+            # where it came after all was done, it has interrupted nothing
+            return fail(INTERRUPTED, "interrupted") if code is None else code
+        return code
 
     return app.command()(run)
 
