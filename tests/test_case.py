@@ -1,3 +1,4 @@
+import re
 import tomllib
 from importlib import resources
 from pathlib import Path
@@ -47,7 +48,7 @@ def test_sections_with_defaults_may_be_left_out() -> None:
     case = Case.parse(STRIP[:start].replace('traction = "reference"', ""))
     full = load_case("strip")
     # the published strip is linear across, which is no default
-    usual = full.discretization.model_copy(update={"across_degree": None})
+    usual = full.discretization.model_copy(update={"across_degree": None, "mesh": None})
     assert (case.discretization, case.drive, case.adhesion) == (
         usual,
         full.drive,
@@ -382,3 +383,28 @@ def test_meshes_are_two_numbers() -> None:
     for text in ("160", "160x", "-1x2", "2 x 3", "1.5x2"):
         with pytest.raises(InputError, match=r"length x height"):
             parse_mesh("mesh", text)
+
+
+@pytest.mark.parametrize(
+    ("length", "height", "mesh"),
+    [
+        ("200 nm", "10 nm", (200, 10)),  # elements as high as long
+        ("200 nm", "4 nm", (200, 4)),
+        ("100 mm", "0.05 mm", (200, 2)),  # of a tape: two are enough for bending
+        ("1 mm", "4 mm", (200, 10)),  # of a block: no more than before
+    ],
+)
+def test_usual_elements_are_as_high_as_long(length: str, height: str, mesh: tuple[int, int]) -> None:
+    text = changed('height = "10 nm"', f'height = "{height}"')
+    text = re.sub(r"(?m)^mesh = .*$", "", text).replace('length = "200 nm"', f'length = "{length}"')
+    # the adhering part is no longer than the body
+    case = Case.parse(re.sub(r"(?m)^length = \"150 nm\".*$", "", text))
+    assert case.space().elements == mesh
+
+
+def test_a_run_from_before_todays_default_mesh_is_read() -> None:
+    text = load_case("tape-angle").text
+    text = re.sub(r"(?m)^mesh.*$", "", text)
+    earlier = Case.parse(text).overridden(mesh="200x10").space()
+    assert Case.of_run(text, "run.h5", 2 * earlier.size).space().elements == (200, 10)
+    assert Case.of_run(text, "run.h5", 2 * Case.parse(text).space().size).space().elements != (200, 10)

@@ -116,7 +116,9 @@ def _say_doubts(case: Case, console: Console, strict: bool) -> None:
         notes += locking_notes(stage.problem, space, laboratory)
     for note in dict.fromkeys(notes):
         if strict:
-            raise InputError("discretization.mesh", case.discretization.mesh, f"{note.subject}: {note.text}")
+            raise InputError(
+                "discretization.mesh", "{}x{}".format(*space.elements), f"{note.subject}: {note.text}"
+            )
         console.print(f"note: {note.text}", soft_wrap=True)
 
 

@@ -46,6 +46,10 @@ from isopeel.units import UnitSystem, measured_in, shown
 
 #: More, and the stiffnesses along and across an element, its square apart, leave double precision.
 LARGEST_ASPECT = 1e4
+#: Elements along where a case names none, and the fewest and the most across.
+USUAL_ELEMENTS = 200, 2, 10
+#: What it was before, of all bodies.
+EARLIER_MESH = "200x10"
 #: Bytes; the shipped cases have a thousand.
 LARGEST_FILE = 20_000
 
@@ -96,14 +100,18 @@ class Case(Section):
     def of_run(cls, text: str, source: str, dofs: object) -> Self:
         """Read the text that a run holds, whose space has a number of degrees of freedom.
 
-        Runs from before degree 2 across was the default, and whose text names none, were linear across.
-        Raises as `parse` does.
+        A run whose text names no mesh or no degree across may be from before today's defaults, of 200x10
+        linear elements across. Raises as `parse` does.
         """
         case = cls.parse(text, source)
-        if dofs != 2 * case.space().size and "across_degree" not in case.discretization.model_fields_set:
-            table = {**case._document.get("discretization", {}), "across_degree": 1}
-            linear = cls._checked({**case._document, "discretization": table})
-            return linear if dofs == 2 * linear.space().size else case
+        table = case._document.get("discretization", {})
+        earlier = [{"mesh": EARLIER_MESH}, {"mesh": EARLIER_MESH, "across_degree": 1}, {"across_degree": 1}]
+        for defaults in earlier:
+            if dofs == 2 * case.space().size:
+                break
+            other = cls._checked({**case._document, "discretization": {**defaults, **table}})
+            if dofs == 2 * other.space().size:
+                return other
         return case
 
     @classmethod
@@ -260,8 +268,10 @@ class Case(Section):
     def space(self) -> RowSpace:
         """Build the space of the displacement."""
         chosen = self.discretization
-        mesh = parse_mesh("discretization.mesh", chosen.mesh)
         shape = self.body.body_shape().surface()
+        mesh = usual_mesh(shape)
+        if chosen.mesh is not None:
+            mesh = parse_mesh("discretization.mesh", chosen.mesh)
         usual = usual_across_degree(self.material.material().poissons_ratio, shape)
         try:
             space = row_space(chosen.space, mesh, chosen.across_degree or usual, chosen.grading, shape)
@@ -279,8 +289,21 @@ class Case(Section):
                 allowed = (
                     f"it has elements of {sizes}; one side may be {LARGEST_ASPECT:g} times the other at most"
                 )
-                raise InputError("discretization.mesh", chosen.mesh, allowed)
+                raise InputError("discretization.mesh", "{}x{}".format(*mesh), allowed)
         return space
+
+
+def usual_mesh(shape: NurbsSurface) -> tuple[int, int]:
+    """The elements along the length and the height where a case names none: 200, and 2 to 10.
+
+    They are about as high as they are long, as the stresses of a front are as wide in both directions. Two
+    are enough for bending, with the degree across that is usual.
+    """
+    length, height = (
+        max(shape.boundary(side).length() for side in pair) for pair in (("bottom", "top"), ("left", "right"))
+    )
+    along, fewest, most = USUAL_ELEMENTS
+    return along, min(max(round(along * height / length), fewest), most)
 
 
 def usual_across_degree(poissons_ratio: float, shape: NurbsSurface) -> int:

@@ -152,13 +152,14 @@ HIGHEST_ACROSS = 8
 class DiscretizationSection(Section):
     """The spline space, its elements along the length and the height, and the adhesive force's points.
 
-    Without a degree across it is `case.usual_across_degree`: linear elements are too stiff in bending.
+    Without a mesh it is `case.usual_mesh`. Without a degree across it is `case.usual_across_degree`: linear
+    elements are too stiff in bending.
     """
 
     space: Annotated[str, Field(description="the name of a space is needed, such as 'N2.1'")] = "N2.1"
-    mesh: Annotated[str, Field(description="elements along length x height are needed, such as '200x10'")] = (
-        "200x10"
-    )
+    mesh: Annotated[
+        str | None, Field(description="elements along length x height are needed, such as '200x10'")
+    ] = None
     contact_points: Annotated[
         int | None,
         Field(strict=True, ge=1, description="a number of Gauss points on an element is needed"),
