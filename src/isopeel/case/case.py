@@ -104,8 +104,12 @@ class Case(Section):
         linear elements across. Raises as `parse` does.
         """
         case = cls.parse(text, source)
-        table = case._document.get("discretization", {})
-        earlier = [{"mesh": EARLIER_MESH}, {"mesh": EARLIER_MESH, "across_degree": 1}, {"across_degree": 1}]
+        table: dict[str, Any] = case._document.get("discretization", {})
+        earlier: list[dict[str, Any]] = [
+            {"mesh": EARLIER_MESH},
+            {"mesh": EARLIER_MESH, "across_degree": 1},
+            {"across_degree": 1},
+        ]
         for defaults in earlier:
             if dofs == 2 * case.space().size:
                 break

@@ -8,6 +8,8 @@ a jump, or physics that a long step has left out.
 
 from typing import NamedTuple
 
+import numpy as np
+
 from isopeel.assembly.system import System
 from isopeel.solve.step import Past
 
@@ -56,7 +58,13 @@ def released(one: Past, other: Past) -> float:
 
 def gain_allowed(system: System) -> float:
     """Energy that any step of a system may gain without work: a share of what all of the joint is worth."""
-    return GAIN * system.problem.adhesion.law.work_of_adhesion * float(system.adhesive.weights.sum())
+    worth = system.problem.adhesion.law.work_of_adhesion * float(system.adhesive.weights.sum())
+    return GAIN * worth + energy_round_off(system)
+
+
+def energy_round_off(system: System) -> float:
+    """Round-off of the stored energy: densities are differences of invariants that are near one."""
+    return float(np.finfo(float).eps) * system.energy_scale
 
 
 def misfit(last: list[Past], other: Past, allowed: float) -> Misfit:
