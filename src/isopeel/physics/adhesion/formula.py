@@ -3,7 +3,7 @@
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cache, cached_property
-from typing import TYPE_CHECKING, Annotated, ClassVar, Self
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self
 
 import numpy as np
 from scipy.optimize import brentq
@@ -157,10 +157,7 @@ class FormulaAdhesion:
 
     def _function(self, order: int) -> Callable[[FloatArray], FloatArray]:
         """Phi (order 0) or T (order 1) as a function of the gap; nan and inf where it has no value."""
-        import sympy
-
-        expression = _derive(self.potential, tuple(self.constants))[order]
-        function = sympy.lambdify(("r", *self.constants), expression, "numpy")
+        function = _numeric(self.potential, tuple(self.constants), order)
         # numbers of NumPy overflow to infinity, those of Python raise
         values = [np.float64(value) for value in self.constants.values()]
 
@@ -179,6 +176,14 @@ def _derive(potential: str, constants: tuple[str, ...]) -> "tuple[sympy.Expr, sy
     phi = parse_formula("adhesion.potential", potential, ("r", *constants))
     gap = sympy.Symbol("r", real=True)
     return phi, -phi.diff(gap), -phi.diff(gap, 2)
+
+
+@cache
+def _numeric(potential: str, constants: tuple[str, ...], order: int) -> Callable[..., Any]:
+    """Phi (order 0) or T (order 1) as a function of the gap and the constants; a case makes its law often."""
+    import sympy
+
+    return sympy.lambdify(("r", *constants), _derive(potential, constants)[order], "numpy")  # type: ignore[no-any-return]
 
 
 @cache
