@@ -169,6 +169,33 @@ def test_a_strip_between_two_clamps_buckles_at_eulers_load(step: str) -> None:
     assert np.ptp(steps[-1].displacement[:, 1]) > 0.1
 
 
+@pytest.mark.parametrize("step", [0.0001, 0.00037, 0.0004, 0.001])
+def test_no_step_is_made_on_the_unstable_branch_before_that(step: float) -> None:
+    """A tangent of a stable state served on: up to two steps lay beyond the bifurcation that came next."""
+    (steps,) = paths(STRIP.format(drive=f'{HELD}\nto = "0.012 mm"\nstep = "{step} mm"'))
+    assert len(bifurcations(steps)) == 1
+    assert np.diff([one.parameter for one in steps]).min() > 0.0
+
+
+@pytest.mark.parametrize("step", [0.0000125, 0.0001])
+def test_nor_under_a_load_whose_size_is_unknown(step: float) -> None:
+    (steps,) = paths(STRIP.format(drive=f'{FREE}\nto = "0.0006 mm"\nstep = "{step} mm"'))
+    (lost,) = bifurcations(steps)
+    # to a thousandth of the step or of itself, whichever is less
+    assert lost.parameter == pytest.approx(4.12e-4, abs=1e-6)
+    assert np.diff([one.parameter for one in steps]).min() > 0.0
+
+
+@pytest.mark.parametrize(("to", "drive"), [(0.0068, HELD), (0.00042, FREE), (0.0066441406, HELD)])
+def test_the_last_step_is_checked(to: float, drive: str) -> None:
+    """However little it lies beyond the bifurcation, and whatever tangent has led there."""
+    (steps,) = paths(STRIP.format(drive=f'{drive}\nto = "{to} mm"\nstep = "{to / 17} mm"'))
+    beyond = to > (6.64424e-3 if drive == HELD else 4.1196e-4)
+    assert len(bifurcations(steps)) == beyond
+    assert steps[-1].negative_eigenvalues in (0, None)
+    assert (np.ptp(steps[-1].displacement[:, 1]) > 1e-3) == beyond
+
+
 def test_a_column_that_is_free_at_its_end_buckles_at_a_sixteenth_of_that() -> None:
     text = STRIP.format(drive=f'{FREE}\nto = "0.002 mm"\nstep = "0.0001 mm"')
     (steps,) = paths(text)

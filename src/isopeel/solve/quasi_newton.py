@@ -40,6 +40,8 @@ _EXACT = 1e-3
 #: while it serves. A look costs an evaluation of the forces, a hundredth of the time of these steps.
 _LOOK = _MOST_STEPS // 10
 _KEPT = 9 / 10
+#: A motion that has kept no more of its stiffness may hide one that falls in energy, of which it is a part.
+_SOFT = 1 / 4
 #: Of the size of the body: the motion over which forces are compared. What it strains by its square is below
 #: what it bends by, in bodies some hundred times as long as high; and what corrections have left of the
 #: forces is a few hundredths of those that it takes to bend them by it.
@@ -90,6 +92,8 @@ class QuasiNewton:
         self.memory: Memory | None = None if memory is None else replace(memory, pairs=memory.pairs.copy())
         # a motion next to the softest one of the tangent, and twice the energy that it takes there
         self._softest: tuple[FloatArray, float] | None = None
+        # whether the last look has found that softer; not known of a path that goes on from a stored state
+        self._softens = memory is not None
         # whether a tangent, which is positive definite then, was made in the step
         self._is_new = False
 
@@ -99,14 +103,17 @@ class QuasiNewton:
         return system.storage == "symmetric" and not system.load_is_unknown
 
     def has_softened(self, result: NewtonResult, parameter: float) -> tuple[bool, bool]:
-        """Whether the softest motion of the tangent is much softer in what was found, and falls in energy.
+        """Whether the softest motion of the tangent is much softer in what was found, and may fall in energy.
 
         It costs an evaluation of the forces, once for each tangent that serves long: a body may lose its
-        stability while a tangent of a stable state serves on. What the motion misses of the softest one shows
-        in both stiffnesses alike.
+        stability while a tangent of a stable state serves on. Once it has become softer, it is looked at in
+        each step. What the motion misses of the softest one shows in both stiffnesses alike.
         """
         memory = self.memory
-        if memory is None or self._softest is None or memory.slow or memory.steps - 1 != _LOOK:
+        if memory is None or self._softest is None or memory.slow:
+            return False, False
+        served = memory.steps - 1
+        if served != _LOOK and not (self._softens and 0 < served < _LOOK):
             return False, False
         motion, before = self._softest
         scale = _SMALL_MOTION * extent(self._system.problem) / float(np.abs(motion).max())
@@ -114,7 +121,10 @@ class QuasiNewton:
         u, load = self._system.state(result.unknown_values + motion, parameter)
         change = self._system.equilibrium(u, load).residual - result.equilibrium.residual
         now = float(motion @ change)
-        return not now >= _KEPT * before, not now > 0
+        if served == _LOOK:
+            self._softens = not now >= _KEPT * before
+            return self._softens, not now > 0
+        return False, not now > _SOFT * before
 
     def forget(self) -> None:
         """Make a new tangent at the next step."""
