@@ -39,6 +39,7 @@ from isopeel.post.table import write_curve
 from isopeel.progress import progress
 from isopeel.results.curve import Curve
 from isopeel.results.files import replacing
+from isopeel.results.notes import with_one_remedy
 from isopeel.results.provenance import Provenance
 from isopeel.results.run_file import Failure, StoredRun, read_run, run_attributes
 from isopeel.results.run_writer import RunWriter
@@ -114,7 +115,7 @@ def _say_doubts(case: Case, console: Console, strict: bool) -> None:
         laboratory = _laboratory(case, stage)
         notes += estimate_notes(stage.problem, space, laboratory)
         notes += locking_notes(stage.problem, space, laboratory)
-    for note in dict.fromkeys(notes):
+    for note in with_one_remedy(list(dict.fromkeys(notes))):
         if strict:
             raise InputError(
                 "discretization.mesh", "{}x{}".format(*space.elements), f"{note.subject}: {note.text}"

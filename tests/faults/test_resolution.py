@@ -14,11 +14,11 @@ from isopeel.post.front import front_profile, process_zone
 from isopeel.post.laboratory import Laboratory
 from isopeel.post.resolution import estimated, needed_elements, process_zone_length
 from isopeel.post.resolution_notes import estimate_notes
+from isopeel.results.notes import with_one_remedy
 from isopeel.run import run_case
 from isopeel.solve.newton import NewtonSettings
 from isopeel.solve.trace import trace
 from isopeel.splines.rows import row_space
-from isopeel.units import UnitSystem
 
 HALF_BEAM = """\
 name = "turon"
@@ -110,10 +110,27 @@ def strip(space: str, mesh: str) -> Case:
     return Case.parse(STRIP.format(law="exponential", keys=EXPONENTIAL, space=space, mesh=mesh))
 
 
+def as_proposed(case: Case, text: str) -> Case:
+    """The case on the mesh, and with the grading, that a note takes."""
+    mesh, grading = (re.search(pattern, text) for pattern in (r"mesh = '(\d+x\d+)'", r"grading = (\[.*?\])"))
+    assert mesh is not None
+    case = case.overridden(mesh=mesh[1])
+    if grading is None:
+        return case
+    table = f"[discretization]\ngrading = {grading[1]}\n"
+    return Case.parse(ungraded(case).replace("[discretization]\n", table))
+
+
+def ungraded(case: Case) -> str:
+    """The text of a case without its grading."""
+    return re.sub(r"grading = \[[^\]]*\]\n", "", case.text)
+
+
 def told(case: Case) -> str:
     """What is said before the first step."""
-    laboratory = Laboratory.of(UnitSystem(), case.problem())
-    return " ".join(note.text for note in estimate_notes(case.problem(), case.space(), laboratory))
+    laboratory = Laboratory.of(case.units.system(), case.problem())
+    notes = with_one_remedy(estimate_notes(case.problem(), case.space(), laboratory))
+    return " ".join(note.text for note in notes)
 
 
 @pytest.mark.parametrize(
@@ -130,15 +147,43 @@ def told(case: Case) -> str:
 )
 def test_elements_that_are_too_large_are_told_of_and_what_is_proposed_will_do(case: Case) -> None:
     text = told(case)
-    mesh = re.search(r"mesh = '(\d+x\d+)'", text)
-    assert mesh is not None
-    assert not told(case.overridden(mesh=mesh[1]))
+    assert not told(as_proposed(case, text))
     for space in re.findall(r"space = '([^']+)'", text):
         assert not told(case.overridden(space=space))
 
 
-def test_a_wide_stamp_is_offered_a_grading() -> None:
-    assert "grade the elements towards the front, by up to 1:" in told(Case.parse(STAMP))
+@pytest.mark.parametrize(("mesh", "strength"), [("12x24", 1.2), ("60x12", 2.4), ("100x10", 4.8)])
+def test_a_front_that_stays_where_it_starts_is_offered_a_grading(mesh: str, strength: float) -> None:
+    text = ungraded(load_case("cylinder-pull-off")).replace("1.2 MPa", f"{strength} MPa")
+    case = Case.parse(text).overridden(mesh=mesh)
+    found = told(case)
+    assert "with grading = [" in found
+    assert not told(as_proposed(case, found))
+
+
+@pytest.mark.parametrize("length", [20, 200, 2000])
+def test_what_no_mesh_resolves_is_offered_a_strength(length: float) -> None:
+    """Wide pads have two fronts, far apart, which their elements cannot both be graded towards."""
+    case = Case.parse(STAMP.replace('"500 um"', f'"{length} mm"').replace('"1 MPa"\nrise', '"3 MPa"\nrise'))
+    text = told(case)
+    assert "mesh = '" not in text
+    strength = re.search(r"that of a strength of ([\d.]+) (k?Pa|MPa) or less", text)
+    assert strength is not None
+    softer = Case.parse(case.text.replace('strength = "3 MPa"', f'strength = "{strength[1]} {strength[2]}"'))
+    mesh = re.search(r"mesh = '(\d+x\d+)'", told(softer))
+    assert mesh is not None
+    assert not told(softer.overridden(mesh=mesh[1]))
+
+
+@pytest.mark.parametrize("case", [strip("N2", "20x2"), strip("L2", "18x2"), strip("N2", "30x1")])
+def test_one_run_names_one_mesh_that_would_do(case: Case, tmp_path: Path) -> None:
+    run_case(case, tmp_path, Console(quiet=True))
+    notes = json.loads((tmp_path / "summary.json").read_text("utf-8"))["notes"]
+    assert sum(note["subject"] == "resolution" for note in notes) > 1
+    (mesh,) = [name for note in notes for name in re.findall(r"mesh = '(\d+x\d+)'", note["text"])]
+    run_case(case.overridden(mesh=mesh), tmp_path / "finer", Console(quiet=True))
+    left = json.loads((tmp_path / "finer" / "summary.json").read_text("utf-8"))["notes"]
+    assert not any(note["subject"] == "resolution" for note in left)
 
 
 @pytest.mark.parametrize("name", shipped_cases())
@@ -162,7 +207,10 @@ def test_a_strict_run_is_refused_in_one_line(tmp_path: Path, capsys: pytest.Capt
 def test_the_summary_says_it_too(tmp_path: Path) -> None:
     run_case(Case.parse(HALF_BEAM), tmp_path, Console(quiet=True))
     summary = json.loads((tmp_path / "summary.json").read_text("utf-8"))
-    assert any("take mesh = '150x2'" in note["text"] for note in summary["notes"])
+    texts = " ".join(note["text"] for note in summary["notes"])
+    (mesh,) = re.findall(r"take mesh = '(\d+)x2'", texts)
+    # 38 elements are 0.29 in the zone
+    assert int(mesh) >= 38 / 0.29
     zones = summary["process_zone"]
     # what elements do not resolve looks as long as they are
     assert zones["estimated"]["elements"] < zones["measured"]["elements"] < zones["measured"]["needed"]

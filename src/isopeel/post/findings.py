@@ -21,6 +21,7 @@ from isopeel.post.readings import (
     drive_test,
     halves,
     is_only_pressed,
+    pull_off,
     read,
     steady_window,
 )
@@ -101,7 +102,7 @@ def find(
         if steady and mean is not None:
             readings.insert(0, _steady(curve, mean, steady, plateau, form))
     inside = depth_inside(problem, space, run.fields)
-    zones = Zones.of(problem, space, {at: front.zone for at, front in found.items()})
+    zones = Zones.of(problem, space, {at: front.zone for at, front in _used(problem, curve, found).items()})
     doubts = locking_notes(problem, space, laboratory)
     if not is_only_pressed(problem, curve) and (zones.measured or peels(problem, space, run.fields)):
         doubts = zone_notes(problem, space, zones, laboratory) + doubts
@@ -121,6 +122,15 @@ def find(
         doubts,
         laboratory,
     )
+
+
+def _used(problem: Problem, curve: Curve, found: Mapping[float, Front]) -> Mapping[float, Front]:
+    """The fronts on which the readings depend: of a body that is pulled off, those until it comes off."""
+    last = pull_off(problem, curve)
+    if last is None:
+        return found
+    before = set(curve.parameter[: last + 1].tolist())
+    return {at: front for at, front in found.items() if at in before}
 
 
 def _own_window(

@@ -17,7 +17,7 @@ from isopeel.post.closed_form import expected
 from isopeel.post.laboratory import Laboratory
 from isopeel.post.resolution import lies_flat
 from isopeel.problem import Problem, RotatedSide
-from isopeel.results.notes import Note
+from isopeel.results.notes import Note, Remedy
 from isopeel.splines.names import parse_space_name
 from isopeel.splines.rows import RowSpace
 from isopeel.splines.space import SplineSpace
@@ -109,13 +109,12 @@ def _volume_notes(problem: Problem, space: RowSpace) -> list[Note]:
     if found is None or found <= LOCKED:
         return []
     degree = space.across.degree
-    ways = [f"across_degree = {degree + 1}"] if degree < _ENOUGH else []
-    ways.append(f"twice the elements both ways, mesh = '{2 * space.elements[0]}x{2 * space.elements[1]}'")
+    higher = f" and across_degree = {degree + 1}" if degree < _ENOUGH else ""
     text = (
         f"volume: the body, whose Poisson's ratio is {problem.body.material.poissons_ratio:g}, is at least "
-        f"{_by(found)} too stiff where its sides hold it; take {' and '.join(ways)}"
+        f"{_by(found)} too stiff where its sides hold it; take more elements both ways{higher}"
     )
-    return [Note("locking", text)]
+    return [Note("locking", text, Remedy((2 * space.elements[0], 2 * space.elements[1])))]
 
 
 def _coarser(space: RowSpace, step: int) -> RowSpace:

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from functools import partial
+from math import ceil, log2
 
 from isopeel.post.findings import Findings
 from isopeel.post.mesh_error import MeshChange
@@ -10,7 +11,7 @@ from isopeel.post.readings import (
     FAR,
 )
 from isopeel.post.stability import stability_notes
-from isopeel.results.notes import Note
+from isopeel.results.notes import Note, Remedy
 from isopeel.results.run_file import StoredRun
 
 #: Change of a reaction on a finer space that is worth a note. For an error that falls with the element size
@@ -54,6 +55,13 @@ def run_notes(run: StoredRun, found: Findings, onset: float | None) -> list[Note
     return notes
 
 
+def _more(change: MeshChange) -> int:
+    """Times the elements on which a reaction would change by little, where that falls with their square."""
+    if change.finer is None:
+        return 2
+    return int(2 ** min(max(ceil(log2(change.relative / MESH_CHANGE) / 2), 1), 3))
+
+
 def mesh_notes(run: StoredRun, found: Findings, changes: Sequence[MeshChange]) -> list[Note]:
     """Say where a reaction changes on a finer mesh by more than MESH_CHANGE."""
     parameter, reaction = run.curve.parameter_column, run.curve.reaction_column
@@ -67,6 +75,6 @@ def mesh_notes(run: StoredRun, found: Findings, changes: Sequence[MeshChange]) -
                 if change.finer is None
                 else f"changes by {100 * change.relative:.2g} % on elements of half the length"
             )
-            text = f"the mesh is too coarse: the {at} {seen}; try --mesh {2 * int(length)}x{height}"
-            notes.append(Note("resolution", text))
+            text = f"the mesh is too coarse: the {at} {seen}"
+            notes.append(Note("resolution", text, Remedy((_more(change) * int(length), int(height)))))
     return notes

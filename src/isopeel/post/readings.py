@@ -234,14 +234,24 @@ def _at_the_end(problem: Problem, curve: Curve) -> NDArray[np.bool_]:
     return ends
 
 
+def pull_off(problem: Problem, curve: Curve) -> int | None:
+    """The step of the largest tension of a body that is pulled off; None where none is."""
+    pulled = forces(curve)
+    if pulled is None or drive_test(problem, curve) != "pull":
+        return None
+    tension = pulled.force * np.sign(_away(problem))
+    moved = np.diff(pulled.displacement) * np.sign(_away(problem))
+    step = int(np.argmax(tension))
+    # a body that snaps into contact is pulled while it approaches, one that holds most at the last step
+    return step if tension[step] > 0 and 0 < step < len(curve) - 1 and moved[step] > 0 else None
+
+
 def _pull(problem: Problem, curve: Curve, pulled: Forces) -> list[Reading]:
     tension = pulled.force * np.sign(_away(problem))
     readings = []
     if tension.max() > 0:
         step = int(np.argmax(tension))
-        # a body that snaps into contact is pulled while it approaches, one that holds most at the last step
-        moved = np.diff(pulled.displacement) * np.sign(_away(problem))
-        comes_off = 0 < step < len(curve) - 1 and moved[step] > 0
+        comes_off = pull_off(problem, curve) is not None
         words = "tension, away from the substrate"
         if 0 < step == len(curve) - 1:
             words += "; it rises to the end of the run"

@@ -23,7 +23,7 @@ where that stretch is shorter than the estimate, it governs.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from math import sqrt
 from types import MappingProxyType
 from typing import Self
@@ -58,6 +58,8 @@ class Resolution:
     reach: float  # length over which the law acts ahead of its peak
     element: float  # the longest element in the zone
     needed: float  # elements in the zone that the space needs
+    stretches: tuple[tuple[float, float], ...]  # of the side, around the fronts, where elements count
+    contact: float | None = None  # half of the width over which a body touches, where that is a part of it
 
     @property
     def elements(self) -> float:
@@ -73,6 +75,12 @@ class Resolution:
     def is_enough(self) -> bool:
         """Whether the zone has the elements that the space needs."""
         return self.elements >= self.needed
+
+    def on(self, problem: Problem, space: RowSpace) -> "Resolution":
+        """Of the same zone on another space."""
+        ends = ends_along(problem, space)
+        longest = max(_longest(ends, *stretch) for stretch in self.stretches)
+        return replace(self, element=longest, needed=needed_elements(functions_along(problem, space)))
 
     def summary(self) -> dict[str, float]:
         """Plain numbers."""
@@ -122,6 +130,7 @@ def estimated(problem: Problem, space: RowSpace) -> Resolution | None:
     modulus = plane_strain_modulus(problem.body.material)
     irwin = modulus * character.work_of_adhesion / character.strength**2
     touches, lowest = gap - gap.min() < opened, int(np.argmin(gap))
+    edge = None
     if touches.all():
         ends = {"left": [0], "right": [-1]}.get(problem.drive.side, [0, -1])
         fronts = [float(places[end]) for end in ends]
@@ -132,17 +141,27 @@ def estimated(problem: Problem, space: RowSpace) -> Resolution | None:
         edge = max(limit, float((2 * character.work_of_adhesion * radius**2 / (np.pi * modulus)) ** (1 / 3)))
         around = places[lowest] + np.array([-edge, edge])
         fronts = [float(front) for front in around if places[0] <= front <= places[-1]] or [float(places[-1])]
-    zone = min(process_zone_length(irwin, _height(problem)), limit)
-    ends_of_elements = ends_along(problem, space)
-    longest = max(_longest(ends_of_elements, front - zone, front + zone) for front in fronts)
-    return Resolution(zone, zone * _reach(law), longest, needed_elements(functions_along(problem, space)))
+    zone = min(process_zone_length(irwin, body_height(problem)), limit)
+    stretches = tuple((front - zone, front + zone) for front in fronts)
+    return _resolution(problem, space, zone, stretches, edge)
 
 
 def measured(problem: Problem, space: RowSpace, zone: ProcessZone) -> Resolution:
     """Resolution of a process zone that was found in a state, with the law's reach beside such a zone."""
-    longest = _longest(ends_along(problem, space), zone.start, zone.end)
-    needed = needed_elements(functions_along(problem, space))
-    return Resolution(zone.length, zone.length * _reach(problem.adhesion.law), longest, needed)
+    before = estimated(problem, space)
+    contact = None if before is None else before.contact
+    return _resolution(problem, space, zone.length, ((zone.start, zone.end),), contact)
+
+
+def _resolution(
+    problem: Problem,
+    space: RowSpace,
+    zone: float,
+    stretches: tuple[tuple[float, float], ...],
+    contact: float | None = None,
+) -> Resolution:
+    reach = zone * _reach(problem.adhesion.law)
+    return Resolution(zone, reach, zone, 1.0, stretches, contact).on(problem, space)
 
 
 def lies_flat(problem: Problem) -> bool:
@@ -248,7 +267,7 @@ def _beside(places: FloatArray, touches: BoolArray, lowest: int) -> float:
     return max(float(places[lowest] - start), float(end - places[lowest]), step)
 
 
-def _height(problem: Problem) -> float:
+def body_height(problem: Problem) -> float:
     """Thickness of the body above the adhering side, in the middle of what adheres."""
     adhesion, shape = problem.adhesion, problem.body.shape
     at, ends = (adhesion.start + adhesion.end) / 2, (0.0, 1.0)

@@ -18,6 +18,7 @@ from isopeel.post.readings import (
 )
 from isopeel.problem import Column
 from isopeel.results.curve import Curve
+from isopeel.results.notes import with_one_remedy
 from isopeel.results.run_file import StoredRun
 
 
@@ -65,7 +66,10 @@ def summarize(
         "onset": onset,
         "closed_form": closed_form and asdict(closed_form),
         "process_zone": found.zones.summary(parameter.name),
-        "notes": [asdict(note) for note in [*run_notes(run, found, onset), *mesh_notes(run, found, changes)]],
+        "notes": [
+            {"subject": note.subject, "text": note.text}
+            for note in with_one_remedy([*run_notes(run, found, onset), *mesh_notes(run, found, changes)])
+        ],
         "finer_mesh": [_finer(change, parameter, reaction) for change in changes],
         "wall_time_s": wall_time,
         "corrections": iterations,

@@ -1,12 +1,32 @@
 """What a run says of its own numbers: where they can be doubted, and what could not be read."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Literal, TypeAlias
+from typing import Literal, NamedTuple, TypeAlias
 
 #: What a note is about. All but `reading` and `bifurcation` say that numbers of the run may be wrong.
 Subject: TypeAlias = Literal[
     "reading", "bifurcation", "resolution", "locking", "stability", "closed form", "penetration"
 ]
+
+
+class Remedy(NamedTuple):
+    """A discretization that would do: elements along and across, and their grading where it is changed.
+
+    `instead` are other ways, each of which would do on the mesh as it is.
+    """
+
+    mesh: tuple[int, int]
+    grading: tuple[float, float] | None = None
+    instead: tuple[str, ...] = ()
+
+    @property
+    def text(self) -> str:
+        """As the keys of a case."""
+        ways = [f"mesh = '{self.mesh[0]}x{self.mesh[1]}'"]
+        if self.grading is not None:
+            ways[0] += f" with grading = [{self.grading[0]:g}, {self.grading[1]:g}]"
+        return ", or ".join([*ways, *self.instead])
 
 
 @dataclass(frozen=True)
@@ -15,3 +35,25 @@ class Note:
 
     subject: Subject
     text: str
+    remedy: Remedy | None = None
+
+
+def with_one_remedy(notes: Sequence[Note]) -> list[Note]:
+    """The notes with one discretization among them, at the end of the first that has one: the finest.
+
+    A graded one is finer at the front than any other. Ways to do without another mesh are left out where
+    notes differ, as each was found for its own note.
+    """
+    remedies = list(dict.fromkeys(note.remedy for note in notes if note.remedy is not None))
+    if not remedies:
+        return list(notes)
+    graded = [remedy for remedy in remedies if remedy.grading is not None]
+    chosen = max(graded or remedies, key=lambda remedy: remedy.mesh)
+    if len(remedies) > 1:
+        across = max(remedy.mesh[1] for remedy in remedies)
+        chosen = Remedy((chosen.mesh[0], max(chosen.mesh[1], across)), chosen.grading)
+    first = next(k for k, note in enumerate(notes) if note.remedy is not None)
+    return [
+        Note(note.subject, f"{note.text}; take {chosen.text}" if k == first else note.text)
+        for k, note in enumerate(notes)
+    ]
