@@ -8,7 +8,6 @@ from isopeel.arrays import FloatArray
 from isopeel.assembly.start import extent
 from isopeel.assembly.system import BandMatrix, Equilibrium, System
 from isopeel.interrupts import check
-from isopeel.solve.balance import energy_round_off
 from isopeel.solve.blocks import NotPositiveDefiniteError
 from isopeel.solve.linear import Border, Bordered, Factor, SingularError, factorize
 
@@ -47,7 +46,6 @@ def descend(system: System, start: FloatArray, parameter: float, most: int = _MO
     shift = 0.0
     far = _AWAY * extent(system.problem)
     begun, _ = system.state(start, parameter)
-    round_off = energy_round_off(system)
     energy = potential_energy(system, y, parameter)
     for _ in range(most):
         check()
@@ -81,7 +79,7 @@ def descend(system: System, start: FloatArray, parameter: float, most: int = _MO
         if not (astray or trial < energy):
             break
         y = y + step * direction
-        if shift == 0.0 and not astray and energy - trial < _FLAT * abs(energy) + round_off:
+        if shift == 0.0 and not astray and energy - trial < _FLAT * abs(energy):
             break
         energy = trial
         # try to do with less the next time
