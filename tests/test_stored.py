@@ -2,12 +2,15 @@
 
 from dataclasses import replace
 from pathlib import Path
+from shutil import copytree
 
+import h5py
 import pytest
 from rich.console import Console
 
 import isopeel
 from isopeel import InputError
+from isopeel.folder import stage_files
 from isopeel.results.run_file import read_run, write_run
 from isopeel.run import run_case
 from isopeel.stored import stored_stages
@@ -73,3 +76,15 @@ def test_a_run_from_before_degree_2_was_the_default_is_linear_across(tmp_path: P
     press, _ = stored_stages(tmp_path)
     assert press.space.across.degree == 1
     assert press.run.attributes["dofs"] == 2 * press.space.size
+
+
+@pytest.mark.parametrize(
+    ("name", "value"), [("mesh", ""), ("mesh", "9x9"), ("mesh", "a\x1b[2Jb"), ("space", "N2"), ("space", "")]
+)
+def test_a_space_of_another_case_is_refused(name: str, value: str, staged: Path, tmp_path: Path) -> None:
+    folder = tmp_path / "changed"
+    copytree(staged, folder)
+    with h5py.File(stage_files(folder)[0], "r+", libver="latest") as file:
+        file.attrs[name] = value
+    with pytest.raises(InputError, match="holds fields, a space or a stage of another case"):
+        stored_stages(folder)

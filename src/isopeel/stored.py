@@ -60,8 +60,12 @@ def _stored_stage(file: Path) -> StoredStage:
     number = _number(file) if _number(file) in numbers else min(numbers, default=0)
     kept = [*run.fields.values(), *([] if run.base is None else [run.base])]
     sizes = {len(displacement) for displacement in kept}
-    if missing or not number or not sizes <= {space.size}:
-        told = f"lacks {', '.join(missing)}" if missing else "holds fields or a stage of another case"
+    of_case = space.name, "{}x{}".format(*space.elements)
+    same = (run.attributes.get("space"), run.attributes.get("mesh")) == of_case
+    if missing or not number or not sizes <= {space.size} or not same:
+        told = (
+            f"lacks {', '.join(missing)}" if missing else "holds fields, a space or a stage of another case"
+        )
         raise InputError("FILE", str(file), f"the file of a run is needed: it {told}")
     stage = stages[number - 1]
     columns = stage.problem.drive.parameter_column, stage.problem.drive.reaction_column

@@ -11,7 +11,7 @@ from types import FrameType
 from typing import Any
 
 import pytest
-from cases import AROUND, BODIES, LAWS, MATERIALS, OPTIONS, documents, lay_files, toml
+from cases import AROUND, BODIES, LAWS, MATERIALS, OPTIONS, SUBSTRATES, documents, lay_files, toml
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
@@ -38,8 +38,11 @@ def _compiled(tmp_path_factory: pytest.TempPathFactory) -> None:
     folder = tmp_path_factory.mktemp("first")
     document = {"name": "first", "body": BODIES[0], "material": MATERIALS[0], "adhesion": LAWS[0]}
     document |= {"discretization": {"mesh": "8x2"}, "drive": {"to": "2 deg", "step": "1 deg"}}
-    (folder / "case.toml").write_text(toml(document))
-    main(["run", str(folder / "case.toml"), "--out", str(folder / "out")])
+    # SymPy takes seconds to load, and to derive its first formulas
+    formulas = {"material": MATERIALS[-1], "adhesion": LAWS[-1], "substrate": SUBSTRATES[-1]}
+    for name, changed in (("plain", document), ("formulas", document | formulas)):
+        (folder / "case.toml").write_text(toml(changed))
+        main(["run", str(folder / "case.toml"), "--out", str(folder / name)])
 
 
 def outcome(text: str, options: list[str], figures: bool) -> tuple[int, str]:
