@@ -177,6 +177,16 @@ def test_no_step_is_made_on_the_unstable_branch_before_that(step: float) -> None
     assert np.diff([one.parameter for one in steps]).min() > 0.0
 
 
+@pytest.mark.parametrize("share", [1e-4, 1e-3, 0.009])
+def test_a_bifurcation_right_after_a_step_is_one(share: float) -> None:
+    """It was taken for another branch, as states of both sides were apart by much of the way to it."""
+    step = 0.0066441406 / 6 / (1 + share / 6)
+    (steps,) = paths(STRIP.format(drive=f'{HELD}\nto = "{8 * step} mm"\nstep = "{step} mm"'))
+    (lost,) = bifurcations(steps)
+    assert lost.parameter == pytest.approx(0.0066441406, rel=1e-3)
+    assert lost.parameter == pytest.approx(6 * step, abs=0.01 * step)
+
+
 @pytest.mark.parametrize("step", [0.0000125, 0.0001])
 def test_nor_under_a_load_whose_size_is_unknown(step: float) -> None:
     (steps,) = paths(STRIP.format(drive=f'{FREE}\nto = "0.0006 mm"\nstep = "{step} mm"'))

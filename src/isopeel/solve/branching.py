@@ -39,7 +39,7 @@ _MOST_ROUNDS = 4
 _ALIKE = 1e-6
 
 
-#: Of the way since the last step: states on both sides of a bifurcation are no further apart.
+#: Of the way to what was found: states on both sides of a bifurcation are no further apart.
 _NEAR = 0.1
 
 
@@ -108,7 +108,8 @@ def _located(path: Path, found: Found) -> Bracket:
         else:
             high = middle
     n = path.system.constraints.count
-    apart, way = (np.abs(high.result.unknown_values - past.unknown_values)[:n].max() for past in (low, begin))
+    apart = np.abs(high.result.unknown_values - low.unknown_values)[:n].max()
+    way = np.abs(found.result.unknown_values - begin.unknown_values)[:n].max()
     if apart > _NEAR * way:
         return Bracket(stable, high)
     if stable is None and low.parameter == path.history[-1].parameter:
