@@ -1,6 +1,7 @@
 """Bodies whose bending or volume response locks: right by default, and told where they are not."""
 
 import pytest
+from summaries import told_by
 
 from isopeel.case import Case, load_case, shipped_cases
 from isopeel.post.closed_form import expected
@@ -231,3 +232,21 @@ def test_the_tension_of_the_body_at_its_face_is_that_of_the_adhesion() -> None:
     at = pull > 0.2 * pull.max()
     assert body[at].max() < 2 * pull.max()
     assert body[at].min() > -pull.max()
+
+
+@pytest.mark.parametrize("angle", [90, 135])
+def test_a_tape_that_is_too_stiff_in_bending_is_not_told_of_where_it_is_steady(angle: int) -> None:
+    """Its steady force is right: what the front bends costs no energy in the end."""
+    text = f"""
+name = "tape"
+units = {{ length = "1 mm", stress = "1 MPa" }}
+body = {{ length = "14 mm", height = "0.1 mm" }}
+material = {{ law = "neo-hooke", youngs_modulus = "300 MPa", poissons_ratio = 0.3 }}
+adhesion = {{ law = "exponential", strength = "0.5 MPa", work_of_adhesion = "0.1 N/mm", length = "11 mm" }}
+discretization = {{ space = "L1", mesh = "160x1", across_degree = 1 }}
+drive = {{ kind = "force", side = "right", angle = "{angle} deg", to = "9 mm", step = "0.1 mm" }}
+"""
+    summary = told_by(text)
+    assert "would do" in told(summary.case)
+    assert abs(summary.reading("steady force")["deviation_percent"]) < 1
+    assert not summary.notes("locking")

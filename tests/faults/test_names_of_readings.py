@@ -229,3 +229,59 @@ def test_what_waves_release_is_not_held_against_the_work_of_adhesion(substrate: 
     assert rate["closed_form"] is None
     assert rate["words"] == "by the drive, per area of the face, which adheres in part"
     assert 0 < rate["value"] < 0.002
+
+
+@pytest.mark.parametrize(
+    ("angle", "to", "mesh"), [(90, 0.12, "36x1"), (120, 0.09, "36x1"), (90, 0.12, "45x1")]
+)
+def test_a_raised_load_is_held_against_the_peeling_load(angle: int, to: float, mesh: str) -> None:
+    """Followed beyond its limit it takes the tape off, by more load where the joint ends."""
+    text = TAPE.format(length=9, adhering=8, held=HELD, mesh=mesh, angle=angle, to=0, step=0)
+    raised = f'control = "force"\npath_control = "continuation"\nto = "{to} N/mm"'
+    told = told_by(text.replace('to = "0 mm"', raised).replace('"0 mm"', '"0.02 N/mm"'))
+    steady = told.reading("steady force")
+    assert steady["closed_form"]["source"] == "Kendall's tape"
+    assert abs(steady["deviation_percent"]) < 0.5
+    assert told.reading("largest force")["value"] == pytest.approx(1000 * to)
+    assert told.reading("largest force")["words"] == "as the end of the joint comes off"
+    assert not told.notes("closed form")
+
+
+FILM = """
+name = "film"
+[units]
+length = "1 mm"
+stress = "1 MPa"
+[body]
+length = "0.48 mm"
+height = "4.4 um"
+[material]
+law = "neo-hooke"
+youngs_modulus = "24 kPa"
+poissons_ratio = 0.0
+[adhesion]
+law = "exponential"
+strength = "0.024 kPa"
+work_of_adhesion = "1e-4 mJ/m^2"
+[substrate]
+gap = "{gap} um"
+[held]
+left = "xy"
+[discretization]
+space = "N2.1"
+mesh = "{mesh}"
+[drive]
+side = "right"
+kind = "displacement"
+angle = "180 deg"
+transverse = "held"
+to = "0.33 um"
+step = "16 nm"
+"""
+
+
+@pytest.mark.parametrize(("mesh", "gap"), [("24x1", 970), ("16x2", 970), ("24x1", 100)])
+def test_a_film_that_buckles_far_from_its_joint_has_no_initiation(mesh: str, gap: float) -> None:
+    told = told_by(FILM.format(mesh=mesh, gap=gap))
+    assert "initiation force" not in told.quantities
+    assert "largest force" in told.quantities

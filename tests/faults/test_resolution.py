@@ -251,7 +251,7 @@ def test_the_shorter_length_governs() -> None:
 
 
 @pytest.mark.parametrize(
-    ("name", "needed"), [("L1", 1.0), ("L2", 0.9), ("L4", 0.45), ("N2", 1.0), ("N4", 1.0), ("N2.1", 0.5)]
+    ("name", "needed"), [("L1", 1.0), ("L2", 0.9), ("L4", 0.45), ("N2", 1.0), ("N4", 0.7), ("N2.1", 0.5)]
 )
 def test_spaces_need_elements_by_their_functions(name: str, needed: float) -> None:
     assert needed_elements(row_space(name, (9, 1)).rows[0]) == needed

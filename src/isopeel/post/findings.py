@@ -27,6 +27,7 @@ from isopeel.post.readings import (
 )
 from isopeel.post.resolution import Zones
 from isopeel.post.resolution_notes import oscillation_notes, peels, zone_notes
+from isopeel.post.steady_load import steady_load
 from isopeel.problem import Problem
 from isopeel.results.curve import Curve
 from isopeel.results.notes import Note
@@ -101,9 +102,14 @@ def find(
         mean = plateau_mean(curve, steady) if steady else None
         if steady and mean is not None:
             readings.insert(0, _steady(curve, mean, steady, plateau, form))
+        load = steady_load(problem, space, curve) if test == "tape" and run.base is None else None
+        if load is not None:
+            readings.insert(0, load)
     inside = depth_inside(problem, space, run.fields)
     zones = Zones.of(problem, space, {at: front.zone for at, front in _used(problem, curve, found).items()})
-    doubts = locking_notes(problem, space, laboratory)
+    # Kendall's force does not depend on how a tape bends; what starts it does
+    bends = form is None or test != "tape" or any(one.name == "initiation force" for one in readings)
+    doubts = locking_notes(problem, space, laboratory, bends=bends)
     if not is_only_pressed(problem, curve) and (zones.measured or peels(problem, space, run.fields)):
         doubts = zone_notes(problem, space, zones, laboratory) + doubts
     if not doubts:

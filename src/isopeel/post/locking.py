@@ -78,9 +78,15 @@ def bending(problem: Problem, space: RowSpace) -> Bending | None:
     return Bending(linear, volume)
 
 
-def locking_notes(problem: Problem, space: RowSpace, laboratory: Laboratory) -> list[Note]:
-    """Say how much too stiff the body is, and what would not be, where that matters to the reaction."""
-    return _bending_notes(problem, space, laboratory) + _volume_notes(problem, space)
+def locking_notes(
+    problem: Problem, space: RowSpace, laboratory: Laboratory, *, bends: bool = True
+) -> list[Note]:
+    """Say how much too stiff the body is, and what would not be, where that matters to the reaction.
+
+    `bends` is whether what is read depends on how the body bends.
+    """
+    notes = _bending_notes(problem, space, laboratory) if bends else []
+    return notes + _volume_notes(problem, space)
 
 
 def confined(problem: Problem, space: RowSpace) -> float | None:

@@ -94,9 +94,7 @@ def drive_test(problem: Problem, curve: Curve) -> Test:
         return "pull" if abs(_away(problem)) > _NORMAL else "other"
     if isinstance(adhesion.law, Mirrored):
         return "opening"
-    shape = problem.body.shape
-    height = shape.area() / shape.boundary(adhesion.side).length()
-    bending = plane_strain_modulus(problem.body.material) * height**3 / 12
+    bending = plane_strain_modulus(problem.body.material) * _height(problem) ** 3 / 12
     turned = sqrt(bending / adhesion.law.work_of_adhesion)
     lifted = float(np.abs(pulled.displacement).max())
     return "opening" if abs(_away(problem)) > _NORMAL and lifted < turned else "tape"
@@ -221,17 +219,25 @@ def _initiation(problem: Problem, curve: Curve, pulled: Forces) -> int | None:
     fallen = first_fall(pulled.force)
     if fallen is None or _at_the_end(problem, curve)[fallen]:
         return None
+    # a film that buckles far from its joint lets go of nothing
+    if opened(problem, curve)[fallen] < _FALL * _height(problem):
+        return None
     return int(np.argmax(pulled.force[: fallen + 1]))
 
 
 def _at_the_end(problem: Problem, curve: Curve) -> NDArray[np.bool_]:
     """Whether less of a joint is left at each step (steps,) than its front reaches into it."""
-    adhesion, shape = problem.adhesion, problem.body.shape
-    length = shape.boundary(adhesion.side).length()
-    height = shape.area() / length
+    adhesion = problem.adhesion
+    length = problem.body.shape.boundary(adhesion.side).length()
     left = length * (adhesion.end - adhesion.start) - opened(problem, curve)
-    ends: NDArray[np.bool_] = left < reach_behind(problem, height)
+    ends: NDArray[np.bool_] = left < reach_behind(problem, _height(problem))
     return ends
+
+
+def _height(problem: Problem) -> float:
+    """Mean thickness of the body."""
+    shape = problem.body.shape
+    return shape.area() / shape.boundary(problem.adhesion.side).length()
 
 
 def pull_off(problem: Problem, curve: Curve) -> int | None:

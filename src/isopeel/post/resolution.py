@@ -102,15 +102,15 @@ def process_zone_length(irwin: float, height: float) -> float:
 def needed_elements(functions: SplineSpace) -> float:
     """Elements in the process zone with which a plateau is right within about 1 %.
 
-    What counts is the number of functions in the zone: 1 of smooth splines, 1.8 of C0 splines of degree 2 and
-    more (`benchmarks/resolution.py`).
+    What counts is the number of functions in the zone: 1 of smooth splines, 0.7 where they are of degree 4
+    and more, 1.8 of C0 splines of degree 2 and more (`benchmarks/resolution.py`).
     """
     smooth = functions.degree - 1
     if functions.elements > 1:
         smooth = int(np.median(functions.continuities))
     if smooth == 0 and functions.degree > 1:
         return 1.8 / functions.degree
-    return 1.0 / (functions.degree - smooth)
+    return (0.7 if smooth >= 3 else 1.0) / (functions.degree - smooth)
 
 
 def estimated(problem: Problem, space: RowSpace) -> Resolution | None:
