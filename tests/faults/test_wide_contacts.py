@@ -6,6 +6,7 @@ from paths import as_far_as_it_goes, gained, paths, worth
 from isopeel.solve import path as path_module
 from isopeel.solve.descent import Descent
 from isopeel.solve.newton import HINTS
+from isopeel.solve.path import Path
 
 STAMP = """
 name = "stamp"
@@ -69,6 +70,42 @@ def test_a_stamp_comes_off_with_the_energy_released(name: str) -> None:
         assert steps[-1].adhesive_energy == pytest.approx(0.0, abs=1e-9)
     # a limit point is located to a share of a step, and no further
     assert len(steps) < 60
+
+
+def test_a_fall_stops_where_the_joint_is_half_open(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The body without its joint is not looked at there."""
+    text = stamp(nu=0.4, W=0.01, strength=0.2, to=9.6)
+    looked: list[float] = []
+
+    def come_off(_path: Path, _descent: Descent, parameter: float) -> None:
+        looked.append(parameter)
+
+    monkeypatch.setattr(Path, "_come_off", come_off)
+    (steps,) = paths(text)
+    (jump,) = [step for step in steps if step.kind == "jump"]
+    assert jump.reaction > 5.0
+    assert jump.adhesive_energy < -0.1
+    assert not looked
+
+
+@pytest.mark.parametrize(
+    "values",
+    [
+        {"nu": 0.4, "W": 0.01, "strength": 0.2, "mesh": "60x8"},
+        {"nu": 0.4, "W": 0.01, "strength": 0.2, "mesh": "60x10"},
+    ],
+)
+def test_a_fine_mesh_comes_to_rest_by_itself(
+    values: dict[str, object], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """After 200 corrections these were taken without their joint, which skips what lies on the way."""
+
+    def come_off(_path: Path, _descent: Descent, _parameter: float) -> None:
+        raise AssertionError("the fall has not come to rest")
+
+    monkeypatch.setattr(Path, "_come_off", come_off)
+    (steps,) = paths(stamp(**values))
+    assert steps[-1].adhesive_energy == pytest.approx(0.0, abs=1e-9)
 
 
 def test_a_fall_that_does_not_come_to_rest_is_told(monkeypatch: pytest.MonkeyPatch) -> None:

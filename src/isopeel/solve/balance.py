@@ -25,8 +25,9 @@ SLIGHT = 2e-2
 #: On a smooth branch the error of the trapezoidal rule falls by eight with half of the step, to fifth order;
 #: what a jump releases stays. So an energy that falls by this is such an error.
 CUBIC = 1 / 5
-#: How often the error of the trapezoidal rule, as the last states tell it, a step may be off. Towards a limit
-#: point of a load, where the rate changes as a root, the states before tell less than a third of it.
+#: How often the error of the trapezoidal rule, as the last states tell it, a step may be off. Eight paths of
+#: tapes, cantilevers and pads have the same rows for 0.5 to 16; but branches are followed inside of steps 28
+#: times at 4, 45 at 2 and 153 at 0.5.
 _SAFETY = 4.0
 #: Of an energy: its round-off, over the sums that it is made of.
 ROUND_OFF = 1e-12
