@@ -84,3 +84,14 @@ def test_a_table_is_read_by_its_first_line(tmp_path: Path) -> None:
     assert [float(row["displacement [nm]"]) for row in rows] == numbers.tolist()
     assert [float(row["force [N/m]"]) for row in rows] == (2 * numbers).tolist()
     assert [row["iterations"] for row in rows] == ["1", "2"]
+
+
+@pytest.mark.parametrize(
+    ("metres", "digits", "shown"),
+    [(8.04e-4, 2, "800 um"), (9.996e-7, 3, "1000 nm"), (-1.26e-4, 1, "-100 um"), (1.5e-9, 2, "1.5 nm")],
+)
+def test_few_digits_of_a_length_are_written_without_an_exponent(
+    metres: float, digits: int, shown: str
+) -> None:
+    # lengths in nm by default; millimetres begin at 1000 um
+    assert Laboratory(UnitSystem()).text(metres * 1e9, "length", digits) == shown

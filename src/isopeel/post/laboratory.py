@@ -104,7 +104,11 @@ class Laboratory:
     def text(self, value: float, kind: Kind, digits: int = DIGITS) -> str:
         """A value with its unit, lengths and stresses in the one of their size."""
         unit = self.unit(kind, value)
-        return f"{value * unit.factor:.{digits}g} {unit.name}".rstrip()
+        shown = f"{value * unit.factor:.{digits}g}"
+        # of 800 um few digits are known, and 8e+02 um reads badly
+        if "e+" in shown and abs(float(shown)) < 1e6:
+            shown = f"{float(shown):.0f}"
+        return f"{shown} {unit.name}".rstrip()
 
     def length(self, value: float) -> str:
         """A length with its unit, in four digits, for a sentence."""
