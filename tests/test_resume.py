@@ -66,7 +66,7 @@ def test_an_interrupted_run_goes_on(
     assert {path.name for path in OUT.iterdir()} == set(FILES)
     summaries = [json.loads((folder / "summary.json").read_text()) for folder in (OUT, Path("whole"))]
     for summary in summaries:
-        for key in ("wall_time_s", "started", "command_line"):
+        for key in ("run", "wall_time_s", "started", "command_line"):
             summary.pop(key, None)
     assert summaries[0] == summaries[1]
     for figure in ("curve.png", "shapes.png"):
