@@ -76,7 +76,7 @@ def _pulled(dice: Dice) -> Drawn | None:
     if reaching > 0.5 * radius:
         return None
     stretched = load / (pi * reduced) * (2 * log(4 * radius / half_width) + 1)
-    end, step = path(1.2 * stretched + 1.2 * work / strength, dice.pick((40, 60, 100)))
+    end, step = path(1.2 * stretched + 1.2 * work / strength, dice.pick((25, 40, 60)))
     zone = min(half_width, reduced * work / strength**2) if tabor > 1 else 0.3 * reaching
     drawn = _cylinder(
         dice,
