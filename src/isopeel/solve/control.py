@@ -121,7 +121,7 @@ def _cut(path: Path, parameters: Iterable[float]) -> Iterator[Found]:
             whole_rest = abs(size) >= (1 - LEAST_REST) * abs(parameter - last)
             aim = parameter if whole_rest else last + size
             kind: Kind = "requested" if whole_rest else "between"
-            cuts = bool(whole) and abs(size) > _shortest(path, whole)
+            cuts = bool(whole) and (size == whole or abs(size) > _shortest(path, whole))
             try:
                 found = _balanced(path, path.equilibrium(aim, kind, soon=cuts), cuts=cuts)
             except ConvergenceError as error:

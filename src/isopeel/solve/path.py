@@ -66,6 +66,8 @@ class Path:
         self._number = 0
         self._begins = begins or not start
         self._judged: tuple[NewtonResult | None, Past | None] = None, None
+        #: Whether all forces have a potential.
+        self.has_energy: bool = system.storage == "symmetric"
         #: Energy that any step may gain without work.
         self.gain_allowed: float = gain_allowed(system)
         #: Size of the body, and its control points (size, 2).
@@ -95,11 +97,6 @@ class Path:
     def history(self) -> list[Past]:
         """Its last states, the newest at the end."""
         return self._predictor.states
-
-    @property
-    def has_energy(self) -> bool:
-        """Whether all forces have a potential."""
-        return self.system.storage == "symmetric"
 
     def step(self, found: Found, began: float) -> Step:
         """Take a note of an equilibrium that was found, and make a step of it, on the way since a time."""
@@ -266,12 +263,12 @@ class Path:
 
         It is given up `soon` where a shorter step can be taken instead.
         """
-        settings = self.settings
-        if soon:
-            settings = replace(settings, iteration_limit=min(_SOON, settings.iteration_limit))
         found = self._by_kept_tangent(parameter)
         if found is not None:
             return Found(parameter, found, kind)
+        settings = self.settings
+        if soon:
+            settings = replace(settings, iteration_limit=min(_SOON, settings.iteration_limit))
         for polished in (False, True) if self._can_polish() and not soon else (False,):
             if polished:
                 self._polish()
