@@ -222,7 +222,7 @@ class _Factor(NamedTuple):
     radians: int
 
 
-_KNOWN = "known are nm, um, mm, m, in, thou, Pa, MPa, psi, N, mN, lbf, J, mJ, deg, rad and others of pint's"
+_KNOWN = "known are nm, um, mm, m, in, thou, Pa, MPa, psi, N, mN, lbf, J, mJ, deg, rad and the like"
 
 
 @lru_cache(maxsize=1000)
@@ -245,7 +245,9 @@ def _factor(name: str) -> _Factor:
     if any(power.denominator != 1 for power in (radians, *dimension.values())) or not (radians or dimension):
         raise ValueError(_of_another_kind(name))
     powers = {key: int(power) for key, power in dimension.items()}
-    return _Factor(Fraction(size), MappingProxyType(powers), int(radians))
+    # pint's base unit of mass is the gram
+    size = Fraction(size) / 1000 ** powers.get("[mass]", 0)
+    return _Factor(size, MappingProxyType(powers), int(radians))
 
 
 def _of_another_kind(unit: str) -> str:
@@ -267,6 +269,90 @@ def shown(value: float, units: UnitSystem, stress: int = 0, length: int = 0) -> 
     return f"{compact.magnitude:.5g} {compact.units:~}"
 
 
+#: Units of what a case tells, and those that people confuse with them, as pint reads them (NIST SP 811,
+#: Guide for the Use of the International System of Units, App. B). All of pint's take a tenth of a short run.
+_DEFINITIONS = """
+    yocto- = 1e-24 = y-
+    zepto- = 1e-21 = z-
+    atto- = 1e-18 = a-
+    femto- = 1e-15 = f-
+    pico- = 1e-12 = p-
+    nano- = 1e-9 = n-
+    micro- = 1e-6 = µ- = μ- = u-
+    milli- = 1e-3 = m-
+    centi- = 1e-2 = c-
+    deci- = 1e-1 = d-
+    deca- = 1e1 = da- = deka-
+    hecto- = 1e2 = h-
+    kilo- = 1e3 = k-
+    mega- = 1e6 = M-
+    giga- = 1e9 = G-
+    tera- = 1e12 = T-
+    peta- = 1e15 = P-
+    exa- = 1e18 = E-
+    meter = [length] = m = metre
+    second = [time] = s = sec
+    gram = [mass] = g = gramme
+    ampere = [current] = A = amp
+    kelvin = [temperature] = K
+    mole = [substance] = mol
+    candela = [luminosity] = cd
+    radian = [] = rad
+    bit = []
+    pi = 3.1415926535897932384626433832795028841971693993751
+    percent = 0.01 = %
+    degree = pi / 180 * radian = deg
+    arcminute = degree / 60 = arcmin
+    arcsecond = arcminute / 60 = arcsec
+    grade = pi / 200 * radian = grad = gon
+    turn = 2 * pi * radian = _ = revolution = cycle
+    milliarcsecond = 1e-3 * arcsecond = mas
+    angular_mil = 1e-3 * radian = mil
+    steradian = radian ** 2 = sr
+    minute = 60 * second = min
+    hour = 60 * minute = h = hr
+    day = 24 * hour = d
+    hertz = 1 / second = Hz
+    newton = kilogram * meter / second ** 2 = N
+    pascal = newton / meter ** 2 = Pa
+    joule = newton * meter = J
+    watt = joule / second = W
+    coulomb = ampere * second = C
+    volt = joule / coulomb = V
+    liter = 1e-3 * meter ** 3 = L = l = litre
+    tonne = 1e3 * kilogram = t = metric_ton
+    micron = micrometer = µ = μ
+    angstrom = 1e-10 * meter = Å = ångström = Å
+    bohr = 5.29177210903e-11 * meter = a_0
+    electron_volt = 1.602176634e-19 * joule = eV
+    elementary_charge = 1.602176634e-19 * coulomb = e
+    hartree = 4.3597447222071e-18 * joule = E_h = Eh
+    calorie = 4.184 * joule = cal
+    dyne = 1e-5 * newton = dyn
+    erg = 1e-7 * joule
+    bar = 1e5 * pascal
+    barye = 0.1 * pascal = Ba
+    atmosphere = 101325 * pascal = atm
+    torr = atmosphere / 760
+    millimeter_Hg = 133.322387415 * pascal = mmHg
+    standard_gravity = 9.80665 * meter / second ** 2 = g_0 = g0
+    kilogram_force = kilogram * standard_gravity = kgf = kilopond = kp
+    gram_force = gram * standard_gravity = gf
+    inch = 0.0254 * meter = in = inches
+    thou = 1e-3 * inch = mil_length
+    foot = 12 * inch = ft = feet
+    yard = 3 * foot = yd
+    pound = 0.45359237 * kilogram = lb
+    ounce = pound / 16 = oz
+    force_pound = pound * standard_gravity = lbf = pound_force
+    force_ounce = ounce * standard_gravity = ozf = ounce_force
+    kip = 1000 * force_pound
+    pound_force_per_square_inch = force_pound / inch ** 2 = psi
+    kip_per_square_inch = 1000 * pound_force_per_square_inch = ksi
+"""
+
+
 @cache
 def _registry() -> Any:  # the types of pint's registry do not tell its kind of numbers
-    return pint.UnitRegistry(non_int_type=Fraction)
+    lines = [line.strip() for line in _DEFINITIONS.splitlines()]
+    return pint.UnitRegistry([line for line in lines if line], non_int_type=Fraction)

@@ -139,7 +139,7 @@ def test_a_number_that_stands_for_a_length_must_be_a_constant(
     [
         ("adhesion", LJ, 'W = "0.03 J/m^2", s = "0.25 nm"'),
         ("adhesion", EXP, 'W = "30 N/m", g = "0 nm", l = "1 nm"'),
-        ("adhesion", EXP + " + 0", 'W = "30 mJ m-2", g = "0.3 nm", l = "1 nm", unused = "3 N"'),
+        ("adhesion", EXP + " + 0", 'W = "30 mJ m-2", g = "0.3 nm", l = "1 nm"'),
         ("material", NEO_HOOKE, 'mu = "1 GPa", la = "1 N/mm^2"'),
         ("substrate", "a*cos(2*pi*x/l)", 'a = "0.1 nm", l = "30 nm"'),
         ("substrate", "a*(1 + (x/l)**2)**(1/3) - 0.1*sqrt(a*l)", 'a = "0.1 nm", l = "9 mm"'),
