@@ -5,7 +5,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import newton
 
 from isopeel.arrays import FloatArray, frozen
 from isopeel.errors import InputError
@@ -189,6 +188,8 @@ def layer_decay(problem: Problem) -> Decay | None:
     of which that with the least real part decays last. Soft springs give `beam_decay`, rigid ones
     1/z = 1/(2.106 + 1.125 i): then the height alone sets the decay.
     """
+    from scipy.optimize import newton
+
     strip = _held_strip(problem)
     if strip is None:
         return None

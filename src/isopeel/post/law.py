@@ -1,9 +1,9 @@
 """What a law of adhesion amounts to: strength, stiffness, losses, and the gaps at which it acts."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from functools import lru_cache
 
 import numpy as np
-from scipy.optimize import brentq, minimize_scalar
 
 from isopeel.arrays import FloatArray
 from isopeel.errors import InputError
@@ -43,8 +43,27 @@ def opened_flat(law: AdhesionLaw, gap: FloatArray) -> SecantUnloading:
     return secant_unloading(law, gap, np.maximum(gap - law.equilibrium_gap, 0.0))
 
 
+@dataclass(frozen=True)
+class _Response:
+    """A law, which is another one's equal where it answers to a gap in the same way."""
+
+    law: AdhesionLaw = field(compare=False)
+    kernel: object
+    numbers: tuple[float, ...]
+
+
 def law_character(law: AdhesionLaw) -> LawCharacter:
     """Find the numbers of a law. Raises InputError where it attracts at no gap."""
+    numbers = (law.equilibrium_gap, law.work_of_adhesion, *law.parameters)
+    return _character(_Response(law, law.kernel, numbers))
+
+
+# a run asks for them at each of its fronts
+@lru_cache(maxsize=8)
+def _character(response: _Response) -> LawCharacter:
+    from scipy.optimize import brentq, minimize_scalar
+
+    law = response.law
     decades = np.log10(LARGEST / SMALLEST)
     opening = np.geomspace(SMALLEST, LARGEST, round(_PER_DECADE * decades) + 1)
     attraction = -evaluate_flat(law, law.equilibrium_gap + opening)[1]

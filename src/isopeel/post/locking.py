@@ -9,7 +9,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.sparse import block_array, csr_array, kron
-from scipy.sparse.linalg import spsolve
 
 from isopeel.arrays import FloatArray
 from isopeel.physics.materials.base import plane_strain_modulus
@@ -153,6 +152,8 @@ def _with_spaces(space: RowSpace, change: Callable[[SplineSpace], SplineSpace]) 
 
 def _block_stiffness(space: RowSpace, aspect: float, poissons_ratios: Sequence[float]) -> list[float]:
     """Stiffness of a block `aspect` times as long as high, both its lower and upper side held; E = 1."""
+    from scipy.sparse.linalg import spsolve
+
     long = {row: SplineSpace(row.degree, row.knot_vector * aspect) for row in dict.fromkeys(space.rows)}
     block = replace(space, rows=tuple(long[row] for row in space.rows), weights=None)
     of_volume, of_shear, size = _stiffness(block, 1.0, 0.0), _stiffness(block, 0.0, 1.0), block.size
@@ -260,6 +261,8 @@ def _excess_of_columns(space: RowSpace, aspect: float, poissons_ratio: float) ->
     Plane strain. The exact field of pure bending is u = curvature (-x y, x^2/2 + nu/(1 - nu) y^2/2), with
     an energy E'I/2 curvature^2 per length; the columns have its horizontal displacement at both ends.
     """
+    from scipy.sparse.linalg import spsolve
+
     ends = aspect * np.arange(_COLUMNS + 1.0)
     rows = {
         row: SplineSpace.on(row.degree, int(row.continuities.max(initial=0)), ends)

@@ -6,7 +6,6 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import CubicSpline
 
 from isopeel.arrays import FloatArray
 from isopeel.errors import InputError
@@ -197,6 +196,8 @@ def _along(direction: FloatArray, values: FloatArray) -> tuple[float, FloatArray
 
 def running_mean(parameter: FloatArray, reaction: FloatArray, period: float) -> FloatArray:
     """Mean of a curve over one period around each step, (steps,); nan where the curve ends before that."""
+    from scipy.interpolate import CubicSpline
+
     known = (parameter - period / 2 >= parameter[0]) & (parameter + period / 2 <= parameter[-1])
     integral = CubicSpline(parameter, reaction).antiderivative()
     at = parameter[known]

@@ -4,7 +4,6 @@ from collections.abc import Mapping
 from math import ceil, floor, log, log10
 
 import numpy as np
-from scipy.optimize import brentq
 
 from isopeel.arrays import FloatArray
 from isopeel.errors import InputError
@@ -221,6 +220,8 @@ def _rows(problem: Problem, across: int, contact: float | None) -> tuple[int, in
 
 def _softer(problem: Problem, space: RowSpace, found: Resolution, laboratory: Laboratory) -> str:
     """The strength whose process zone a run can resolve, by the estimate."""
+    from scipy.optimize import brentq
+
     law = problem.adhesion.law
     character = law_character(law)
     modulus = plane_strain_modulus(problem.body.material)

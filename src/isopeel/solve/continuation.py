@@ -5,7 +5,6 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from scipy.interpolate import CubicHermiteSpline, krogh_interpolate
 
 from isopeel.arrays import FloatArray
 from isopeel.assembly.system import BandMatrix, Equilibrium, System
@@ -166,6 +165,8 @@ class Curve:
 
     def limit_point(self, one: Point, other: Point) -> Point:
         """The limit point between two, whose tangents point forth and back; raises ConvergenceError."""
+        from scipy.interpolate import CubicHermiteSpline
+
         # where a cubic through both, with their tangents, turns
         length = self._along(one, other)
         ends = [0.0, length], [one.parameter, other.parameter], [one.turning, other.turning]
@@ -186,6 +187,8 @@ class Curve:
         interpolation of the distance by the function's values, at up to four points next to zero; where a
         trial came no nearer, the middle.
         """
+        from scipy.interpolate import krogh_interpolate
+
         first = one
         tried = [(function(point), self._along(first, point), point) for point in (one, other)]
         falls, last, slow = tried[0][0] > 0, np.inf, False

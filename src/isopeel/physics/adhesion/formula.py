@@ -6,7 +6,6 @@ from functools import cache, cached_property
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self
 
 import numpy as np
-from scipy.optimize import brentq
 
 from isopeel.arrays import FloatArray
 from isopeel.errors import InputError
@@ -93,6 +92,8 @@ class FormulaAdhesion:
     @cached_property
     def equilibrium_gap(self) -> float:
         """The smallest gap at which T falls from repulsion to attraction; nan where there is none."""
+        from scipy.optimize import brentq
+
         traction = self._function(1)
         # a law that is finite at contact may have its equilibrium there, as the exponential one
         gaps = _GAPS if self._positive_gaps_only else np.concatenate([[-_GAPS[0], 0.0], _GAPS])

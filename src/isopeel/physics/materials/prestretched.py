@@ -5,7 +5,6 @@ from functools import cache, cached_property, lru_cache
 
 import numpy as np
 from numba import types, void
-from scipy.optimize import brentq
 
 from isopeel.arrays import FloatArray
 from isopeel.errors import InputError
@@ -40,6 +39,8 @@ class Prestretched:
     @cached_property
     def transverse_stretch(self) -> float:
         """The s nearest to 1 at which the stress P_22 rises through zero; nan where there is none."""
+        from scipy.optimize import brentq
+
         stress = self._transverse_stress(_STRETCHES)
         rises = np.flatnonzero((stress[:-1] < 0) & (stress[1:] >= 0))
         if not rises.size:

@@ -27,7 +27,6 @@ from dataclasses import dataclass
 from math import acosh, pi
 
 import numpy as np
-from scipy.optimize import minimize_scalar
 
 from isopeel.arrays import FloatArray
 from isopeel.errors import InputError
@@ -76,6 +75,8 @@ def maugis_cylinder_pull_off(strength: float, work: float, reduced_modulus: floa
 
     Cylinders that attract each other without touching pull less: the attracted width falls with the gap.
     """
+    from scipy.optimize import minimize_scalar
+
     constants = strength, work, reduced_modulus, radius
     # where the attraction is strong, the largest pull is that of a crack, at a^3 = 2 W R^2/(pi E*) and the w
     # that the attraction needs for F = -3 pi E* a^2/(4 R); where it is weak, at much larger w

@@ -14,7 +14,6 @@ from functools import cached_property
 from math import cos
 
 import numpy as np
-from scipy.optimize import brentq
 
 from isopeel.arrays import FloatArray
 from isopeel.physics.batch import evaluate_material
@@ -94,6 +93,8 @@ def peeled_tape(
 
     At small strain they are `kendall_force`, of tapes laid under tension too, and `sliding_tape_force`.
     """
+    from scipy.optimize import brentq
+
     tape, cosine = Membrane(material, height), cos(angle)
 
     def released(stretch: float) -> float:
@@ -123,6 +124,8 @@ def peeled_tape(
 
 def _root_around(function: Callable[[float], float], start: float) -> float:
     """The root nearest to a positive start of a function that rises through it. Raises ArithmeticError."""
+    from scipy.optimize import brentq
+
     value = function(start)
     if value == 0:
         return start
@@ -153,6 +156,8 @@ def bent_strip(material: Material, height: float, work: float, curvature: float)
     becomes a sector of circles r(Y) with F = diag(kappa r, r'), and r follows from the equilibrium
     d(P_22)/dY = kappa P_11 with free faces: the least energy, found here among polynomials.
     """
+    from scipy.optimize import brentq
+
     section = _Section(material, height)
 
     def excess(kappa: float) -> float:

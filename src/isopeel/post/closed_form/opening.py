@@ -3,9 +3,6 @@
 from dataclasses import dataclass
 from math import pi, remainder, sqrt
 
-from scipy.integrate import quad
-from scipy.optimize import brentq
-
 from isopeel.physics.materials.base import plane_strain_modulus
 from isopeel.post.closed_form.expected import decay_length, lies_free
 from isopeel.post.closed_form.strip import free_strip
@@ -49,6 +46,9 @@ class LiftedArm:
         d = sqrt(E'I/(2 P)) int_0^phi sin(theta)/sqrt(sin(phi) - sin(theta)) dtheta, which is solved for phi.
         Much higher lifts than sqrt(E'I/W) turn the arm upright: then P = W, that of a tape at 90 degrees.
         """
+        from scipy.integrate import quad
+        from scipy.optimize import brentq
+
         # with c = sin(phi), sin(theta) = c (1 - u^2) takes the root out of the integral
         longest = sqrt(self.bending_stiffness / self.work)
 

@@ -4,8 +4,6 @@ from itertools import pairwise
 from math import sqrt
 
 import numpy as np
-from scipy.integrate import quad
-from scipy.optimize import brentq, minimize_scalar
 
 from isopeel.physics.adhesion import AdhesionLaw
 from isopeel.post.law import evaluate_flat, law_character
@@ -21,6 +19,9 @@ def rigid_cylinder_pull_off(law: AdhesionLaw, radius: float) -> float:
     to the other the points near the middle, which count most, attract ever more. Raises InputError as
     `law_character` does.
     """
+    from scipy.integrate import quad
+    from scipy.optimize import brentq, minimize_scalar
+
     character = law_character(law)
     strongest, spent = character.strongest_gap, character.spent_gap
 

@@ -3,8 +3,6 @@
 from math import inf
 from typing import ClassVar, Protocol
 
-from scipy.optimize import brentq
-
 from isopeel.errors import InputError
 from isopeel.splines.nurbs import NurbsCurve, NurbsSurface, Side
 
@@ -50,6 +48,8 @@ def check_length(length: float, total: float) -> None:
 
 def parameter_at_length(curve: NurbsCurve, length: float) -> float:
     """Return the parameter of a curve at an arc length from its start, to round-off."""
+    from scipy.optimize import brentq
+
     start, end = (float(place) for place in curve.space.breakpoints[[0, -1]])
     total = curve.length()
     check_length(length, total * (1 + ROUND_OFF))
