@@ -402,6 +402,17 @@ def test_usual_elements_are_as_high_as_long(length: str, height: str, mesh: tupl
     assert case.space().elements == mesh
 
 
+def test_a_quarter_cylinder_is_graded_towards_its_contact() -> None:
+    text = re.sub(r"grading = \[[^]]*\]", "", load_case("cylinder-pull-off").text)
+    default = Case.parse(re.sub(r"(?m)^mesh = .*$", "", text)).space()
+    assert default.elements == (120, 16)
+    for ends in (default.rows[0].breakpoints, default.across.breakpoints):
+        assert np.diff(ends)[-1] / np.diff(ends)[0] == pytest.approx(20.0)
+    # elements that are named are even where the case names no grading
+    named = Case.parse(text).space()
+    assert np.ptp(np.diff(named.rows[0].breakpoints)) < 1e-12
+
+
 def test_a_run_from_before_todays_default_mesh_is_read() -> None:
     text = load_case("tape-angle").text
     text = re.sub(r"(?m)^mesh.*$", "", text)

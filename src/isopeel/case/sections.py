@@ -152,8 +152,8 @@ HIGHEST_ACROSS = 8
 class DiscretizationSection(Section):
     """The spline space, its elements along the length and the height, and the adhesive force's points.
 
-    Without a mesh it is `case.usual_mesh`. Without a degree across it is `case.usual_across_degree`: linear
-    elements are too stiff in bending.
+    Without a mesh it is that of `case.usual_mesh`, with its grading. Without a degree across it is that of
+    `case.usual_across_degree`: linear elements are too stiff in bending.
     """
 
     space: Annotated[str, Field(description="the name of a space is needed, such as 'N2.1'")] = "N2.1"
@@ -174,8 +174,8 @@ class DiscretizationSection(Section):
         ),
     ] = None
     grading: Annotated[
-        tuple[NumberKey, NumberKey], BeforeValidator(list_of(2, _RATIOS)), Field(description=_RATIOS)
-    ] = (1.0, 1.0)
+        tuple[NumberKey, NumberKey] | None, BeforeValidator(list_of(2, _RATIOS)), Field(description=_RATIOS)
+    ] = None
 
 
 class DriveSection(KindSection):

@@ -25,7 +25,7 @@ from isopeel.post.readings import (
     read,
     steady_window,
 )
-from isopeel.post.resolution import Zones
+from isopeel.post.resolution import Zones, elements_are_tall
 from isopeel.post.resolution_notes import oscillation_notes, peels, zone_notes
 from isopeel.post.steady_load import steady_load
 from isopeel.problem import Problem
@@ -44,7 +44,7 @@ class Findings:
     come to lie in the substrate. `period` is that of the mesh's oscillation, in the parameter's unit, also
     where the closed form is not valid, for the reason that `unproven` gives. `fronts` are those of the stored
     states, `readings` what a user of the drive looks for. `zones` are the elements at the fronts, and
-    `doubts` what is to be said of the discretization.
+    `doubts` what is to be said of the discretization, whose elements may be `tall` at the contact.
     """
 
     window: tuple[float, float] | None
@@ -59,6 +59,7 @@ class Findings:
     zones: Zones = field(default_factory=Zones)
     doubts: Sequence[Note] = ()
     laboratory: Laboratory = Laboratory(UnitSystem())  # noqa: RUF009 (both are frozen)
+    tall: bool = False
 
 
 def find(
@@ -127,6 +128,7 @@ def find(
         zones,
         doubts,
         laboratory,
+        elements_are_tall(problem, space),
     )
 
 

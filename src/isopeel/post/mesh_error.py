@@ -15,6 +15,7 @@ import numpy as np
 from isopeel.arrays import FloatArray
 from isopeel.assembly.system import System
 from isopeel.errors import InputError
+from isopeel.post.resolution import elements_are_tall
 from isopeel.problem import Problem
 from isopeel.results.run_file import StoredRun
 from isopeel.solve.linear import SingularError
@@ -28,6 +29,8 @@ from isopeel.splines.rows import RowSpace
 _LEAST = 0.05
 #: Times the last reaction: a largest one up to here is that of a plateau, of which one state tells enough.
 _STEADY = 1.2
+#: Steps to the largest reaction, at most, on the finer space.
+_MOST_STEPS = 12
 #: Unknowns of the finer space, at most: beyond it a state takes longer than a user should wait.
 _MOST_UNKNOWNS = 200_000
 
@@ -53,13 +56,14 @@ class MeshChange(NamedTuple):
 def mesh_changes(
     problem: Problem, space: RowSpace, run: StoredRun, contact_points: int | None = None
 ) -> list[MeshChange]:
-    """Reactions on a finer space, of the last stored state and of the one next before the largest reaction.
+    """Reactions on a finer space: the largest one, and that of the last stored state.
 
-    States that carry next to nothing are left out, and all where the finer space would be too large, or where
-    a file holds what is no number. The damage of an irreversible joint is that of the state that a stage
-    begins with and of the stored states since; the damage of the stages before it is not in the file.
+    To the largest reaction the finer space is traced from the stored state before it. States that carry next
+    to nothing are left out, and all where the finer space would be too large, or where a file holds what is
+    no number. The damage of an irreversible joint is that of the state that a stage begins with and of the
+    stored states since; the damage of the stages before it is not in the file.
     """
-    refined = finer(space)
+    refined = finer(space, tall=elements_are_tall(problem, space))
     finite = all(np.isfinite(displacement).all() for displacement in run.fields.values())
     if 2 * refined.size > _MOST_UNKNOWNS or not run.fields or not finite:
         return []
@@ -84,7 +88,11 @@ def mesh_changes(
     for parameter in looked_at:
         # each state has its own history, from the first one of the stage on
         system.openings = openings
-        changes.append(_change(system, problem, run, stored, parameter))
+        largest = None
+        if parameter != looked_at[-1]:
+            largest = _change_of_largest(system, problem, run, stored, parameter)
+            system.openings = openings
+        changes.append(largest or _change(system, problem, run, stored, parameter))
     return [change for change in changes if change is not None]
 
 
@@ -121,6 +129,40 @@ def _change(
         return MeshChange(shown, reaction, None)
     refined = system.reaction(found.equilibrium, found.displacement, found.load, parameter)
     return MeshChange(shown, reaction, float(refined * drive.reaction_column.factor))
+
+
+def _change_of_largest(
+    system: System, problem: Problem, run: StoredRun, stored: Mapping[float, FloatArray], before: float
+) -> MeshChange | None:
+    """The change of the largest reaction; None where the finer space does not lead on from the state before.
+
+    That state may lie well below it: where a joint comes off, the error is largest at the largest reaction.
+    """
+    curve, drive = run.curve, problem.drive
+    strongest = int(np.argmax(np.abs(curve.reaction)))
+    (first,) = np.nonzero(curve.parameter[:strongest] == before)
+    if not len(first):
+        return None
+    way = np.linspace(first[-1] + 1, strongest, min(strongest - first[-1], _MOST_STEPS)).round().astype(int)
+    for at, displacement in stored.items():
+        system.accept(displacement)
+        if at == before:
+            break
+    path = Path(system, NewtonSettings(), [State(before / drive.parameter_column.factor, stored[before])])
+    finer: list[float] = []
+    try:
+        # the state that is stored is no equilibrium of the finer space
+        for parameter in curve.parameter[[first[-1], *way]]:
+            found = path.equilibrium(parameter / drive.parameter_column.factor)
+            finer.append(path.step(found, 0.0).reaction * drive.reaction_column.factor)
+    except (ConvergenceError, SingularError):
+        # its own largest reaction may come a little earlier
+        pass
+    if len(finer) < 2:
+        return None
+    return MeshChange(
+        float(curve.parameter[strongest]), float(curve.reaction[strongest]), max(finer, key=abs)
+    )
 
 
 def _equilibrium(system: System, start: State) -> NewtonResult | None:

@@ -76,5 +76,7 @@ def mesh_notes(run: StoredRun, found: Findings, changes: Sequence[MeshChange]) -
                 else f"changes by {100 * change.relative:.2g} % on elements of half the length"
             )
             text = f"the mesh is too coarse: the {at} {seen}"
-            notes.append(Note("resolution", text, Remedy((_more(change) * int(length), int(height)))))
+            more = _more(change)
+            mesh = more * int(length), (more if found.tall else 1) * int(height)
+            notes.append(Note("resolution", text, Remedy(mesh)))
     return notes

@@ -164,6 +164,18 @@ def _resolution(
     return Resolution(zone, reach, zone, 1.0, stretches, contact).on(problem, space)
 
 
+def elements_are_tall(problem: Problem, space: RowSpace) -> bool:
+    """Whether the first element above the lower side is higher than two of the shortest ones are long."""
+    shape = problem.body.shape
+    length, height = (
+        max(shape.boundary(side).length() for side in pair) for pair in (("bottom", "top"), ("left", "right"))
+    )
+    first = height * np.diff(space.across.breakpoints)[0]
+    return bool(
+        problem.adhesion.side == "bottom" and first > 2 * length * np.diff(space.rows[0].breakpoints).min()
+    )
+
+
 def lies_flat(problem: Problem) -> bool:
     """Whether the adhering part is everywhere as far from the substrate at rest."""
     places, gap = _at_rest(problem)

@@ -32,6 +32,8 @@ def stored_changes(summary: Path, run: StoredRun) -> list[MeshChange] | None:
     except (OSError, InputError, ValueError, LookupError, TypeError, RecursionError):
         return None
     known = [value for change in changes for value in change if value is not None]
-    of_stored = all(change.parameter in run.fields and change.reaction is not None for change in changes)
+    of_stored = all(
+        change.parameter in run.curve.parameter and change.reaction is not None for change in changes
+    )
     numbers = all(isinstance(value, int | float) and isfinite(value) for value in known)
     return changes if numbers and of_stored else None

@@ -9,16 +9,25 @@ from isopeel.splines.space import SplineSpace
 
 #: Elements along eta: more of them resolve the height, and an exact start then saves most corrections.
 _FEW = 4
+#: Elements along eta that are quartered where they are tall: the stresses of a contact are below it.
+_LOWEST = 3
 
 
-def finer(space: RowSpace) -> RowSpace:
+def finer(space: RowSpace, *, tall: bool = False) -> RowSpace:
     """Return the space with each element halved along xi and, of few elements, one degree more along eta.
 
+    Where the elements are `tall`, higher than they are long, the lowest are quartered along eta instead.
     Lines of reduced continuity keep their continuity, new knots have the highest one of their row. The first
     rows, those of the contact, keep their functions. Weights are left out: `weighted` gives them.
     """
     across = space.across
     halved = {row: _halved(row) for row in dict.fromkeys(space.rows)}
+    if tall:
+        lowest = across.breakpoints[: _LOWEST + 1]
+        quarters = lowest[:-1, None] + np.diff(lowest)[:, None] * np.arange(1, 4) / 4
+        higher = insert_knots(across, np.zeros(across.size), quarters.ravel())[0]
+        below = np.searchsorted(across.greville, higher.greville, side="right") - 1
+        return RowSpace(space.name, higher, tuple(halved[space.rows[j]] for j in below))
     if across.elements > _FEW:
         return RowSpace(space.name, across, tuple(halved[row] for row in space.rows))
     # knots of the highest continuity stay simple, others keep theirs
