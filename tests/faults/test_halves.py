@@ -112,7 +112,7 @@ def test_a_side_held_as_a_line_of_symmetry_is_said(held: str, side: str) -> None
 def test_a_pull_off_is_a_tension_whatever_the_sign_of_the_drive(angle: int, to: float) -> None:
     told = told_by(BLOCK.format(held="", angle=angle, to=to))
     pulled = told.reading("pull-off force")
-    # at most 10 mm at 0.01 MPa: most of the side comes off at once
-    assert pulled["value"] == pytest.approx(96.54, rel=1e-3)
+    # 10 mm at 0.01 MPa are 100 N/m at most: the side comes off nearly at once, within a step
+    assert 96.0 < pulled["value"] < 100.0
     assert pulled["unit"] == "N/m"
     assert "away from the substrate" in pulled["words"]
