@@ -73,11 +73,13 @@ def report(found: Found, console: Console, *, everything: bool) -> None:
     if table.row_count:
         console.print(table)
     warned, default = warned_by_default(found)
+    of_space, both = warned_by_default(found, any_space=False)
     close = sum(verdict(*one) is Verdict.WARNED_CLOSE for one in found)
     total = len(found)
     console.print(
         f"on the default mesh {warned} of {default} cases carry a note or fail ({_percent(warned, default)})"
     )
+    console.print(f"in the default space and on its mesh {of_space} of {both} ({_percent(of_space, both)})")
     console.print(f"right within 1 % but warned: {close} of {total} ({_percent(close, total)})")
     shown = [pair for pair in found if isfinite(pair[1].theory)]
     wrong = [pair for pair in shown if not isclose(pair[1].theory, pair[0].drawn.answer.value, rel_tol=RIGHT)]

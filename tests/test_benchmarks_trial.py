@@ -137,6 +137,8 @@ def test_notes_on_default_meshes_are_counted() -> None:
     default = sum(one.default_mesh for one in trials)
     assert 0 < default < 40
     assert warned_by_default([(one, outcome(1.0)) for one in trials]) == (0, default)
+    both = sum(one.default_mesh and one.default_space for one in trials)
+    assert warned_by_default([(one, outcome(1.0)) for one in trials], any_space=False) == (0, both)
     assert warned_by_default([(one, outcome(1.0, "locking: much")) for one in trials]) == (default, default)
 
 

@@ -45,7 +45,12 @@ def verdict(trial: Trial, outcome: Outcome) -> Verdict:
     return Verdict.WARNED_CLOSE if off <= CLOSE else Verdict.WARNED
 
 
-def warned_by_default(found: Sequence[tuple[Trial, Outcome]]) -> tuple[int, int]:
-    """Of the cases on the default mesh how many carry a doubt, or failed, and how many there are."""
-    default = [outcome for trial, outcome in found if trial.default_mesh]
+def warned_by_default(found: Sequence[tuple[Trial, Outcome]], *, any_space: bool = True) -> tuple[int, int]:
+    """Of the cases on the default mesh how many carry a doubt, or failed, and how many there are.
+
+    Of `any_space`, or of the default one only.
+    """
+    default = [
+        outcome for trial, outcome in found if trial.default_mesh and (any_space or trial.default_space)
+    ]
     return sum(bool(outcome.doubts) or outcome.ending != "completed" for outcome in default), len(default)

@@ -36,6 +36,8 @@ from trials.sheets import (
 
 TABOR = {"JKR": (3.0, 8.0), "rigid": (0.005, 0.03)}
 PULLED, PRESSED = (0.01, 0.04), (0.015, 0.06)  # half-widths of the contact over the radius
+#: J/m^2: works of adhesion from 1e-12 on are read, in any of the units that cases measure in.
+LEAST_WORK = 1e-8
 #: Stiffness of the law that only repels, in E*/a: it takes 2/(9 * 300) of the approach.
 STIFF = 300.0
 
@@ -106,6 +108,8 @@ def _pressed(dice: Dice) -> Drawn | None:
     end, step = path(approach, dice.pick((10, 20, 40)))
     # a pull-off force of 0.0008 of the load, and the stiffness (e strength)^2/W
     work = rounded(1e-5 * sqrt(load**3 / (reduced * radius)))
+    if work < LEAST_WORK:
+        return None
     strength = rounded(sqrt(STIFF * reduced / half_width * work) / 2.718281828)
     table: dict[str, Value] = {"law": "exponential", "strength": f"{strength:.4g} Pa"}
     table["work_of_adhesion"] = f"{work:.4g} J/m^2"
