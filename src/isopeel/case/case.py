@@ -18,6 +18,7 @@ from pydantic import (
     model_validator,
 )
 
+from isopeel.case.changes import changed
 from isopeel.case.errors import first_error
 from isopeel.case.sections import (
     HIGHEST_ACROSS,
@@ -59,7 +60,7 @@ LARGEST_FILE = 20_000
 
 
 class Case(Section):
-    """A checked case. Make one with `load_case` or `Case.parse`, and variants with `overridden`."""
+    """A checked case. Make one with `load_case` or `Case.parse`, and variants with `with_values`."""
 
     name: Annotated[
         str,
@@ -222,6 +223,14 @@ class Case(Section):
                     option = "control" if key == "path_control" else key.replace("_", "-")
                     raise InputError(f"--{option}", value, error.allowed) from error
             raise
+
+    def with_values(self, values: Mapping[str, Any]) -> Self:
+        """Return the case with other values of any keys, as a case file would have them.
+
+        Keys are dotted names, such as `adhesion.work_of_adhesion`, and `drive.2.to` where a case has several
+        stages; None leaves a key out. Raises InputError, whose field is the key, as for a case file.
+        """
+        return self._checked(changed(self._document, values))
 
     @property
     def text(self) -> str:

@@ -40,6 +40,15 @@ def run(
     out: Annotated[
         Path | None, typer.Option(metavar="DIR", help="Folder of the results; out/NAME when left out.")
     ] = None,
+    assigned: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--set",
+            metavar="KEY=VALUE",
+            help="Another value of a key of the case, such as body.height='12 nm'; none leaves it out. "
+            "Repeatable.",
+        ),
+    ] = None,
     space: Annotated[str | None, typer.Option(metavar="NAME", help="Spline space, such as N2.1.")] = None,
     mesh: Annotated[str | None, typer.Option(metavar="NXxNY", help="Elements, such as 200x10.")] = None,
     to: Annotated[
@@ -79,17 +88,22 @@ def run(
     """
     folder: Path | None = None
     try:
-        from isopeel.case import load_case
+        from isopeel.case import assignment, load_case
 
-        chosen = load_case(case).overridden(
-            space=space,
-            mesh=mesh,
-            to=to,
-            step=step,
-            traction=traction,
-            contact_points=contact_points,
-            control=control,
-            fields_every=fields_every,
+        values = dict(assignment(text) for text in assigned or ())
+        chosen = (
+            load_case(case)
+            .with_values(values)
+            .overridden(
+                space=space,
+                mesh=mesh,
+                to=to,
+                step=step,
+                traction=traction,
+                contact_points=contact_points,
+                control=control,
+                fields_every=fields_every,
+            )
         )
         folder = out or Path("out") / chosen.name
         # takes a while to import: what is wrong with the case was told before
