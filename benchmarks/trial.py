@@ -25,7 +25,7 @@ from trials.tables import Found, counts, gains, listed
 from trials.verdict import RIGHT, Verdict, deviation, verdict, warned_by_default
 from trials.workers import Lost, run_all
 
-LIMIT = 40.0  # seconds of the processor
+LIMIT = 30.0  # seconds of the processor
 _COLUMNS = (
     *("seed", "number", "family", "kind", "verdict", "ending", "value", "right", "deviation", "element"),
     *("theory", "steps", "seconds", "gain", "doubts", "cause"),
