@@ -27,8 +27,8 @@ _SMALLEST = 1e-6
 _MOST_HALVINGS = 30
 #: Of what is left of the step: how far beyond the bifurcation the other branch is looked for first. There the
 #: two are apart, as the root of the distance, and the critical motion is still the only one that falls. Of
-#: six paths that buckle the ends are the same to seven digits for 1/128 to 1; a small share shows how the
-#: branches part, by some two rows for each quarter.
+#: six paths, of which five buckle, the ends are the same to seven digits for 1/128 to 1; a small share shows
+#: how the branches part, by some two rows for each quarter.
 _BEYOND = 1 / 32
 #: Of the size of the body: the first disturbance, which is doubled as long as the energy falls.
 _DISTURBANCE = 1e-5
