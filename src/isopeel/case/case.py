@@ -317,7 +317,8 @@ def usual_mesh(shape: Shape) -> tuple[tuple[int, int], tuple[float, float]]:
     Of most bodies 200, and 2 to 10 across: they are about as high as they are long, as the stresses of a
     front are as wide in both directions, and two are enough for bending, with the degree across that is
     usual. A quarter cylinder touches around one corner: 120x16, graded to 1:20 both ways, is within 0.4 % of
-    the pull-off force of Johnson, Kendall and Roberts, and of the load of Hertz, where 200x10 is off by 4 %.
+    the pull-off force of Johnson, Kendall and Roberts, and of the load of Hertz, where 200x10 is off by 4 %
+    (cases 124, 151 and 188 of `benchmarks/trial.py`).
     """
     if shape.name == QuarterCylinder.name:
         return CYLINDER_ELEMENTS, (CYLINDER_GRADING, CYLINDER_GRADING)

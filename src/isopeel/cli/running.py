@@ -45,7 +45,7 @@ def run(
         typer.Option(
             "--set",
             metavar="KEY=VALUE",
-            help="Another value of a key of the case, such as body.height='12 nm'; none leaves it out. "
+            help="Another value of a key of the case, such as body.height='12 nm'; KEY= leaves it out. "
             "Repeatable.",
         ),
     ] = None,

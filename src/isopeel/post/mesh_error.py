@@ -29,7 +29,7 @@ from isopeel.splines.rows import RowSpace
 _LEAST = 0.05
 #: Times the last reaction: a largest one up to here is that of a plateau, of which one state tells enough.
 _STEADY = 1.2
-#: Steps to the largest reaction, at most, on the finer space.
+#: Steps to the largest reaction, at most, on the finer space: each costs some corrections.
 _MOST_STEPS = 12
 #: Unknowns of the finer space, at most: beyond it a state takes longer than a user should wait.
 _MOST_UNKNOWNS = 200_000

@@ -13,9 +13,7 @@ from isopeel.post.laboratory import Laboratory
 from isopeel.post.mesh_error import MeshChange
 from isopeel.post.notes import mesh_notes, run_notes
 from isopeel.post.reading import onset_angle, plateau_mean
-from isopeel.post.readings import (
-    Reading,
-)
+from isopeel.post.readings import Reading
 from isopeel.problem import Column
 from isopeel.results.curve import Curve
 from isopeel.results.notes import with_one_remedy
