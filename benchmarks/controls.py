@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 import isopeel
-from isopeel.controls import Control
+from isopeel.common.path_control import Control
 from isopeel.paper.study import MESHES, SPACES, Run
 
 #: What continuation may cost of a step of plain Newton, where that works.

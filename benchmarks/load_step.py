@@ -13,8 +13,8 @@ from rich.progress import Progress
 
 import isopeel
 from comparison import Comparison, Entry
-from isopeel.arrays import FloatArray
 from isopeel.case import parse_mesh
+from isopeel.common.arrays import FloatArray
 from peers.laws import ADHERING_LENGTH, LENGTH
 from peers.names import ISOPEEL, PEERS, PROGRAMS
 from programs import GoneError, Program

@@ -14,7 +14,7 @@ import numpy as np
 from numba import njit
 from threadpoolctl import threadpool_limits
 
-from isopeel.arrays import FloatArray
+from isopeel.common.arrays import FloatArray
 
 _PACKAGES = ("isopeel", "numpy", "scipy", "numba")
 

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 import isopeel
-from isopeel.arrays import FloatArray
+from isopeel.common.arrays import FloatArray
 
 #: Degrees of a timed step, as in the published study.
 STEP = 0.1

@@ -14,9 +14,9 @@ import isopeel
 import machine
 import work
 from clock import PARTS, Clock
-from isopeel.arrays import FloatArray
 from isopeel.assembly.system import System
 from isopeel.case import parse_mesh
+from isopeel.common.arrays import FloatArray
 from isopeel.paper.study import MESHES, SPACES
 from isopeel.solve.linear import approximate
 from isopeel.solve.pairs import Pairs

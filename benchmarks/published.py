@@ -9,8 +9,8 @@ from typing import NamedTuple
 import numpy as np
 
 import isopeel
+from isopeel.common.processes import compute_all
 from isopeel.paper.study import Run
-from isopeel.processes import compute_all
 from machine import peak_megabytes
 
 

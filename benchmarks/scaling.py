@@ -17,8 +17,8 @@ from threadpoolctl import threadpool_limits
 import machine
 from isopeel import ConvergenceError, InputError
 from isopeel.case import parse_mesh
+from isopeel.common.processes import compute_all, cores
 from isopeel.paper.study import table_runs
-from isopeel.processes import compute_all, cores
 from peeling import LENGTH, STEP, TIMED, Strip, left_out, peel
 from printing import plain_table, wide_console
 from published import follow_all

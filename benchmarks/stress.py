@@ -15,9 +15,9 @@ from rich.table import Table
 import isopeel
 import machine
 from isopeel.case import Case
-from isopeel.controls import Control
+from isopeel.common.path_control import Control
+from isopeel.common.processes import compute_all, cores
 from isopeel.paper.study import SPACES
-from isopeel.processes import compute_all, cores
 from printing import plain_table, wide_console
 
 LENGTH = 200.0  # nm

@@ -10,8 +10,8 @@ from rich.table import Table
 
 import machine
 from isopeel import InputError
+from isopeel.common.processes import cores
 from isopeel.paper.study import MESHES, SPACES, Run, table_runs
-from isopeel.processes import cores
 from printing import plain_table, wide_console
 from published import Study, follow_all
 

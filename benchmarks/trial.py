@@ -15,7 +15,7 @@ from rich.progress import Progress
 
 import machine
 from isopeel.case import shipped_cases
-from isopeel.processes import cores
+from isopeel.common.processes import cores
 from printing import wide_console
 from trials.case import Trial
 from trials.drawing import refined

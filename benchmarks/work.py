@@ -9,9 +9,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from isopeel.arrays import FloatArray, IntArray
 from isopeel.assembly.system import System
 from isopeel.assembly.tables import BodyTable, SideTable
+from isopeel.common.arrays import FloatArray, IntArray
 
 # neo-Hooke at a point: det F, its logarithm, energy and P; F^-1, and the ten moduli that symmetry leaves
 _STRESS, _MODULI = 3 + 32 + 17 + 13, 5 + 10 * 6

@@ -8,7 +8,7 @@ import pytest
 
 from isopeel.case import Case, load_case, parse_mesh, shipped_cases
 from isopeel.case.case import LARGEST_FILE
-from isopeel.errors import InputError
+from isopeel.common.errors import InputError
 from isopeel.physics.adhesion import (
     AdhesionLaw,
     Bilinear,

@@ -9,7 +9,7 @@ import pytest
 
 from isopeel.case import Case, assignment, load_case
 from isopeel.cli import main
-from isopeel.errors import InputError
+from isopeel.common.errors import InputError
 
 STRIP = load_case("strip")
 STAGES = load_case("press-and-peel")

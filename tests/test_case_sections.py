@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from isopeel.case import Case, load_case
-from isopeel.errors import InputError
+from isopeel.common.errors import InputError
 from isopeel.physics.adhesion import Bilinear
 from isopeel.physics.adhesion.mirrored import Mirrored
 from isopeel.physics.materials import NeoHooke

@@ -18,7 +18,7 @@ from scipy.integrate import trapezoid
 
 import isopeel
 from isopeel.cli import main
-from isopeel.processes import cores
+from isopeel.common.processes import cores
 from isopeel.results.run_writer import RunWriter
 from isopeel.showing.law import LAWS
 from isopeel.solve.newton import ConvergenceError

@@ -17,8 +17,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from isopeel.arrays import FloatArray
 from isopeel.assembly.system import System
+from isopeel.common.arrays import FloatArray
+from isopeel.common.registry import discover
 from isopeel.physics.adhesion import AdhesionLaw, Exponential, VanDerWaals
 from isopeel.physics.adhesion.mirrored import Mirrored
 from isopeel.physics.materials import Material, NeoHooke
@@ -35,7 +36,6 @@ from isopeel.problem.shapes import (
     Strip,
     TaperedStrip,
 )
-from isopeel.registry import discover
 from isopeel.results.provenance import Provenance
 from isopeel.results.run_file import read_run, run_attributes
 from isopeel.results.run_writer import RunWriter

@@ -11,12 +11,12 @@ import numpy as np
 import pytest
 
 from isopeel import InputError, trace
-from isopeel.arrays import FloatArray
 from isopeel.assembly.system import System
 from isopeel.case import Case
 from isopeel.case.kinds import KindSection
+from isopeel.common.arrays import FloatArray
+from isopeel.common.registry import OWN_PARTS, discover
 from isopeel.physics.batch import evaluate_law, evaluate_material, evaluate_substrate
-from isopeel.registry import OWN_PARTS, discover
 from isopeel.solve.linear import factorize
 
 DOCS = Path(__file__).parents[1] / "docs"

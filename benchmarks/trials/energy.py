@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from isopeel.arrays import FloatArray
+from isopeel.common.arrays import FloatArray
 from isopeel.problem import Problem
 from isopeel.results.run_file import StoredRun
 from isopeel.solve.step import KINDS

@@ -16,12 +16,12 @@ import numpy as np
 from rich.console import Console
 
 from isopeel.case import load_case
-from isopeel.errors import InputError
+from isopeel.common.errors import InputError
+from isopeel.common.units import parse_quantity
 from isopeel.folder import places
 from isopeel.results.run_file import StoredRun, read_run
 from isopeel.run import run_case
 from isopeel.solve.step import KINDS
-from isopeel.units import parse_quantity
 from trials.case import Reading, Trial
 from trials.energy import Gain, largest_gain
 

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from isopeel.case import Case, load_case
-    from isopeel.errors import InputError
+    from isopeel.common.errors import InputError
     from isopeel.physics.adhesion import (
         Bilinear,
         Dugdale,
@@ -106,7 +106,7 @@ __all__ = [
 # Names are imported when they are first used, so that the command line's help need not wait for a compiler.
 _MODULES = {
     "case": ("Case", "load_case"),
-    "errors": ("InputError",),
+    "common.errors": ("InputError",),
     "physics.adhesion": (
         "Bilinear",
         "Dugdale",

@@ -5,7 +5,7 @@ import sys
 
 def main() -> int:
     """Run the command line of this process, and return its exit code."""
-    from isopeel.interrupts import ending_this_process
+    from isopeel.common.interrupts import ending_this_process
 
     with ending_this_process():
         from isopeel.cli import main as run_command

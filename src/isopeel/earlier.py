@@ -12,7 +12,7 @@ import numpy as np
 
 from isopeel.case import Case, Stage
 from isopeel.case.case import LARGEST_FILE
-from isopeel.errors import InputError
+from isopeel.common.errors import InputError
 from isopeel.folder import (
     DRAWN,
     EARLIER,

@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 from filelock import FileLock, Timeout
 
-from isopeel.errors import InputError
+from isopeel.common.errors import InputError
 from isopeel.results.files import is_written_by_isopeel, kind_of, part_of
 from isopeel.results.journal import journal_path
 

@@ -13,13 +13,13 @@ from time import perf_counter
 
 import numpy as np
 
-from isopeel.arrays import BoolArray, FloatArray, IntArray
 from isopeel.assembly.body_kernel import add_body
 from isopeel.assembly.system import System
-from isopeel.compilation import is_kept, keeps
-from isopeel.interrupts import cleared_up
+from isopeel.common.arrays import BoolArray, FloatArray, IntArray
+from isopeel.common.compilation import is_kept, keeps
+from isopeel.common.interrupts import cleared_up
+from isopeel.common.processes import cores
 from isopeel.problem import strip
-from isopeel.processes import cores
 from isopeel.solve.leading import best_weights
 from isopeel.solve.newton import NewtonSettings
 from isopeel.solve.path import Path as SolverPath

@@ -7,7 +7,7 @@ import numpy as np
 from rich.console import Console
 
 from isopeel.case import Case, Stage
-from isopeel.errors import InputError
+from isopeel.common.errors import InputError
 from isopeel.folder import FILES, alone_in, check_overwritten, places, run_files
 from isopeel.post.laboratory import Laboratory
 from isopeel.results.run_file import StoredRun, read_run

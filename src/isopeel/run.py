@@ -15,8 +15,9 @@ from rich.console import Console
 from rich.table import Table
 
 from isopeel.case import Case, Stage, load_case, shipped_cases
+from isopeel.common.errors import InputError
+from isopeel.common.interrupts import check, deferred, leave_time
 from isopeel.earlier import check_earlier, check_foreign, keep_finished, kept_finished, let_go
-from isopeel.errors import InputError
 from isopeel.folder import (
     FILES,
     Place,
@@ -26,7 +27,6 @@ from isopeel.folder import (
     make_folder,
     places,
 )
-from isopeel.interrupts import check, deferred, leave_time
 from isopeel.post.figures import reaction_figure, save, shapes_figure
 from isopeel.post.findings import Findings, find, in_laboratory
 from isopeel.post.laboratory import Laboratory

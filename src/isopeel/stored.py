@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from isopeel.case import Case, Stage
-from isopeel.errors import InputError
+from isopeel.common.errors import InputError
 from isopeel.folder import run_files
 from isopeel.post.findings import Findings, find
 from isopeel.post.laboratory import Laboratory

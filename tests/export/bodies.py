@@ -16,7 +16,7 @@ from isopeel import (
     row_space,
     strip,
 )
-from isopeel.arrays import FloatArray
+from isopeel.common.arrays import FloatArray
 from isopeel.post.fields import as_rows, on_grid
 from isopeel.splines.nurbs import NurbsSurface, Side, annulus_sector
 from isopeel.splines.rows import RowSpace

@@ -10,7 +10,7 @@ from bodies import BODIES, body, displacement, exact
 from vtk_files import ReadGrid
 from vtkmodules.vtkCommonDataModel import vtkBezierCurve, vtkHigherOrderQuadrilateral
 
-from isopeel.arrays import FloatArray
+from isopeel.common.arrays import FloatArray
 from isopeel.post.fields import fields_at
 from isopeel.post.grids import body_grids, body_mesh, side_grids, side_mesh
 from isopeel.post.traction import adhesive_traction

@@ -10,7 +10,7 @@ from bodies import body
 from draw import SIZE
 from matplotlib.image import imread
 
-from isopeel.arrays import FloatArray
+from isopeel.common.arrays import FloatArray
 from isopeel.post.grids import body_grids, body_mesh
 from isopeel.results import vtk
 

@@ -9,7 +9,7 @@ from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkCommonCore import reference, vtkOutputWindow, vtkStringOutputWindow
 from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridReader
 
-from isopeel.arrays import FloatArray, IntArray
+from isopeel.common.arrays import FloatArray, IntArray
 
 
 class ReadGrid:

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from isopeel.arrays import FloatArray
 from isopeel.case import Case
+from isopeel.common.arrays import FloatArray
 from isopeel.solve.newton import ConvergenceError, NewtonSettings
 from isopeel.solve.step import Step
 from isopeel.solve.trace import trace

@@ -18,7 +18,7 @@ from isopeel.case import Case, load_case
 from isopeel.case.case import LARGEST_FILE
 from isopeel.case.text import LARGEST_TEXT, MOST_PARTS
 from isopeel.cli import main
-from isopeel.errors import InputError
+from isopeel.common.errors import InputError
 
 STRIP = (
     load_case("strip").text.replace('"200x10"', '"20x1"').replace('"120 deg"', '"1 deg"').replace("0.1", "1")

@@ -8,7 +8,7 @@ import pytest
 from isopeel.case import Case, load_case
 from isopeel.case.stages import MOST_STAGES, MOST_STEPS_IN_ALL
 from isopeel.cli import main
-from isopeel.errors import InputError
+from isopeel.common.errors import InputError
 
 BODY = """
 name = "many"

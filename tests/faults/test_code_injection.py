@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from isopeel.processes import worker_pool
+from isopeel.common.processes import worker_pool
 
 MODULES = ["numba", "numpy", "h5py", "scipy", "rich", "typing", "signal", "multiprocessing", "pickle", "yaml"]
 HOSTILE = "import pathlib; (pathlib.Path(__file__).parent / 'ran').touch()\nraise SystemExit(77)\n"

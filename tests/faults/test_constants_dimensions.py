@@ -8,7 +8,7 @@ import pytest
 
 from isopeel.case import Case, load_case
 from isopeel.cli import main
-from isopeel.errors import InputError
+from isopeel.common.errors import InputError
 
 STRIP = load_case("strip").text
 LAW = 'law = "van-der-waals"\nhamaker_constant = "1e-19 J"\nequilibrium_distance = "0.4 nm"'

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from isopeel.errors import InputError
+from isopeel.common.errors import InputError
 from isopeel.problem.shapes.half_cylinder import HalfCylinder
 from isopeel.problem.shapes.patch import Patch
 

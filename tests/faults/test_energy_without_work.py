@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from paths import as_far_as_it_goes, energies, gained, paths, worth
 
-from isopeel.controls import Control
+from isopeel.common.path_control import Control
 from isopeel.problem import strip
 from isopeel.solve.newton import ConvergenceError, NewtonSettings
 from isopeel.solve.path import Found, Path

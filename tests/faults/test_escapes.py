@@ -11,7 +11,7 @@ from rich.text import Text
 
 from isopeel.cli import main
 from isopeel.cli.terminal import PlainConsole
-from isopeel.errors import visible
+from isopeel.common.errors import visible
 
 #: Colour, clearing, a title with its end, a C1 introducer, backspaces, deletion, and text turned around.
 HOSTILE = [

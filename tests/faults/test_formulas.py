@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 import isopeel
-from isopeel.arrays import FloatArray
 from isopeel.cli import main
-from isopeel.errors import InputError
+from isopeel.common.arrays import FloatArray
+from isopeel.common.errors import InputError
 from isopeel.physics.adhesion import AdhesionLaw
 from isopeel.physics.adhesion.mirrored import Mirrored
 from isopeel.physics.batch import evaluate_law

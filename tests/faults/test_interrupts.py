@@ -14,7 +14,7 @@ import pytest
 
 import isopeel
 from isopeel.cli import main
-from isopeel.interrupts import check, deferred, ending_this_process
+from isopeel.common.interrupts import check, deferred, ending_this_process
 
 pytestmark = pytest.mark.posix
 
@@ -101,7 +101,7 @@ def test_a_run_may_be_interrupted_at_any_time(times: int, whole: tuple[isopeel.S
 def test_a_process_that_still_imports_ends_with_one_line(seconds: float) -> None:
     script = (
         "import signal, sys; signal.signal(signal.SIGINT, signal.default_int_handler)\n"
-        "from isopeel.interrupts import ending_this_process\n"
+        "from isopeel.common.interrupts import ending_this_process\n"
         "with ending_this_process():\n"
         "    print(flush=True)\n"
         "    from isopeel.__main__ import main; sys.exit(main())\n"

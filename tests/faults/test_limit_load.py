@@ -9,10 +9,10 @@ import pytest
 from paths import paths
 
 from isopeel.cli import main
-from isopeel.controls import Control
+from isopeel.common.path_control import Control
+from isopeel.common.units import UnitSystem
 from isopeel.post.laboratory import Laboratory
 from isopeel.solve.newton import ConvergenceError
-from isopeel.units import UnitSystem
 
 TAPE = """
 name = "weight"

@@ -4,6 +4,7 @@ import pytest
 from summaries import told_by
 
 from isopeel.case import Case, load_case, shipped_cases
+from isopeel.common.units import UnitSystem
 from isopeel.post.closed_form import expected
 from isopeel.post.front import front_profile
 from isopeel.post.laboratory import Laboratory
@@ -11,7 +12,6 @@ from isopeel.post.locking import _block_stiffness, bending, locking_notes
 from isopeel.solve.newton import NewtonSettings
 from isopeel.solve.trace import trace
 from isopeel.splines.rows import row_space
-from isopeel.units import UnitSystem
 
 
 def rubber(poissons_ratio: float, discretization: str = 'mesh = "180x2"') -> Case:

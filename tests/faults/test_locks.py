@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from isopeel.cli import main
-from isopeel.errors import InputError
+from isopeel.common.errors import InputError
 from isopeel.folder import LOCK, alone_in
 
 SMALL = ("--mesh", "10x1", "--space", "L1", "--to", "1", "--step", "1")

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from paths import as_far_as_it_goes, energies, gained, paths, worth
 
-from isopeel.controls import Control
+from isopeel.common.path_control import Control
 from isopeel.solve.balance import SLIGHT
 from isopeel.solve.step import Step
 

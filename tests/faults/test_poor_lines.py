@@ -8,8 +8,8 @@ import pytest
 
 import isopeel
 from isopeel.cli import main
-from isopeel.errors import InputError
-from isopeel.units import parse_quantity
+from isopeel.common.errors import InputError
+from isopeel.common.units import parse_quantity
 
 STRIP = isopeel.load_case("strip").text
 

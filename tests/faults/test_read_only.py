@@ -7,16 +7,16 @@ from pathlib import Path
 
 import pytest
 
-from isopeel import compilation
+from isopeel.common import compilation
 
 #: A small package with the module that compiles, and a function of it.
 RUN = """
-import isopeel.compilation as compilation
+import isopeel.common.compilation as compilation
 from called import number
 print(compilation.keeps(number.py_func), compilation.is_kept(number.py_func), number(2.0))
 """
 CALLED = """
-from isopeel.compilation import compiled
+from isopeel.common.compilation import compiled
 
 @compiled
 def number(x):
@@ -26,12 +26,13 @@ def number(x):
 
 def small_package(folder: Path) -> Path:
     package = folder / "package"
-    (package / "isopeel").mkdir(parents=True)
-    for name in ("__init__.py", "arrays.py"):
-        (package / "isopeel" / name).touch()
+    common = package / "isopeel" / "common"
+    common.mkdir(parents=True)
+    for file in (common.parent / "__init__.py", common / "arrays.py"):
+        file.touch()
     for name in ("compilation.py", "errors.py"):
         original = Path(compilation.__file__).with_name(name)
-        (package / "isopeel" / name).write_text(original.read_text())
+        (common / name).write_text(original.read_text())
     (package / "called.py").write_text(CALLED)
     return package
 

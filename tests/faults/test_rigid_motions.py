@@ -11,7 +11,7 @@ import pytest
 from isopeel import Problem
 from isopeel.assembly.system import System
 from isopeel.case import Case
-from isopeel.errors import InputError
+from isopeel.common.errors import InputError
 from isopeel.solve.newton import NewtonSettings
 from isopeel.solve.trace import trace
 

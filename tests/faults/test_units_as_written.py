@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from isopeel.case import load_case
 from isopeel.cli import main
-from isopeel.units import Quantity, parse_quantity
+from isopeel.common.units import Quantity, parse_quantity
 
 #: Not the registry of isopeel, whose numbers are fractions.
 PINT: pint.UnitRegistry[float] = pint.UnitRegistry()

@@ -8,7 +8,7 @@ from rich.console import Console
 
 from isopeel.case import Case
 from isopeel.cli import main
-from isopeel.errors import InputError
+from isopeel.common.errors import InputError
 from isopeel.showing.chosen import shown_stage, stored_parameters
 
 CASE = """

@@ -6,9 +6,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from isopeel.arrays import FloatArray
 from isopeel.case import Case, load_case
-from isopeel.errors import InputError
+from isopeel.common.arrays import FloatArray
+from isopeel.common.errors import InputError
 from isopeel.paper.execution import Report, Store, execute
 from isopeel.paper.record import Record, read_records, write_records
 from isopeel.paper.study import Run

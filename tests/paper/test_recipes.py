@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from isopeel.arrays import FloatArray
+from isopeel.common.arrays import FloatArray
 from isopeel.paper.published import published
 from isopeel.paper.reading import (
     WINDOW,

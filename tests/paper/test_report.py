@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from rich.console import Console
 
-from isopeel.errors import InputError
+from isopeel.common.errors import InputError
 from isopeel.paper.execution import Store, execute
 from isopeel.paper.monitor import Monitor
 from isopeel.paper.published import Figures

@@ -14,7 +14,7 @@ from matplotlib.lines import Line2D
 from matplotlib.text import Text
 
 from isopeel import InputError
-from isopeel.arrays import FloatArray
+from isopeel.common.arrays import FloatArray
 from isopeel.paper.figures import (
     Amplitude,
     Cost,

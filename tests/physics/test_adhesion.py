@@ -8,7 +8,7 @@ from scipy.integrate import quad
 from scipy.optimize import minimize_scalar
 
 from isopeel import Exponential, Flat, FormulaAdhesion, InputError, MooneyRivlin, VanDerWaals, Yeoh
-from isopeel.arrays import FloatArray
+from isopeel.common.arrays import FloatArray
 from isopeel.physics.adhesion import AdhesionLaw
 from isopeel.physics.batch import evaluate_law, evaluate_substrate
 

@@ -10,7 +10,7 @@ from scipy.integrate import quad
 from scipy.optimize import minimize_scalar
 
 from isopeel import InputError, NewtonSettings, VanDerWaals, row_space, strip, trace
-from isopeel.arrays import FloatArray
+from isopeel.common.arrays import FloatArray
 from isopeel.physics.adhesion import AdhesionLaw
 from isopeel.physics.adhesion.bilinear import Bilinear
 from isopeel.physics.adhesion.dugdale import Dugdale

@@ -16,7 +16,7 @@ import pytest
 from scipy.integrate import dblquad, quad
 
 from isopeel import VanDerWaals
-from isopeel.arrays import FloatArray
+from isopeel.common.arrays import FloatArray
 from isopeel.physics.batch import evaluate_law
 
 LAW = VanDerWaals(hamaker_constant=0.05, equilibrium_distance=0.4)

@@ -5,8 +5,8 @@ import pytest
 from scipy.optimize import brentq, minimize_scalar
 
 from isopeel import FormulaMaterial, InputError, NeoHooke, row_space, strip
-from isopeel.arrays import FloatArray
 from isopeel.assembly.system import System
+from isopeel.common.arrays import FloatArray
 from isopeel.physics.batch import evaluate_material
 from isopeel.physics.materials import Material
 from isopeel.physics.materials.mooney_rivlin import MooneyRivlin

@@ -8,7 +8,7 @@ from numba import njit
 from scipy.integrate import quad
 
 from isopeel import FormulaAdhesion, InputError, VanDerWaals
-from isopeel.arrays import FloatArray
+from isopeel.common.arrays import FloatArray
 from isopeel.physics.adhesion import AdhesionLaw
 from isopeel.physics.adhesion.bilinear import Bilinear
 from isopeel.physics.adhesion.dugdale import Dugdale

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from isopeel import FormulaMaterial, InputError, NeoHooke
-from isopeel.arrays import FloatArray
+from isopeel.common.arrays import FloatArray
 from isopeel.physics.batch import evaluate_material
 from isopeel.physics.materials import Material
 

@@ -7,7 +7,7 @@ import pytest
 from scipy.integrate import quad
 
 from isopeel import Bilinear, Dugdale, Exponential, FormulaAdhesion, LennardJones, Trapezoidal, VanDerWaals
-from isopeel.arrays import FloatArray
+from isopeel.common.arrays import FloatArray
 from isopeel.physics.adhesion import AdhesionLaw
 from isopeel.physics.adhesion.irreversible import secant_unloading
 from isopeel.physics.adhesion.mirrored import Mirrored

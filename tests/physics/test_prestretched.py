@@ -7,7 +7,7 @@ import pytest
 from scipy.optimize import brentq
 
 from isopeel import FormulaMaterial, InputError, MooneyRivlin, NeoHooke, SaintVenantKirchhoff, Yeoh
-from isopeel.arrays import FloatArray
+from isopeel.common.arrays import FloatArray
 from isopeel.physics.batch import evaluate_material
 from isopeel.physics.materials import Material
 from isopeel.physics.materials.base import plane_strain_modulus

@@ -8,8 +8,8 @@ import pytest
 from scipy.optimize import minimize_scalar
 
 from isopeel import FormulaAdhesion, InputError, VanDerWaals, row_space, strip
-from isopeel.arrays import FloatArray
 from isopeel.assembly.system import System
+from isopeel.common.arrays import FloatArray
 from isopeel.physics.adhesion import AdhesionLaw
 from isopeel.physics.batch import evaluate_substrate
 from isopeel.physics.substrates import Substrate

@@ -10,7 +10,7 @@ from scipy.optimize import brentq, minimize, minimize_scalar
 from scipy.special import gamma
 
 from isopeel import Dugdale, InputError, LennardJones
-from isopeel.arrays import FloatArray
+from isopeel.common.arrays import FloatArray
 from isopeel.post.closed_form import (
     CohesiveCylinder,
     beam_moment,

@@ -16,7 +16,7 @@ from isopeel import (
     row_space,
     strip,
 )
-from isopeel.arrays import FloatArray
+from isopeel.common.arrays import FloatArray
 from isopeel.physics.materials import Material
 from isopeel.post.fields import sample_fields, side_positions
 from isopeel.splines.nurbs import NurbsSurface, Side, annulus_sector, rectangle

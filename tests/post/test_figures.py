@@ -14,7 +14,8 @@ from PIL import Image
 
 import isopeel
 from isopeel import Curve, InputError, Problem, RowSpace, Step
-from isopeel.arrays import FloatArray, frozen
+from isopeel.common.arrays import FloatArray, frozen
+from isopeel.common.units import UnitSystem
 from isopeel.physics.adhesion import Exponential
 from isopeel.physics.adhesion.mirrored import Mirrored
 from isopeel.post.closed_form import expected
@@ -23,7 +24,6 @@ from isopeel.post.figures import reaction_figure, save, shapes_figure, space_fig
 from isopeel.post.laboratory import Laboratory
 from isopeel.post.reading import PlateauReading
 from isopeel.problem import Column
-from isopeel.units import UnitSystem
 
 ANGLES = np.arange(0.0, 31.0, 7.5)
 

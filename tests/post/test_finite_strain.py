@@ -8,7 +8,7 @@ import pytest
 from scipy.integrate import solve_bvp, solve_ivp
 from scipy.optimize import brentq, root
 
-from isopeel.arrays import FloatArray
+from isopeel.common.arrays import FloatArray
 from isopeel.physics.materials import NeoHooke
 from isopeel.physics.materials.formula import FormulaMaterial
 from isopeel.physics.materials.prestretched import Prestretched

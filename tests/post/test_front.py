@@ -20,8 +20,8 @@ from isopeel import (
     row_space,
     strip,
 )
-from isopeel.arrays import FloatArray
 from isopeel.assembly.system import System
+from isopeel.common.arrays import FloatArray
 from isopeel.paper.figures.front import front_figure
 from isopeel.post.fields import sample_side
 from isopeel.post.front import (

@@ -8,12 +8,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from isopeel.common.units import UnitSystem
 from isopeel.post.laboratory import Laboratory
 from isopeel.post.table import write_curve
 from isopeel.problem import Column, MovedSide, strip
 from isopeel.problem.drives.base import DISPLACEMENT, FORCE
 from isopeel.results.curve import Curve
-from isopeel.units import UnitSystem
 
 NANO = Laboratory(UnitSystem(), 200.0)
 MM_MPA = Laboratory(UnitSystem(Fraction(1, 1000), Fraction(10**6)), 150.0)

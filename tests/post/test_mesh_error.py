@@ -5,8 +5,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from isopeel.arrays import FloatArray
 from isopeel.case import Case
+from isopeel.common.arrays import FloatArray
 from isopeel.post.mesh_error import MeshChange, mesh_changes
 from isopeel.post.notes import MESH_CHANGE
 from isopeel.results.curve import Curve

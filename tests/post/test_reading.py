@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from isopeel import Curve, InputError
-from isopeel.arrays import FloatArray
+from isopeel.common.arrays import FloatArray
 from isopeel.post.reading import onset_angle, plateau_mean, read_plateau, unreadable
 from isopeel.problem import RotatedSide
 

@@ -9,7 +9,8 @@ from matplotlib.lines import Line2D
 
 import isopeel
 from isopeel import Curve, InputError
-from isopeel.arrays import FloatArray, frozen
+from isopeel.common.arrays import FloatArray, frozen
+from isopeel.common.units import UnitSystem
 from isopeel.post.comparison import Compared, comparison, difference
 from isopeel.post.figures import (
     comparison_figure,
@@ -29,7 +30,6 @@ from isopeel.post.style import line_style
 from isopeel.problem import Column
 from isopeel.results.run_file import StoredRun
 from isopeel.solve.step import KINDS
-from isopeel.units import UnitSystem
 
 ANGLE, MOMENT = Column("theta_deg", "degree"), Column("moment", "E0 L0^3", words="moment $M$")
 PERIOD = 2.0

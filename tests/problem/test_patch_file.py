@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 import splinepy
 
-from isopeel.errors import InputError
+from isopeel.common.errors import InputError
 from isopeel.problem.shapes import HalfCylinder, Patch, Shape
 from isopeel.splines.nurbs import annulus_sector
 from isopeel.splines.rows import row_space

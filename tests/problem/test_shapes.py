@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 import splinepy
 
-from isopeel.arrays import FloatArray
-from isopeel.errors import InputError
+from isopeel.common.arrays import FloatArray
+from isopeel.common.errors import InputError
 from isopeel.problem.shapes import (
     CurvedStrip,
     HalfCylinder,

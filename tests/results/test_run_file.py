@@ -5,7 +5,7 @@ import h5py
 import numpy as np
 import pytest
 
-from isopeel.errors import InputError
+from isopeel.common.errors import InputError
 from isopeel.physics.adhesion import Exponential
 from isopeel.problem import strip
 from isopeel.results.curve import Curve

@@ -7,7 +7,7 @@ import h5py
 import numpy as np
 import pytest
 
-from isopeel.errors import InputError
+from isopeel.common.errors import InputError
 from isopeel.problem import strip
 from isopeel.results.journal import journal_path, read_journal
 from isopeel.results.provenance import Provenance

@@ -7,7 +7,7 @@ import pytest
 from scipy.optimize import brentq, minimize_scalar
 
 from isopeel.assembly.system import System
-from isopeel.controls import Control
+from isopeel.common.path_control import Control
 from isopeel.physics.adhesion import Exponential
 from isopeel.problem import MovedSide, Problem, PulledSide, strip
 from isopeel.solve.control import controlled

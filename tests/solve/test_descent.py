@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from isopeel.assembly.system import System
-from isopeel.errors import InputError
+from isopeel.common.errors import InputError
 from isopeel.problem import MovedSide, PulledSide, strip
 from isopeel.solve.descent import descend, potential_energy
 from isopeel.solve.linear import factorize

@@ -6,9 +6,9 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from isopeel.arrays import FloatArray
 from isopeel.assembly.system import System
-from isopeel.errors import InputError
+from isopeel.common.arrays import FloatArray
+from isopeel.common.errors import InputError
 from isopeel.physics.adhesion import Exponential
 from isopeel.physics.materials import NeoHooke
 from isopeel.problem import (

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from isopeel import Bilinear, Exponential, InputError, Problem, Step, row_space, strip, trace
-from isopeel.arrays import FloatArray
 from isopeel.assembly.system import System
+from isopeel.common.arrays import FloatArray
 from isopeel.physics.adhesion import AdhesionLaw
 from isopeel.solve.newton import NewtonSettings
 from isopeel.solve.step import State

@@ -6,7 +6,7 @@ import numpy as np
 import splinepy
 from hypothesis import strategies as st
 
-from isopeel.arrays import FloatArray
+from isopeel.common.arrays import FloatArray
 from isopeel.splines.space import SplineSpace
 
 

@@ -6,7 +6,7 @@ from hypothesis import strategies as st
 from random_splines import seeds, spaces
 
 from isopeel import row_space
-from isopeel.arrays import FloatArray
+from isopeel.common.arrays import FloatArray
 from isopeel.splines.bezier import bernstein, curve_cells, product, surface_cells
 from isopeel.splines.nurbs import annulus_sector
 from isopeel.splines.space import SplineSpace

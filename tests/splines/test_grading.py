@@ -5,7 +5,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from isopeel.errors import InputError
+from isopeel.common.errors import InputError
 from isopeel.splines.rows import row_space
 from isopeel.splines.space import SplineSpace
 

@@ -2,7 +2,7 @@
 
 import pytest
 
-from isopeel.errors import InputError
+from isopeel.common.errors import InputError
 from isopeel.splines.names import SpaceName, SplineFamily, parse_space_name
 
 

@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from random_splines import new_knots, points_in, seeds, spaces, superfluous_knots
 
-from isopeel.errors import InputError
+from isopeel.common.errors import InputError
 from isopeel.splines.nurbs import NurbsCurve, NurbsSurface, Side, annulus_sector, rectangle
 from isopeel.splines.space import SplineSpace
 

@@ -8,8 +8,8 @@ from hypothesis import strategies as st
 from random_splines import new_knots, points_in, seeds, spaces, superfluous_knots
 from scipy.interpolate import BSpline
 
-from isopeel.arrays import FloatArray
-from isopeel.errors import InputError
+from isopeel.common.arrays import FloatArray
+from isopeel.common.errors import InputError
 from isopeel.splines.refinement import elevate, insert_knots, k_refine
 from isopeel.splines.space import SplineSpace
 

@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from random_splines import points_in, seeds, spaces
 from scipy.interpolate import BSpline, make_interp_spline
 
-from isopeel.errors import InputError
+from isopeel.common.errors import InputError
 from isopeel.splines.space import SplineSpace
 
 few = settings(deadline=None, max_examples=60)

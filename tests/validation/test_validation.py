@@ -17,8 +17,8 @@ from psutil import Process, wait_procs
 from scipy.integrate import dblquad
 
 from isopeel.cli import main
-from isopeel.errors import InputError
-from isopeel.processes import Done, WorkerLostError
+from isopeel.common.errors import InputError
+from isopeel.common.processes import Done, WorkerLostError
 from isopeel.report.document import to_markdown
 from isopeel.results.provenance import Provenance
 from isopeel.solve.newton import ConvergenceError

@@ -8,9 +8,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from numba import boolean, float64, int64
 
-from isopeel.arrays import FloatArray, IntArray
 from isopeel.assembly.loops import PAIR, read_only
-from isopeel.compilation import compiled_reordered
+from isopeel.common.arrays import FloatArray, IntArray
+from isopeel.common.compilation import compiled_reordered
 from isopeel.physics.adhesion.irreversible import with_history
 from isopeel.physics.adhesion.sliding import with_slip
 from isopeel.physics.batch import law_at, of_address, substrate_at

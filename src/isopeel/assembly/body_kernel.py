@@ -17,7 +17,6 @@ from typing import Any, NamedTuple
 import numpy as np
 from numba import boolean, float64, int64
 
-from isopeel.arrays import BoolArray, FloatArray, IntArray
 from isopeel.assembly.body_tangent import (
     add_rectangles_to_pairs,
     add_to_pairs,
@@ -39,6 +38,7 @@ from isopeel.assembly.lanes import (
     take,
 )
 from isopeel.assembly.loops import PAIR, read_only
+from isopeel.common.arrays import BoolArray, FloatArray, IntArray
 from isopeel.physics.batch import material_at, of_address
 
 #: Elements that are treated together, at most: enough that the test for overlapping arrays, made before each

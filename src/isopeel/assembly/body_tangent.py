@@ -13,7 +13,7 @@ from isopeel.assembly.lanes import (
     set_products,
     set_weighted_products,
 )
-from isopeel.compilation import compiled_reordered
+from isopeel.common.compilation import compiled_reordered
 
 
 @compiled_reordered

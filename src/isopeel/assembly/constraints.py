@@ -5,9 +5,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from isopeel.arrays import FloatArray, IntArray
-from isopeel.compilation import compiled
-from isopeel.errors import InputError
+from isopeel.common.arrays import FloatArray, IntArray
+from isopeel.common.compilation import compiled
+from isopeel.common.errors import InputError
 from isopeel.problem import Drive, Problem
 from isopeel.splines.rows import RowSpace
 

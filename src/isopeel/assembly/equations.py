@@ -8,11 +8,11 @@ from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
-from isopeel.arrays import FloatArray, IntArray
 from isopeel.assembly.adhesion_kernel import AdhesionArguments, adhesion_at
 from isopeel.assembly.body_kernel import BodyArguments, body_at
 from isopeel.assembly.constraints import condense, displace
-from isopeel.compilation import compiled
+from isopeel.common.arrays import FloatArray, IntArray
+from isopeel.common.compilation import compiled
 
 
 class Equations(NamedTuple):

@@ -5,10 +5,10 @@ from typing import Self
 
 import numpy as np
 
-from isopeel.arrays import FloatArray, IntArray
 from isopeel.assembly.constraints import HELD, Constraints
 from isopeel.assembly.tables import side_table
-from isopeel.errors import InputError
+from isopeel.common.arrays import FloatArray, IntArray
+from isopeel.common.errors import InputError
 from isopeel.problem import Drive, Load
 from isopeel.splines.nurbs import NurbsSurface, Side
 from isopeel.splines.rows import RowSpace

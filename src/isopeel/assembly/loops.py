@@ -6,7 +6,7 @@ from typing import Any, TypeAlias
 
 from numba import float64, types
 
-from isopeel.compilation import REORDERED, compiled_now
+from isopeel.common.compilation import REORDERED, compiled_now
 
 #: What loops return.
 PAIR: Any = types.UniTuple(float64, 2)  # type: ignore[no-untyped-call]

@@ -2,11 +2,11 @@
 
 import numpy as np
 
-from isopeel.arrays import FloatArray, frozen
 from isopeel.assembly.constraints import HELD, Constraints
 from isopeel.assembly.loads import AssembledLoad
 from isopeel.assembly.tables import SideTable
-from isopeel.errors import InputError
+from isopeel.common.arrays import FloatArray, frozen
+from isopeel.common.errors import InputError
 from isopeel.physics.batch import evaluate_law, evaluate_substrate
 from isopeel.problem import Problem
 from isopeel.splines.nurbs import NurbsSurface

@@ -7,7 +7,6 @@ from typing import ClassVar, Literal, Self
 import numpy as np
 from psutil import virtual_memory
 
-from isopeel.arrays import FloatArray, frozen
 from isopeel.assembly.adhesion_kernel import SIDE_SIGNATURE, AdhesionArguments, add_adhesion
 from isopeel.assembly.body_kernel import BODY_SIGNATURE, BodyArguments, add_body
 from isopeel.assembly.constraints import Constraints, constrain, half_bandwidth
@@ -16,7 +15,8 @@ from isopeel.assembly.loads import AssembledLoad
 from isopeel.assembly.loops import Loops, compile_loops
 from isopeel.assembly.start import ROUND_OFF, check_start, extent
 from isopeel.assembly.tables import BodyTable, SideTable, body_table, side_table
-from isopeel.errors import InputError
+from isopeel.common.arrays import FloatArray, frozen
+from isopeel.common.errors import InputError
 from isopeel.physics.adhesion.irreversible import NOT_CLOSED
 from isopeel.physics.batch import evaluate_substrate
 from isopeel.problem import Problem

@@ -4,9 +4,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from isopeel.arrays import BoolArray, FloatArray, IntArray
 from isopeel.assembly.constraints import HELD, Constraints
-from isopeel.errors import InputError
+from isopeel.common.arrays import BoolArray, FloatArray, IntArray
+from isopeel.common.errors import InputError
 from isopeel.splines.nurbs import NurbsSurface, Side
 from isopeel.splines.rows import Basis, RowSpace
 

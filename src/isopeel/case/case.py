@@ -38,14 +38,14 @@ from isopeel.case.sections import (
 from isopeel.case.stages import Stage, check_number, check_work
 from isopeel.case.text import LARGEST_TEXT, document_of, size_of
 from isopeel.case.values import Section, as_written
-from isopeel.errors import InputError
+from isopeel.common.errors import InputError
+from isopeel.common.units import UnitSystem, measured_in, shown
 from isopeel.physics.substrates import Flat
 from isopeel.problem import AdhesiveSide, Body, FixedSide, Problem
 from isopeel.problem.shapes.base import Shape
 from isopeel.problem.shapes.quarter_cylinder import QuarterCylinder
 from isopeel.splines.nurbs import NurbsSurface, Side
 from isopeel.splines.rows import RowSpace, row_space
-from isopeel.units import UnitSystem, measured_in, shown
 
 #: More, and the stiffnesses along and across an element, its square apart, leave double precision.
 LARGEST_ASPECT = 1e4

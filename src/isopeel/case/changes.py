@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from isopeel.case.text import MOST_PARTS
-from isopeel.errors import InputError
+from isopeel.common.errors import InputError
 
 _PART = re.compile(r"[A-Za-z0-9_-]{1,100}")
 #: What an assignment on the command line looks like.

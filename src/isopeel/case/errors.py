@@ -8,7 +8,7 @@ from pydantic import ValidationError
 
 from isopeel.case.kinds import KindSection
 from isopeel.case.values import Section
-from isopeel.errors import InputError
+from isopeel.common.errors import InputError
 
 
 def first_error(error: ValidationError, document: Mapping[str, Any], case: type[Section]) -> InputError:

@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self, get_t
 from pydantic import Field, ModelWrapValidatorHandler, ValidationInfo, create_model, model_validator
 
 from isopeel.case.values import Section, constant_powers, key_of
-from isopeel.errors import InputError
+from isopeel.common.errors import InputError
+from isopeel.common.registry import discover
 from isopeel.physics.formula_dimensions import FormulaDimensions, check_dimensions
-from isopeel.registry import discover
 
 
 class KindSection(Section):

@@ -5,7 +5,6 @@ from typing import Annotated, Any, Literal, Self, get_args
 
 from pydantic import BeforeValidator, Field, field_validator, model_validator
 
-from isopeel.arrays import FloatArray
 from isopeel.case.kinds import KindSection
 from isopeel.case.stages import Steps, stage_parameters, stage_steps
 from isopeel.case.values import (
@@ -20,8 +19,11 @@ from isopeel.case.values import (
     read_quantity,
     several,
 )
-from isopeel.controls import Control
-from isopeel.errors import InputError
+from isopeel.common.arrays import FloatArray
+from isopeel.common.errors import InputError
+from isopeel.common.path_control import Control
+from isopeel.common.quantities import LENGTH, NUMBER, STRESS, Dimension
+from isopeel.common.units import E0, L0, UnitSystem
 from isopeel.physics.adhesion import AdhesionLaw
 from isopeel.physics.adhesion.mirrored import Mirrored
 from isopeel.physics.materials import Material
@@ -29,9 +31,7 @@ from isopeel.physics.materials.prestretched import Prestretched
 from isopeel.physics.substrates import Substrate
 from isopeel.problem import Drive, FixedSide, Traction
 from isopeel.problem.shapes import Shape
-from isopeel.quantities import LENGTH, NUMBER, STRESS, Dimension
 from isopeel.splines.nurbs import Side
-from isopeel.units import E0, L0, UnitSystem
 
 
 class BodySection(KindSection):

@@ -8,13 +8,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from isopeel.arrays import FloatArray
 from isopeel.case.values import read_quantity
-from isopeel.controls import Control
-from isopeel.errors import InputError
+from isopeel.common.arrays import FloatArray
+from isopeel.common.errors import InputError
+from isopeel.common.path_control import Control
+from isopeel.common.quantities import Dimension
+from isopeel.common.units import UnitSystem, parse_quantity, shown
 from isopeel.problem import Problem
-from isopeel.quantities import Dimension
-from isopeel.units import UnitSystem, parse_quantity, shown
 
 #: More steps than this are a slip of the pen: a thousandth of a degree up to 100 degrees.
 MOST_STEPS = 100_000

@@ -4,7 +4,7 @@ import re
 import tomllib
 from typing import Any
 
-from isopeel.errors import InputError
+from isopeel.common.errors import InputError
 
 #: Bytes of the text that a run holds: what a file of the largest size becomes where each character of a text
 #: has to be escaped, and its path is a long one.

@@ -9,8 +9,8 @@ from typing import Annotated, Any, Literal, NamedTuple, Union, get_args, get_ori
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationInfo
 
-from isopeel.quantities import LENGTH, NUMBER, Dimension
-from isopeel.units import Quantity, parse_quantity
+from isopeel.common.quantities import LENGTH, NUMBER, Dimension
+from isopeel.common.units import Quantity, parse_quantity
 
 #: Magnitudes, in L0 and E0 or degrees, between which products of a few powers of them stay finite.
 SMALLEST, LARGEST = 1e-12, 1e12
@@ -87,8 +87,9 @@ class Key(NamedTuple):
 def key_of(hint: Any) -> Key:
     """Return the key for a type of a dataclass's field. Raises TypeError for types that no case can have.
 
-    Floats have a dimension (`isopeel.quantities`), and texts may say in words what is needed; further there
-    are true or false, whole numbers, texts to choose from, files, tuples of these, and constants by name.
+    Floats have a dimension (`isopeel.common.quantities`), and texts may say in words what is needed; further
+    there are true or false, whole numbers, texts to choose from, files, tuples of these, and constants by
+    name.
     """
     if get_origin(hint) is Annotated:
         plain, *notes = get_args(hint)
@@ -113,7 +114,7 @@ def key_of(hint: Any) -> Key:
     try:
         return _PLAIN[hint]
     except (KeyError, TypeError) as error:
-        allowed = "floats have a dimension, see isopeel.quantities"
+        allowed = "floats have a dimension, see isopeel.common.quantities"
         raise TypeError(f"a case file has no values of the type {hint}; {allowed}") from error
 
 

@@ -10,8 +10,8 @@ from typer.exceptions import TyperException
 
 from isopeel.cli import running, showing
 from isopeel.cli.base import BAD_INPUT, COMPLETED, app, fail, unwritten
-from isopeel.errors import InputError
-from isopeel.interrupts import ending_this_process
+from isopeel.common.errors import InputError
+from isopeel.common.interrupts import ending_this_process
 
 __all__ = ["app", "main", "running", "showing"]
 

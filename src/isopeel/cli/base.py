@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Annotated, ParamSpec
 import typer
 
 import isopeel
-from isopeel.errors import visible
-from isopeel.interrupts import INTERRUPTED, deferred, may_tell
+from isopeel.common.errors import visible
+from isopeel.common.interrupts import INTERRUPTED, deferred, may_tell
 
 if TYPE_CHECKING:
     from rich.console import Console

@@ -15,8 +15,8 @@ from isopeel.cli.base import (
     goes_on,
     unwritten,
 )
-from isopeel.errors import InputError
-from isopeel.interrupts import INTERRUPTED, telling
+from isopeel.common.errors import InputError
+from isopeel.common.interrupts import INTERRUPTED, telling
 
 if TYPE_CHECKING:
     from isopeel.run import Result
@@ -186,8 +186,8 @@ def paper(
     """
     kept = f"finished runs are in {out}, and the same command goes on"
     try:
+        from isopeel.common.processes import WorkerLostError
         from isopeel.paper.report import chosen_meshes, chosen_parts, make_report
-        from isopeel.processes import WorkerLostError
 
         try:
             with telling(f"interrupted; {kept}"):
@@ -210,7 +210,7 @@ def validate(
     force: _ForceOption = False,
 ) -> int:
     """Hold runs against closed forms, and report on all deviations."""
-    from isopeel.processes import WorkerLostError
+    from isopeel.common.processes import WorkerLostError
     from isopeel.validation.report import chosen_checks
     from isopeel.validation.report import validate as run_checks
 

@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from isopeel.cli.base import COMPLETED, command, console, fail
-from isopeel.interrupts import INTERRUPTED, telling
+from isopeel.common.interrupts import INTERRUPTED, telling
 
 _ForceOption = Annotated[
     bool, typer.Option("--force", help="Replace a file of the same name that isopeel did not write.")

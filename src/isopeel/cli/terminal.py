@@ -7,7 +7,7 @@ from rich.console import Console, ConsoleOptions, RenderableType
 from rich.segment import Segment
 from rich.text import Text
 
-from isopeel.errors import visible
+from isopeel.common.errors import visible
 
 
 class PlainConsole(Console):

@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from isopeel.arrays import FloatArray, IntArray
-from isopeel.errors import InputError
+from isopeel.common.arrays import FloatArray, IntArray
+from isopeel.common.errors import InputError
 from isopeel.page.packing import packed, packed_positions, packed_stress
 from isopeel.page.region import substrate_region
 from isopeel.post.figures.reaction import is_reached, unstable_pieces, widest_turn

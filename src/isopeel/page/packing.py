@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from isopeel.arrays import FloatArray
+from isopeel.common.arrays import FloatArray
 
 _LARGEST_DIFFERENCE = 32_767
 _LARGEST_START = 2**31 - 1

@@ -12,7 +12,7 @@ import matplotlib as mpl
 import numpy as np
 
 import isopeel
-from isopeel.errors import InputError
+from isopeel.common.errors import InputError
 from isopeel.folder import REPORT, check_overwritten
 from isopeel.page import markup
 from isopeel.page.content import Content, column_words, stage_content

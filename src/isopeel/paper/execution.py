@@ -13,10 +13,10 @@ from typing import NamedTuple, Protocol
 
 from filelock import FileLock, Timeout
 
-from isopeel.errors import InputError
-from isopeel.interrupts import check
+from isopeel.common.errors import InputError
+from isopeel.common.interrupts import check
+from isopeel.common.processes import worker_pool
 from isopeel.paper.study import Run, with_bases
-from isopeel.processes import worker_pool
 from isopeel.results.provenance import Provenance
 from isopeel.results.run_file import Failure, StoredRun, read_run, run_attributes
 from isopeel.results.run_writer import RunWriter

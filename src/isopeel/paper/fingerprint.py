@@ -9,11 +9,11 @@ import isopeel
 
 #: What turns the text of a case into converged steps.
 _SOURCES = (
-    "arrays.py",
+    "common/arrays.py",
+    "common/quantities.py",
+    "common/registry.py",
+    "common/units.py",
     "case",
-    "quantities.py",
-    "registry.py",
-    "units.py",
     "splines",
     "physics",
     "problem",

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from importlib import resources
 from typing import Literal, NamedTuple, TypeAlias
 
-from isopeel.errors import InputError
+from isopeel.common.errors import InputError
 
 _FIGURES = ("dM_e3", "max_slope_e3_per_deg", "min_slope_e3_per_deg")
 _PERCENTS = ("dM_percent", "max_slope_percent", "min_slope_percent")

@@ -8,7 +8,7 @@ from math import log
 
 import numpy as np
 
-from isopeel.arrays import FloatArray
+from isopeel.common.arrays import FloatArray
 from isopeel.paper.published import MISPRINTS, Figures, published
 from isopeel.paper.record import Record
 from isopeel.paper.study import MESHES, STEP, Run, default_points

@@ -8,8 +8,8 @@ from pathlib import Path
 import h5py
 import numpy as np
 
-from isopeel.arrays import FloatArray, frozen
-from isopeel.errors import InputError
+from isopeel.common.arrays import FloatArray, frozen
+from isopeel.common.errors import InputError
 from isopeel.paper.study import SPACES, STEP, VARIANT_MESH, Run
 from isopeel.post.front import front_profile, process_zone
 from isopeel.results.files import replacing

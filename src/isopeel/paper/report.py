@@ -6,7 +6,8 @@ from pathlib import Path
 
 from rich.console import Console
 
-from isopeel.errors import InputError
+from isopeel.common.errors import InputError
+from isopeel.common.processes import cores
 from isopeel.folder import first_names, make_folder
 from isopeel.paper.execution import Store, execute
 from isopeel.paper.monitor import Monitor
@@ -26,7 +27,6 @@ from isopeel.paper.sections import (
     table3,
 )
 from isopeel.paper.study import MESHES, Run, with_bases
-from isopeel.processes import cores
 from isopeel.report.document import Block, Document, Section, Table, Text, print_table, write_document
 from isopeel.report.folder import RUNS, replaced, take_folder
 

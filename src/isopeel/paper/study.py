@@ -8,8 +8,8 @@ from functools import cache
 
 import numpy as np
 
-from isopeel.arrays import FloatArray
 from isopeel.case import Case, load_case
+from isopeel.common.arrays import FloatArray
 from isopeel.paper.fingerprint import code_fingerprint
 from isopeel.problem import Traction
 from isopeel.splines.names import parse_space_name

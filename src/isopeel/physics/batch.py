@@ -12,8 +12,8 @@ from numba import boolean, float64, int64, types, void
 from numba.core import cgutils
 from numba.extending import intrinsic
 
-from isopeel.arrays import FloatArray
-from isopeel.compilation import EXACT, compiled, compiled_now
+from isopeel.common.arrays import FloatArray
+from isopeel.common.compilation import EXACT, compiled, compiled_now
 
 _VECTOR = float64[::1]
 _POINTS_2 = float64[:, ::1]

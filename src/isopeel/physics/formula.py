@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from isopeel.errors import InputError
+from isopeel.common.errors import InputError
 from isopeel.physics.batch import BatchFunction, compile_batch
 from isopeel.physics.formula_size import VARIABLE, Size, size_of
 

@@ -12,8 +12,16 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import NamedTuple, TypeAlias
 
-from isopeel.errors import InputError
-from isopeel.quantities import ENERGY, FORCE_PER_WIDTH, LENGTH, NUMBER, STRESS, SURFACE_ENERGY, Dimension
+from isopeel.common.errors import InputError
+from isopeel.common.quantities import (
+    ENERGY,
+    FORCE_PER_WIDTH,
+    LENGTH,
+    NUMBER,
+    STRESS,
+    SURFACE_ENERGY,
+    Dimension,
+)
 
 #: Exponents of a stress and a length.
 Powers: TypeAlias = tuple[Fraction, Fraction]

@@ -4,7 +4,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from isopeel.arrays import FloatArray
+from isopeel.common.arrays import FloatArray
 
 #: Of its size at a place of the grid, what a function must grow to nearby to have a pole there. A peak that
 #: is so narrow could not be resolved by any mesh.

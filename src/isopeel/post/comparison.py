@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from isopeel.arrays import FloatArray
+from isopeel.common.arrays import FloatArray
 from isopeel.post.findings import Findings
 from isopeel.post.reading import onset_angle, plateau_mean, rising
 from isopeel.results.curve import Curve

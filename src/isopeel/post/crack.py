@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from isopeel.arrays import FloatArray
+from isopeel.common.arrays import FloatArray
 from isopeel.post.front import ProcessZone, process_zones
 from isopeel.problem import Problem
 from isopeel.results.curve import Curve

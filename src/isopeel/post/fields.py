@@ -5,8 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from isopeel.arrays import FloatArray, IntArray
-from isopeel.errors import InputError
+from isopeel.common.arrays import FloatArray, IntArray
+from isopeel.common.errors import InputError
 from isopeel.physics.batch import evaluate_material, evaluate_substrate
 from isopeel.problem import Problem
 from isopeel.splines.nurbs import NurbsSurface, Side

@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from isopeel.common.units import UnitSystem
 from isopeel.post.closed_form import Expected
 from isopeel.post.closed_form.expected import invalid, theory
 from isopeel.post.crack import Front, crack_length_at, fronts, joint_ends, jumps
@@ -33,7 +34,6 @@ from isopeel.results.curve import Curve
 from isopeel.results.notes import Note
 from isopeel.results.run_file import StoredRun
 from isopeel.splines.rows import RowSpace
-from isopeel.units import UnitSystem
 
 
 @dataclass(frozen=True)

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from isopeel.arrays import FloatArray, frozen
-from isopeel.errors import InputError
+from isopeel.common.arrays import FloatArray, frozen
+from isopeel.common.errors import InputError
 from isopeel.physics.batch import evaluate_law, evaluate_substrate
 from isopeel.physics.materials.base import plane_strain_modulus
 from isopeel.post.closed_form import beam_peeling

@@ -13,7 +13,7 @@ from collections.abc import Iterable, Iterator
 
 import numpy as np
 
-from isopeel.arrays import FloatArray, IntArray
+from isopeel.common.arrays import FloatArray, IntArray
 from isopeel.post.fields import SampledFields, fields_at
 from isopeel.post.pieces import BezierMesh, Ends, StraightMesh, cell_ends
 from isopeel.post.traction import AdhesiveTraction, adhesive_traction

@@ -10,9 +10,9 @@ from typing import Literal, NamedTuple, TypeAlias
 
 import numpy as np
 
+from isopeel.common.units import UnitSystem
 from isopeel.problem import Column, Problem
 from isopeel.results.curve import Curve
-from isopeel.units import UnitSystem
 
 #: What is measured. Forces, moments and energies are per width, unless the width is known.
 Kind: TypeAlias = Literal["length", "stress", "force", "moment", "energy", "toughness", "angle", "number"]

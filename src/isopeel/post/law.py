@@ -5,8 +5,8 @@ from functools import lru_cache
 
 import numpy as np
 
-from isopeel.arrays import FloatArray
-from isopeel.errors import InputError
+from isopeel.common.arrays import FloatArray
+from isopeel.common.errors import InputError
 from isopeel.physics.adhesion import AdhesionLaw
 from isopeel.physics.adhesion.irreversible import SecantUnloading, secant_unloading
 from isopeel.physics.batch import evaluate_law

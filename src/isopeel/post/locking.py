@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.sparse import block_array, csr_array, kron
 
-from isopeel.arrays import FloatArray
+from isopeel.common.arrays import FloatArray
 from isopeel.physics.materials.base import plane_strain_modulus
 from isopeel.post.closed_form import expected
 from isopeel.post.laboratory import Laboratory

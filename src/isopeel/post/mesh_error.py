@@ -12,9 +12,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from isopeel.arrays import FloatArray
 from isopeel.assembly.system import System
-from isopeel.errors import InputError
+from isopeel.common.arrays import FloatArray
+from isopeel.common.errors import InputError
 from isopeel.post.resolution import elements_are_tall
 from isopeel.problem import Problem
 from isopeel.results.run_file import StoredRun

@@ -5,7 +5,7 @@ from typing import Self
 
 import numpy as np
 
-from isopeel.arrays import FloatArray
+from isopeel.common.arrays import FloatArray
 from isopeel.post.fields import as_rows, nodes, on_grid
 from isopeel.splines.bezier import bernstein, product, surface_cells
 from isopeel.splines.nurbs import NurbsSurface, Side

@@ -8,7 +8,7 @@ from typing import Literal, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from isopeel.arrays import FloatArray
+from isopeel.common.arrays import FloatArray
 from isopeel.physics.adhesion.mirrored import Mirrored
 from isopeel.physics.batch import evaluate_substrate
 from isopeel.physics.materials.base import plane_strain_modulus

@@ -30,8 +30,8 @@ from typing import Self
 
 import numpy as np
 
-from isopeel.arrays import BoolArray, FloatArray
-from isopeel.errors import InputError
+from isopeel.common.arrays import BoolArray, FloatArray
+from isopeel.common.errors import InputError
 from isopeel.physics.adhesion import AdhesionLaw
 from isopeel.physics.batch import evaluate_substrate
 from isopeel.physics.materials.base import plane_strain_modulus

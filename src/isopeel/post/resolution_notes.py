@@ -5,8 +5,8 @@ from math import ceil, floor, log, log10
 
 import numpy as np
 
-from isopeel.arrays import FloatArray
-from isopeel.errors import InputError
+from isopeel.common.arrays import FloatArray
+from isopeel.common.errors import InputError
 from isopeel.physics.materials.base import plane_strain_modulus
 from isopeel.post.closed_form.strip import free_strip
 from isopeel.post.crack import jumps

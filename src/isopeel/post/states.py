@@ -6,7 +6,7 @@ from math import ceil
 
 import numpy as np
 
-from isopeel.arrays import FloatArray
+from isopeel.common.arrays import FloatArray
 from isopeel.physics.adhesion.mirrored import Mirrored
 from isopeel.physics.batch import evaluate_law, evaluate_substrate
 from isopeel.post.fields import SampledFields, sample_fields, side_positions

@@ -4,7 +4,7 @@ import json
 from math import isfinite
 from pathlib import Path
 
-from isopeel.errors import InputError
+from isopeel.common.errors import InputError
 from isopeel.post.mesh_error import MeshChange
 from isopeel.results.files import check_readable
 from isopeel.results.run_file import StoredRun

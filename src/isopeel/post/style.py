@@ -11,7 +11,7 @@ import matplotlib as mpl
 from cycler import cycler
 from matplotlib.figure import Figure
 
-from isopeel.errors import InputError
+from isopeel.common.errors import InputError
 from isopeel.results.files import MAKER
 from isopeel.splines.names import parse_space_name
 

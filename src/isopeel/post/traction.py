@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from isopeel.arrays import FloatArray
+from isopeel.common.arrays import FloatArray
 from isopeel.physics.adhesion.irreversible import with_history
 from isopeel.physics.adhesion.sliding import with_slip
 from isopeel.physics.batch import evaluate_law, evaluate_substrate

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import Literal, get_args
 
-from isopeel.errors import InputError
+from isopeel.common.errors import InputError
 from isopeel.physics.adhesion import AdhesionLaw
 from isopeel.physics.materials import Material
 from isopeel.physics.substrates import Substrate

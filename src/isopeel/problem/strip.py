@@ -1,6 +1,6 @@
 """The strip of the literature: peeled from a flat substrate by a pure moment."""
 
-from isopeel.errors import InputError
+from isopeel.common.errors import InputError
 from isopeel.physics.adhesion import AdhesionLaw, VanDerWaals
 from isopeel.physics.materials import Material, NeoHooke
 from isopeel.physics.substrates import Flat

@@ -16,7 +16,7 @@ from rich.console import Console
 from rich.table import Table as ConsoleTable
 from rich.text import Text as PlainText
 
-from isopeel.errors import InputError
+from isopeel.common.errors import InputError
 from isopeel.post.style import save
 from isopeel.report.html import anchor, to_html
 from isopeel.results.files import replacing

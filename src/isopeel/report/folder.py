@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
-from isopeel.errors import InputError
+from isopeel.common.errors import InputError
 from isopeel.folder import first_names, is_of_nobody, make_folder
 from isopeel.results.files import is_written_by_isopeel, kind_of
 

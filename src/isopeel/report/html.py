@@ -11,7 +11,7 @@ from struct import unpack
 from markdown_it import MarkdownIt
 from markdown_it.token import Token
 
-from isopeel.errors import InputError
+from isopeel.common.errors import InputError
 
 #: Blocks that follow each other and belong together, by kind, and what they become. A table may have notes.
 _GROUPS = (

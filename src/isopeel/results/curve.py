@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from isopeel.arrays import FloatArray, IntArray, frozen
+from isopeel.common.arrays import FloatArray, IntArray, frozen
 from isopeel.problem import Column, Drive
 from isopeel.results.files import replacing
 from isopeel.solve.step import KINDS, Step

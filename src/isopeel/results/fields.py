@@ -5,7 +5,7 @@ from types import MappingProxyType
 
 import numpy as np
 
-from isopeel.arrays import FloatArray
+from isopeel.common.arrays import FloatArray
 
 _ROUND_OFF = 1e-9
 

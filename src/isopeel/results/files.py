@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from isopeel.interrupts import cleared_up
+from isopeel.common.interrupts import cleared_up
 
 #: Bytes at either end of a file in which its mark stands; an mp4 has its comment at the end.
 _ENDS = 1 << 16

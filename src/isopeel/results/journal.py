@@ -21,7 +21,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from isopeel.arrays import FloatArray
+from isopeel.common.arrays import FloatArray
 from isopeel.results.curve import Curve
 from isopeel.results.files import check_is_file, new_file
 

@@ -24,8 +24,8 @@ from uuid import uuid4
 import h5py
 import numpy as np
 
-from isopeel.arrays import FloatArray, IntArray, frozen
-from isopeel.errors import InputError
+from isopeel.common.arrays import FloatArray, IntArray, frozen
+from isopeel.common.errors import InputError
 from isopeel.problem import Column, Problem
 from isopeel.results import untrusted
 from isopeel.results.curve import Curve

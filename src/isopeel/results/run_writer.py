@@ -11,7 +11,7 @@ from typing import Self
 
 import numpy as np
 
-from isopeel.arrays import FloatArray
+from isopeel.common.arrays import FloatArray
 from isopeel.problem import Drive
 from isopeel.results.curve import Curve
 from isopeel.results.fields import Fields

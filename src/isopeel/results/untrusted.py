@@ -9,7 +9,7 @@ from typing import Any
 import h5py
 import numpy as np
 
-from isopeel.arrays import FloatArray, IntArray
+from isopeel.common.arrays import FloatArray, IntArray
 
 _MOST_IN_AN_ATTRIBUTE = 100_000  # values
 

@@ -16,7 +16,7 @@ from xml.sax.saxutils import quoteattr
 import numpy as np
 from numpy.typing import NDArray
 
-from isopeel.arrays import FloatArray, IntArray
+from isopeel.common.arrays import FloatArray, IntArray
 from isopeel.results.files import replacing
 
 #: Numbers of VTK's kinds of cells (vtkCellType.h).

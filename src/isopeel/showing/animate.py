@@ -13,9 +13,9 @@ from PIL import Image
 from psutil import NoSuchProcess, Process
 from rich.console import Console
 
-from isopeel.errors import InputError
+from isopeel.common.errors import InputError
+from isopeel.common.interrupts import check, cleared_up, leave_time
 from isopeel.folder import FIGURES, check_overwritten, make_folder
-from isopeel.interrupts import check, cleared_up, leave_time
 from isopeel.post.figures.moving import MovingFigure, Picture
 from isopeel.progress import counted
 from isopeel.results.files import MAKER, replacing

@@ -8,9 +8,9 @@ import numpy as np
 from rich.console import Console
 
 from isopeel.case.values import as_written, read_quantity
-from isopeel.errors import InputError
+from isopeel.common.errors import InputError
+from isopeel.common.units import measured_in
 from isopeel.stored import StoredStage, stored_stages
-from isopeel.units import measured_in
 
 #: Of the largest parameter of a path: states that differ by less are the same.
 _SAME = 1e-9

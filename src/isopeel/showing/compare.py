@@ -11,7 +11,7 @@ from rich.box import SIMPLE_HEAD
 from rich.console import Console
 from rich.table import Column, Table
 
-from isopeel.errors import InputError
+from isopeel.common.errors import InputError
 from isopeel.folder import check_overwritten, make_folder
 from isopeel.post.comparison import Compared, comparison, difference
 from isopeel.post.figures import comparison_figure, save

@@ -5,7 +5,7 @@ from pathlib import Path
 
 from rich.console import Console
 
-from isopeel.errors import InputError
+from isopeel.common.errors import InputError
 from isopeel.folder import EXPORTED, check_overwritten, make_folder
 from isopeel.post.grids import body_grids, body_mesh, side_grids, side_mesh
 from isopeel.results.vtk import write_grid, write_series

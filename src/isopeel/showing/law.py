@@ -7,15 +7,15 @@ from rich.console import Console
 from rich.table import Table
 
 from isopeel.case import load_case
-from isopeel.errors import InputError
+from isopeel.common.errors import InputError
+from isopeel.common.registry import discover
+from isopeel.common.units import UnitSystem, shown
 from isopeel.folder import check_overwritten, make_folder
 from isopeel.physics.adhesion import AdhesionLaw
 from isopeel.physics.adhesion.mirrored import Mirrored
 from isopeel.post.figures import law_figure, save
 from isopeel.post.laboratory import Laboratory
 from isopeel.post.law import LawCharacter, law_character
-from isopeel.registry import discover
-from isopeel.units import UnitSystem, shown
 
 LAWS = discover("isopeel.physics.adhesion")
 

@@ -8,7 +8,7 @@ from typing import NamedTuple
 from matplotlib.figure import Figure
 from rich.console import Console
 
-from isopeel.errors import InputError
+from isopeel.common.errors import InputError
 from isopeel.folder import FIGURES, check_overwritten, make_folder
 from isopeel.post.figures import (
     front_figure,

@@ -7,7 +7,7 @@ from rich.console import Console
 from rich.table import Table
 
 from isopeel.case import parse_mesh
-from isopeel.errors import InputError
+from isopeel.common.errors import InputError
 from isopeel.folder import check_overwritten, make_folder
 from isopeel.post.figures import save, space_figure
 from isopeel.splines.names import SplineFamily, parse_space_name

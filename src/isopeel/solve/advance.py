@@ -10,10 +10,10 @@ from typing import Self
 
 import numpy as np
 
-from isopeel.arrays import FloatArray, IntArray
 from isopeel.assembly.constraints import condense
 from isopeel.assembly.system import System
-from isopeel.compilation import compiled
+from isopeel.common.arrays import FloatArray, IntArray
+from isopeel.common.compilation import compiled
 from isopeel.splines.nurbs import Side
 from isopeel.splines.space import SplineSpace
 

@@ -12,8 +12,8 @@ from typing import Any, Self, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from isopeel.arrays import FloatArray, IntArray
-from isopeel.compilation import compiled_reordered
+from isopeel.common.arrays import FloatArray, IntArray
+from isopeel.common.compilation import compiled_reordered
 from isopeel.solve.registers import COLUMNS, backward, forward, set_product, take_off_product
 
 #: In single or in double precision.

@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from isopeel.arrays import FloatArray
+from isopeel.common.arrays import FloatArray
 from isopeel.solve.balance import MISFIT, released
 from isopeel.solve.descent import potential_energy
 from isopeel.solve.newton import ConvergenceError, newton

@@ -6,8 +6,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from isopeel.arrays import FloatArray
 from isopeel.assembly.system import BandMatrix, Equilibrium, System
+from isopeel.common.arrays import FloatArray
 from isopeel.solve.blocks import NotPositiveDefiniteError
 from isopeel.solve.inertia import BandLDL
 from isopeel.solve.linear import Border, Bordered, Factor, SingularError, factorize

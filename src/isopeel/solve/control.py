@@ -8,7 +8,7 @@ from time import perf_counter
 import numpy as np
 from threadpoolctl import ThreadpoolController
 
-from isopeel.interrupts import check, deferred
+from isopeel.common.interrupts import check, deferred
 from isopeel.solve.balance import NO_MISFIT, Misfit
 from isopeel.solve.branching import gone_over
 from isopeel.solve.continuation import (

@@ -4,10 +4,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from isopeel.arrays import FloatArray
 from isopeel.assembly.start import extent
 from isopeel.assembly.system import BandMatrix, Equilibrium, System
-from isopeel.interrupts import check
+from isopeel.common.arrays import FloatArray
+from isopeel.common.interrupts import check
 from isopeel.solve.blocks import NotPositiveDefiniteError
 from isopeel.solve.linear import Border, Bordered, Factor, SingularError, factorize
 

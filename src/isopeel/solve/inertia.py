@@ -4,9 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from isopeel.arrays import FloatArray
 from isopeel.assembly.system import BandMatrix
-from isopeel.compilation import compiled
+from isopeel.common.arrays import FloatArray
+from isopeel.common.compilation import compiled
 from isopeel.solve.linear import SingularError
 
 #: Largest pivot over the largest entry that was there: beyond it half of the digits are lost.

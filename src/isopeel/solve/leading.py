@@ -7,8 +7,8 @@ changes little: y(s) = C y(s - P) + d(s). Names: the way is s, p the parameter, 
 
 import numpy as np
 
-from isopeel.arrays import FloatArray
-from isopeel.compilation import compiled, compiled_reordered
+from isopeel.common.arrays import FloatArray
+from isopeel.common.compilation import compiled, compiled_reordered
 
 #: States that a polynomial leads through, at most.
 MOST_STATES = 8

@@ -6,8 +6,8 @@ from typing import NamedTuple, Protocol
 import numpy as np
 from scipy.linalg.lapack import dgbtrf, dgbtrs
 
-from isopeel.arrays import FloatArray, IntArray
 from isopeel.assembly.system import BandMatrix
+from isopeel.common.arrays import FloatArray, IntArray
 from isopeel.solve.blocks import BlockedFactor, energy
 
 #: Of the energy of a solution: an iteration corrects what is left, and learns what it is.

@@ -6,10 +6,10 @@ from typing import Literal, TypeAlias
 
 import numpy as np
 
-from isopeel.arrays import FloatArray
 from isopeel.assembly.system import BandMatrix, Equilibrium, System
-from isopeel.controls import Control
-from isopeel.interrupts import check
+from isopeel.common.arrays import FloatArray
+from isopeel.common.interrupts import check
+from isopeel.common.path_control import Control
 from isopeel.solve.blocks import NotPositiveDefiniteError
 from isopeel.solve.linear import (
     Border,

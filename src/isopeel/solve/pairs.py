@@ -6,8 +6,8 @@ from typing import Any, Self, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from isopeel.arrays import FloatArray, IntArray
-from isopeel.compilation import compiled_reordered
+from isopeel.common.arrays import FloatArray, IntArray
+from isopeel.common.compilation import compiled_reordered
 from isopeel.solve.blocks import BlockedFactor, Floats, scaled, solve
 
 #: In single precision: what is learned is no more exact, and half of the memory is read in half of the time.

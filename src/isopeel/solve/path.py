@@ -8,10 +8,10 @@ from weakref import ref
 
 import numpy as np
 
-from isopeel.arrays import FloatArray
 from isopeel.assembly.start import extent
 from isopeel.assembly.system import Equilibrium, System
-from isopeel.errors import InputError
+from isopeel.common.arrays import FloatArray
+from isopeel.common.errors import InputError
 from isopeel.physics.batch import evaluate_substrate
 from isopeel.solve.balance import CUBIC, MISFIT, NO_MISFIT, ROUND_OFF, Misfit, gain_allowed, misfit, released
 from isopeel.solve.descent import Descent, descend, potential_energy

@@ -11,9 +11,9 @@ from collections.abc import Mapping
 import numpy as np
 from scipy.linalg.blas import daxpy, ddot
 
-from isopeel.arrays import FloatArray, IntArray
 from isopeel.assembly.system import System
-from isopeel.compilation import compiled
+from isopeel.common.arrays import FloatArray, IntArray
+from isopeel.common.compilation import compiled
 from isopeel.solve.advance import Advance
 from isopeel.solve.leading import MOST_STATES, best_weights, lagrange, slope
 from isopeel.solve.step import Past

@@ -4,12 +4,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from isopeel.arrays import FloatArray, IntArray
 from isopeel.assembly.constraints import displace
 from isopeel.assembly.equations import Energies, Equations, Iterate, evaluate
 from isopeel.assembly.start import extent
 from isopeel.assembly.system import BandMatrix, Equilibrium, System
-from isopeel.compilation import compiled_reordered
+from isopeel.common.arrays import FloatArray, IntArray
+from isopeel.common.compilation import compiled_reordered
 from isopeel.solve.blocks import BlockedFactor, Floats, NotPositiveDefiniteError
 from isopeel.solve.linear import approximate
 from isopeel.solve.newton import NewtonResult, NewtonSettings

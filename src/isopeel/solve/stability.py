@@ -4,8 +4,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from isopeel.arrays import FloatArray
 from isopeel.assembly.system import BandMatrix, System
+from isopeel.common.arrays import FloatArray
 from isopeel.solve.blocks import NotPositiveDefiniteError
 from isopeel.solve.inertia import BandLDL
 from isopeel.solve.linear import GOLDEN_RATIO, Border, Bordered, Factor, SingularError, factorize

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from typing import Literal, NamedTuple, get_args
 from weakref import ReferenceType
 
-from isopeel.arrays import FloatArray
+from isopeel.common.arrays import FloatArray
 from isopeel.solve.quasi_newton import Memory
 
 #: Converged states that plain Newton's method starts from: three, for a parabola.

@@ -2,12 +2,12 @@
 
 from collections.abc import Iterable, Iterator, Sequence
 
-from isopeel.arrays import frozen
 from isopeel.assembly.constraints import constrain
 from isopeel.assembly.loads import AssembledLoad
 from isopeel.assembly.system import System
-from isopeel.errors import InputError
-from isopeel.interrupts import deferred
+from isopeel.common.arrays import frozen
+from isopeel.common.errors import InputError
+from isopeel.common.interrupts import deferred
 from isopeel.problem import Problem
 from isopeel.solve.control import controlled
 from isopeel.solve.newton import NewtonSettings

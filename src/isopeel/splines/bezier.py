@@ -8,7 +8,7 @@ from math import comb
 
 import numpy as np
 
-from isopeel.arrays import FloatArray
+from isopeel.common.arrays import FloatArray
 from isopeel.splines.rows import RowSpace
 from isopeel.splines.space import SplineSpace
 

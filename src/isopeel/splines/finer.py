@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from isopeel.arrays import FloatArray
+from isopeel.common.arrays import FloatArray
 from isopeel.splines.refinement import insert_knots
 from isopeel.splines.rows import RowSpace
 from isopeel.splines.space import SplineSpace

@@ -3,7 +3,7 @@
 import re
 from dataclasses import dataclass
 
-from isopeel.errors import InputError
+from isopeel.common.errors import InputError
 
 HIGHEST_DEGREE = 20
 ALLOWED = (

@@ -12,8 +12,8 @@ from typing import Literal, Self, TypeAlias, get_args
 import numpy as np
 from numpy.typing import ArrayLike
 
-from isopeel.arrays import FloatArray, IntArray, frozen
-from isopeel.errors import InputError
+from isopeel.common.arrays import FloatArray, IntArray, frozen
+from isopeel.common.errors import InputError
 from isopeel.splines import refinement
 from isopeel.splines.space import SplineSpace
 

@@ -10,8 +10,8 @@ algorithm: Cohen, Lyche and Riesenfeld, 1980), so nothing cancels and refinement
 import numpy as np
 from numpy.typing import ArrayLike
 
-from isopeel.arrays import FloatArray, IntArray
-from isopeel.errors import InputError
+from isopeel.common.arrays import FloatArray, IntArray
+from isopeel.common.errors import InputError
 from isopeel.splines.space import SplineSpace
 
 

@@ -7,8 +7,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from isopeel.arrays import FloatArray, IntArray
-from isopeel.errors import InputError
+from isopeel.common.arrays import FloatArray, IntArray
+from isopeel.common.errors import InputError
 from isopeel.splines.names import parse_space_name
 from isopeel.splines.nurbs import NurbsSurface, Side
 from isopeel.splines.space import SplineSpace

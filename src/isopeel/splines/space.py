@@ -9,8 +9,8 @@ from numpy.typing import ArrayLike
 from scipy.linalg import solve_banded
 from scipy.sparse import csr_array
 
-from isopeel.arrays import FloatArray, IntArray, frozen
-from isopeel.errors import InputError
+from isopeel.common.arrays import FloatArray, IntArray, frozen
+from isopeel.common.errors import InputError
 
 Array = TypeVar("Array", FloatArray, IntArray)
 

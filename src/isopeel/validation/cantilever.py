@@ -8,7 +8,7 @@ from math import sqrt
 import numpy as np
 from matplotlib.figure import Figure
 
-from isopeel.arrays import FloatArray
+from isopeel.common.arrays import FloatArray
 from isopeel.physics.adhesion import Exponential
 from isopeel.physics.adhesion.mirrored import Mirrored
 from isopeel.physics.materials import NeoHooke

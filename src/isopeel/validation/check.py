@@ -6,8 +6,8 @@ from typing import Generic, TypeVar
 
 import numpy as np
 
-from isopeel.arrays import FloatArray, frozen
-from isopeel.errors import InputError
+from isopeel.common.arrays import FloatArray, frozen
+from isopeel.common.errors import InputError
 from isopeel.problem import Problem
 from isopeel.report.document import Picture
 from isopeel.solve.newton import ConvergenceError, NewtonSettings

@@ -8,7 +8,7 @@ from math import pi, sqrt
 import numpy as np
 from matplotlib.figure import Figure
 
-from isopeel.arrays import FloatArray
+from isopeel.common.arrays import FloatArray
 from isopeel.physics.adhesion import AdhesionLaw, Exponential
 from isopeel.physics.materials import NeoHooke
 from isopeel.physics.substrates import Flat

@@ -9,8 +9,8 @@ from typing import Any
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
-from isopeel.errors import InputError
-from isopeel.processes import Done, compute_all, cores
+from isopeel.common.errors import InputError
+from isopeel.common.processes import Done, compute_all, cores
 from isopeel.report.document import Block, Document, Section, Table, Text, print_table, write_document
 from isopeel.report.folder import replaced, take_folder
 from isopeel.results.provenance import Provenance

@@ -11,7 +11,7 @@ from matplotlib import colormaps
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from isopeel.arrays import FloatArray
+from isopeel.common.arrays import FloatArray
 from isopeel.physics.batch import evaluate_material
 from isopeel.physics.materials import Material, NeoHooke
 from isopeel.physics.materials.prestretched import Prestretched

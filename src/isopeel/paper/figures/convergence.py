@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import NullLocator
 
-from isopeel.errors import InputError
+from isopeel.common.errors import InputError
 from isopeel.paper.figures.amplitudes import AMPLITUDE, in_table_order
 from isopeel.paper.figures.legend import add_legend
 from isopeel.paper.study import LENGTH, MESHES

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
 
-from isopeel.errors import InputError
+from isopeel.common.errors import InputError
 from isopeel.paper.figures.amplitudes import AMPLITUDE, in_table_order
 from isopeel.paper.figures.legend import add_legend, space_handles
 from isopeel.post.style import TWO_COLUMNS, space_style, style

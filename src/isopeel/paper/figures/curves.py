@@ -10,8 +10,8 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 
-from isopeel.arrays import FloatArray, frozen
-from isopeel.errors import InputError
+from isopeel.common.arrays import FloatArray, frozen
+from isopeel.common.errors import InputError
 from isopeel.paper.study import MESHES
 from isopeel.post.style import DASHES, DOTS, LineStyle, space_style
 

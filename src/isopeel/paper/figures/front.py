@@ -8,11 +8,11 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from isopeel.errors import InputError
+from isopeel.common.errors import InputError
+from isopeel.common.units import E0
 from isopeel.post.figures.tractions import broken, draw_length, shade_element
 from isopeel.post.front import FrontProfile, ProcessZone, process_zone
 from isopeel.post.style import TWO_COLUMNS, space_style, style
-from isopeel.units import E0
 
 #: What is shown of the side, seen from the peak, in lengths of the process zone.
 SHOWN = (-2.9, 2.4)

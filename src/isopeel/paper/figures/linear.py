@@ -4,7 +4,7 @@ from collections.abc import Mapping
 
 from matplotlib.figure import Figure
 
-from isopeel.errors import InputError
+from isopeel.common.errors import InputError
 from isopeel.paper.figures.curves import Trace, draw_enlarged, draw_whole, mesh_handles, mesh_line
 from isopeel.paper.figures.legend import add_legend
 from isopeel.post.style import SHADE, TWO_COLUMNS, style

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 
 from matplotlib.figure import Figure
 
-from isopeel.errors import InputError
+from isopeel.common.errors import InputError
 from isopeel.paper.figures.curves import Trace, around, draw_deviations, draw_enlarged, draw_whole
 from isopeel.paper.figures.legend import add_legend, space_handles
 from isopeel.post.style import SHADE, TWO_COLUMNS, space_style, style

@@ -7,7 +7,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 
-from isopeel.errors import InputError
+from isopeel.common.errors import InputError
 from isopeel.paper.figures.amplitudes import AMPLITUDE, by_rows
 from isopeel.paper.figures.legend import add_legend, space_handles
 from isopeel.post.style import GREY, TWO_COLUMNS, space_style, style

@@ -4,7 +4,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from isopeel.arrays import FloatArray
+from isopeel.common.arrays import FloatArray
 from isopeel.post.figures.spaces import draw_functions
 from isopeel.post.style import DASHES, TWO_COLUMNS, style
 from isopeel.splines.refinement import elevate, insert_knots, k_refine

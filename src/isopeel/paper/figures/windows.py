@@ -7,8 +7,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from isopeel.arrays import FloatArray
-from isopeel.errors import InputError
+from isopeel.common.arrays import FloatArray
+from isopeel.common.errors import InputError
 from isopeel.paper.figures.amplitudes import AMPLITUDE, by_rows
 from isopeel.paper.figures.legend import add_legend, space_handles
 from isopeel.post.style import DASHES, GREY, TWO_COLUMNS, space_style, style

@@ -2,7 +2,7 @@
 
 from typing import Protocol
 
-from isopeel.arrays import FloatArray
+from isopeel.common.arrays import FloatArray
 from isopeel.physics.batch import BatchFunction
 
 

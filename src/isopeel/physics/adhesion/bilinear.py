@@ -3,10 +3,10 @@
 from dataclasses import dataclass
 from typing import ClassVar, Self
 
-from isopeel.arrays import FloatArray
+from isopeel.common.arrays import FloatArray
+from isopeel.common.quantities import Length, Number, Stress, SurfaceEnergy
 from isopeel.physics.adhesion.trapezoidal import Trapezoidal
 from isopeel.physics.batch import BatchFunction
-from isopeel.quantities import Length, Number, Stress, SurfaceEnergy
 
 
 @dataclass(frozen=True)

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from isopeel.errors import InputError
+from isopeel.common.errors import InputError
 
 
 def check_cohesive(strength: float, work_of_adhesion: float, equilibrium_gap: float) -> None:

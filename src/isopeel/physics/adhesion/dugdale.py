@@ -6,11 +6,11 @@ from typing import ClassVar, Self
 
 import numpy as np
 
-from isopeel.arrays import FloatArray
-from isopeel.errors import InputError
+from isopeel.common.arrays import FloatArray
+from isopeel.common.errors import InputError
+from isopeel.common.quantities import Length, Number, Stress, SurfaceEnergy
 from isopeel.physics.adhesion.cohesive import check_cohesive
 from isopeel.physics.batch import ADHESION_SIGNATURE, BatchFunction, compile_batch
-from isopeel.quantities import Length, Number, Stress, SurfaceEnergy
 
 
 @dataclass(frozen=True)

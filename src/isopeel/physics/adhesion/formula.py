@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self
 
 import numpy as np
 
-from isopeel.arrays import FloatArray
-from isopeel.errors import InputError
+from isopeel.common.arrays import FloatArray
+from isopeel.common.errors import InputError
+from isopeel.common.quantities import LENGTH, SURFACE_ENERGY
 from isopeel.physics.batch import ADHESION_SIGNATURE, BatchFunction
 from isopeel.physics.formula import (
     batch_source,
@@ -20,7 +21,6 @@ from isopeel.physics.formula import (
 )
 from isopeel.physics.formula_dimensions import FormulaDimensions
 from isopeel.physics.formula_poles import poles
-from isopeel.quantities import LENGTH, SURFACE_ENERGY
 
 if TYPE_CHECKING:
     import sympy

@@ -28,9 +28,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from isopeel.arrays import FloatArray
-from isopeel.compilation import compiled
-from isopeel.errors import InputError
+from isopeel.common.arrays import FloatArray
+from isopeel.common.compilation import compiled
+from isopeel.common.errors import InputError
 from isopeel.physics.adhesion.base import AdhesionLaw
 from isopeel.physics.batch import BatchFunction
 

@@ -6,7 +6,7 @@ from functools import cache, lru_cache
 import numpy as np
 from numba import types, void
 
-from isopeel.arrays import FloatArray
+from isopeel.common.arrays import FloatArray
 from isopeel.physics.adhesion.base import AdhesionLaw
 from isopeel.physics.batch import ADHESION_SIGNATURE, BatchFunction, compile_batch
 

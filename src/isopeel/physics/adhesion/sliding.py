@@ -15,8 +15,8 @@ The slip of a point is its displacement along the tangent that the substrate has
 
 import numpy as np
 
-from isopeel.arrays import FloatArray
-from isopeel.compilation import compiled
+from isopeel.common.arrays import FloatArray
+from isopeel.common.compilation import compiled
 
 
 @compiled

@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING, Annotated, ClassVar, Self
 
 import numpy as np
 
-from isopeel.arrays import FloatArray
-from isopeel.errors import InputError
+from isopeel.common.arrays import FloatArray
+from isopeel.common.errors import InputError
+from isopeel.common.quantities import NUMBER, STRESS
 from isopeel.physics.batch import MATERIAL_SIGNATURE, BatchFunction
 from isopeel.physics.formula import (
     batch_source,
@@ -19,7 +20,6 @@ from isopeel.physics.formula import (
     parse_formula,
 )
 from isopeel.physics.formula_dimensions import FormulaDimensions
-from isopeel.quantities import NUMBER, STRESS
 
 if TYPE_CHECKING:
     import sympy

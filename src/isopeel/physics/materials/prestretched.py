@@ -6,8 +6,8 @@ from functools import cache, cached_property, lru_cache
 import numpy as np
 from numba import types, void
 
-from isopeel.arrays import FloatArray
-from isopeel.errors import InputError
+from isopeel.common.arrays import FloatArray
+from isopeel.common.errors import InputError
 from isopeel.physics.batch import MATERIAL_SIGNATURE, BatchFunction, compile_batch, evaluate_material
 from isopeel.physics.materials.base import Material
 

@@ -6,10 +6,10 @@ from typing import ClassVar, Self
 
 import numpy as np
 
-from isopeel.arrays import FloatArray
-from isopeel.errors import InputError
+from isopeel.common.arrays import FloatArray
+from isopeel.common.errors import InputError
+from isopeel.common.quantities import Number, Stress
 from isopeel.physics.batch import MATERIAL_SIGNATURE, BatchFunction, compile_batch
-from isopeel.quantities import Number, Stress
 
 
 @dataclass(frozen=True)

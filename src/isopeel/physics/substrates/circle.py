@@ -6,10 +6,10 @@ from typing import ClassVar, Literal, Self, get_args
 
 import numpy as np
 
-from isopeel.arrays import FloatArray
-from isopeel.errors import InputError
+from isopeel.common.arrays import FloatArray
+from isopeel.common.errors import InputError
+from isopeel.common.quantities import Length
 from isopeel.physics.batch import SUBSTRATE_SIGNATURE, BatchFunction, compile_batch
-from isopeel.quantities import Length
 
 #: Where the solid lies: inside the circle (a cylinder, convex) or outside it (a hole, concave).
 SolidPart = Literal["inside", "outside"]

@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 from numba import float64, int64, njit, void
 
-from isopeel.arrays import FloatArray
-from isopeel.compilation import compiled
+from isopeel.common.arrays import FloatArray
+from isopeel.common.compilation import compiled
 from isopeel.physics.batch import SUBSTRATE_SIGNATURE, BatchFunction, compile_batch
 
 _VECTOR = float64[::1]

@@ -6,11 +6,11 @@ from typing import ClassVar, Self
 
 import numpy as np
 
-from isopeel.arrays import FloatArray
-from isopeel.errors import InputError
+from isopeel.common.arrays import FloatArray
+from isopeel.common.errors import InputError
+from isopeel.common.quantities import Angle, Length
 from isopeel.physics.batch import SUBSTRATE_SIGNATURE, BatchFunction, compile_batch
 from isopeel.physics.substrates.closest_point import project_on_wave
-from isopeel.quantities import Angle, Length
 
 
 @dataclass(frozen=True)

@@ -28,8 +28,8 @@ from math import acosh, pi
 
 import numpy as np
 
-from isopeel.arrays import FloatArray
-from isopeel.errors import InputError
+from isopeel.common.arrays import FloatArray
+from isopeel.common.errors import InputError
 
 _WIDEST = 40.0  # angle w at which the contact is a line to round-off
 _ANGLES = 1000

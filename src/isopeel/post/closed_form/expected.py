@@ -6,7 +6,7 @@ from math import cos, pi, remainder, sqrt
 
 import numpy as np
 
-from isopeel.errors import InputError
+from isopeel.common.errors import InputError
 from isopeel.physics.adhesion.mirrored import Mirrored
 from isopeel.physics.batch import evaluate_material, evaluate_substrate
 from isopeel.physics.materials.base import plane_strain_modulus

@@ -15,7 +15,7 @@ from math import cos
 
 import numpy as np
 
-from isopeel.arrays import FloatArray
+from isopeel.common.arrays import FloatArray
 from isopeel.physics.batch import evaluate_material
 from isopeel.physics.materials import Material
 

@@ -9,7 +9,7 @@ from math import pi, sqrt
 
 import numpy as np
 
-from isopeel.arrays import FloatArray
+from isopeel.common.arrays import FloatArray
 
 
 @dataclass(frozen=True)

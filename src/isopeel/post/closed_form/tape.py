@@ -6,7 +6,7 @@ substrate, in radians. Strains are small, angles are not.
 
 from math import pi, sin, sqrt
 
-from isopeel.errors import InputError
+from isopeel.common.errors import InputError
 
 
 def kendall_force(work: float, stiffness: float, angle: float, prestrain_force: float = 0.0) -> float:

@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from isopeel.errors import InputError
+from isopeel.common.errors import InputError
 from isopeel.post.comparison import Compared, difference
 from isopeel.post.figures.labels import axis_label, mathematical, power_of_ten
 from isopeel.post.figures.reaction import draw_branches

@@ -7,7 +7,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis
 
-from isopeel.arrays import FloatArray
+from isopeel.common.arrays import FloatArray
 from isopeel.post.laboratory import Kind, Laboratory
 from isopeel.problem import Column
 

@@ -7,7 +7,7 @@ from matplotlib.artist import Artist
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from isopeel.arrays import FloatArray
+from isopeel.common.arrays import FloatArray
 from isopeel.post.figures.body import FIELD_LABEL, draw_field, draw_outline, draw_substrate, mark_adhering
 from isopeel.post.figures.labels import axis_label, plane_axes, shown_parameter
 from isopeel.post.figures.reaction import draw_branches

@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from isopeel.arrays import FloatArray
+from isopeel.common.arrays import FloatArray
 from isopeel.post.closed_form import Expected
 from isopeel.post.figures.labels import axis_label, mathematical, power_of_ten, scientific
 from isopeel.post.reading import PlateauReading

@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from isopeel.arrays import FloatArray, IntArray
+from isopeel.common.arrays import FloatArray, IntArray
 from isopeel.post.style import GREY, TWO_COLUMNS, style
 from isopeel.splines.rows import RowSpace
 from isopeel.splines.space import SplineSpace

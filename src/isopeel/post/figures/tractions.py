@@ -6,8 +6,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from isopeel.arrays import FloatArray
-from isopeel.errors import InputError
+from isopeel.common.arrays import FloatArray
+from isopeel.common.errors import InputError
 from isopeel.post.figures.labels import scaled_axis, shown_parameter
 from isopeel.post.front import FrontProfile, process_zone
 from isopeel.post.laboratory import Laboratory

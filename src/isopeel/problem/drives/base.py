@@ -5,8 +5,8 @@ from typing import Literal, Protocol, TypeAlias
 
 import numpy as np
 
-from isopeel.arrays import FloatArray
-from isopeel.quantities import FORCE_PER_WIDTH, LENGTH, Dimension
+from isopeel.common.arrays import FloatArray
+from isopeel.common.quantities import FORCE_PER_WIDTH, LENGTH, Dimension
 from isopeel.splines.nurbs import Side
 
 #: A displacement component of the driven side: each point's own, one unknown that the whole side shares,

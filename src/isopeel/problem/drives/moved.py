@@ -5,10 +5,10 @@ from typing import ClassVar, Literal, TypeAlias, get_args
 
 import numpy as np
 
-from isopeel.arrays import FloatArray
-from isopeel.errors import InputError
+from isopeel.common.arrays import FloatArray
+from isopeel.common.errors import InputError
+from isopeel.common.quantities import LENGTH, Angle, Dimension
 from isopeel.problem.drives.base import DISPLACEMENT, FORCE, Column, Freedom, Load, unit_vector
-from isopeel.quantities import LENGTH, Angle, Dimension
 from isopeel.splines.nurbs import Side, check_side
 
 #: What becomes of the displacement across the motion.

@@ -5,10 +5,10 @@ from typing import ClassVar, get_args
 
 import numpy as np
 
-from isopeel.arrays import FloatArray
-from isopeel.errors import InputError
+from isopeel.common.arrays import FloatArray
+from isopeel.common.errors import InputError
+from isopeel.common.quantities import Angle, Dimension, Number
 from isopeel.problem.drives.base import DISPLACEMENT, FORCE, Column, Control, Freedom, Load, dimension_of
-from isopeel.quantities import Angle, Dimension, Number
 from isopeel.splines.nurbs import Side, check_side
 
 

@@ -6,9 +6,9 @@ from typing import ClassVar
 
 import numpy as np
 
-from isopeel.arrays import FloatArray
+from isopeel.common.arrays import FloatArray
+from isopeel.common.quantities import ANGLE, Dimension
 from isopeel.problem.drives.base import Column, Freedom, Load
-from isopeel.quantities import ANGLE, Dimension
 from isopeel.splines.nurbs import Side, check_side
 
 

@@ -3,7 +3,7 @@
 from math import inf
 from typing import ClassVar, Protocol
 
-from isopeel.errors import InputError
+from isopeel.common.errors import InputError
 from isopeel.splines.nurbs import NurbsCurve, NurbsSurface, Side
 
 ROUND_OFF = 1e-12  # a length beyond the whole by no more, relative to it, is the whole

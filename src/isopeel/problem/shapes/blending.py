@@ -7,7 +7,7 @@ from math import cos, sin
 
 import numpy as np
 
-from isopeel.arrays import FloatArray
+from isopeel.common.arrays import FloatArray
 from isopeel.splines.nurbs import NurbsSurface
 from isopeel.splines.space import SplineSpace
 

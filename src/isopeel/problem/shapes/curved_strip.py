@@ -6,9 +6,9 @@ from typing import ClassVar, Literal, TypeAlias, get_args
 
 import numpy as np
 
-from isopeel.errors import InputError
+from isopeel.common.errors import InputError
+from isopeel.common.quantities import Length
 from isopeel.problem.shapes.base import check_positive, parameter_at_length
-from isopeel.quantities import Length
 from isopeel.splines.nurbs import NurbsSurface, Side
 from isopeel.splines.space import SplineSpace
 

@@ -7,11 +7,11 @@ from typing import ClassVar, get_args
 
 import numpy as np
 
-from isopeel.arrays import FloatArray
-from isopeel.errors import InputError
+from isopeel.common.arrays import FloatArray
+from isopeel.common.errors import InputError
+from isopeel.common.quantities import Length
 from isopeel.problem.shapes.base import check_positive, parameter_at_length
 from isopeel.problem.shapes.spline_file import read_surface
-from isopeel.quantities import Length
 from isopeel.splines.nurbs import NurbsSurface, Side
 from isopeel.splines.space import SplineSpace
 

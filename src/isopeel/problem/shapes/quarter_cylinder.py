@@ -4,9 +4,9 @@ from dataclasses import dataclass
 from math import pi
 from typing import ClassVar
 
+from isopeel.common.quantities import Length
 from isopeel.problem.shapes.base import check_positive, parameter_at_length
 from isopeel.problem.shapes.blending import arc, blended, line
-from isopeel.quantities import Length
 from isopeel.splines.nurbs import NurbsSurface, Side
 
 

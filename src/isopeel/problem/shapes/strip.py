@@ -3,8 +3,8 @@
 from dataclasses import dataclass
 from typing import ClassVar
 
+from isopeel.common.quantities import Length
 from isopeel.problem.shapes.base import check_length, check_positive
-from isopeel.quantities import Length
 from isopeel.splines.nurbs import NurbsSurface, Side, rectangle
 
 

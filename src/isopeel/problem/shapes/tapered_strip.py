@@ -5,8 +5,8 @@ from typing import ClassVar
 
 import numpy as np
 
+from isopeel.common.quantities import Length
 from isopeel.problem.shapes.base import check_length, check_positive
-from isopeel.quantities import Length
 from isopeel.splines.nurbs import NurbsSurface, Side
 from isopeel.splines.space import SplineSpace
 

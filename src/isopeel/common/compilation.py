@@ -20,14 +20,14 @@ os.environ.setdefault("NUMBA_CACHE_LOCATOR_CLASSES", "")
 from numba import cfunc, config, njit
 
 if vars(config)["DISABLE_JIT"]:
-    from isopeel.errors import InputError
+    from isopeel.common.errors import InputError
 
     raise InputError("NUMBA_DISABLE_JIT", 1, "compiled functions call each other; unset it")
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
 #: Where compiled functions stand, and what these read; a test holds that they stand nowhere else.
-LAYERS = ("arrays.py", "compilation.py", "splines", "physics", "assembly", "solve")
+LAYERS = ("common/arrays.py", "common/compilation.py", "splines", "physics", "assembly", "solve")
 
 #: For formulas: a division by zero gives inf or nan, which the solver detects and reports.
 EXACT: dict[str, Any] = {"error_model": "numpy"}
@@ -96,7 +96,7 @@ def _module(function: Callable[..., Any]) -> str:
 @cache
 def sources() -> str:
     """Digest of all sources that are part of compiled functions."""
-    package, digest = Path(__file__).parent, sha256()
+    package, digest = Path(__file__).parents[1], sha256()
     for layer in LAYERS:
         path = package / layer
         for file in [path] if path.suffix else sorted(path.rglob("*.py")):

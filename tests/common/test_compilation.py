@@ -8,11 +8,11 @@ from pathlib import Path
 
 import pytest
 
-from isopeel import compilation
+from isopeel.common import compilation
 
 #: A function in one file, and one in another that it calls.
 CALLER = """
-from isopeel.compilation import compiled
+from isopeel.common.compilation import compiled
 from called import number
 
 @compiled
@@ -20,7 +20,7 @@ def twice(x):
     return 2 * number(x)
 """
 CALLED = """
-from isopeel.compilation import compiled
+from isopeel.common.compilation import compiled
 
 @compiled
 def number(x):
@@ -28,7 +28,7 @@ def number(x):
 """
 #: Prints whether the first is kept, what it returns, and whether it is kept then.
 RUN = """
-import isopeel.compilation as compilation
+import isopeel.common.compilation as compilation
 from caller import twice
 kept = compilation.is_kept(twice.py_func)
 print(kept, twice(1.0), compilation.is_kept(twice.py_func))
@@ -38,11 +38,12 @@ print(kept, twice(1.0), compilation.is_kept(twice.py_func))
 @pytest.mark.parametrize("elsewhere", [False, True])
 def test_it_is_kept_until_another_file_of_the_package_changes(tmp_path: Path, elsewhere: bool) -> None:
     package, kept = tmp_path / "package" / "isopeel", tmp_path / "kept"
-    (package / "physics").mkdir(parents=True)
-    original = Path(__file__).parent.parent / "src" / "isopeel" / "compilation.py"
+    for layer in ("common", "physics"):
+        (package / layer).mkdir(parents=True)
+    original = Path(__file__).parents[2] / "src" / "isopeel" / "common" / "compilation.py"
     (package / "__init__.py").touch()
-    (package / "compilation.py").write_text(original.read_text())
-    (package / "arrays.py").touch()
+    (package / "common" / "compilation.py").write_text(original.read_text())
+    (package / "common" / "arrays.py").touch()
     (package.parent / "caller.py").write_text(CALLER)
     environment = os.environ | {"PYTHONPATH": str(package.parent)}
     if elsewhere:
@@ -65,9 +66,10 @@ def test_it_is_kept_until_another_file_of_the_package_changes(tmp_path: Path, el
 
 
 def test_compiled_functions_stand_in_the_layers_whose_sources_are_watched() -> None:
-    package = Path(compilation.__file__).parent
-    compiles = re.compile(r"^from isopeel.compilation import .*compiled|^(from|import) numba", re.M)
+    package = Path(compilation.__file__).parents[1]
+    compiles = re.compile(r"^from isopeel.common.compilation import .*compiled|^(from|import) numba", re.M)
     files = [path for path in package.rglob("*.py") if compiles.search(path.read_text())]
-    users = {path.relative_to(package).parts[0] for path in files}
-    assert users == {"compilation.py", "physics", "assembly", "solve"}
-    assert users < set(compilation.LAYERS)
+    users = {path.relative_to(package).as_posix() for path in files}
+    layers = {name if name.startswith("common/") else name.partition("/")[0] for name in users}
+    assert layers == {"common/compilation.py", "physics", "assembly", "solve"}
+    assert layers < set(compilation.LAYERS)

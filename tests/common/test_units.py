@@ -2,7 +2,7 @@ from fractions import Fraction
 
 import pytest
 
-from isopeel.units import UnitSystem, measured_in, parse_quantity, shown
+from isopeel.common.units import UnitSystem, measured_in, parse_quantity, shown
 
 
 @pytest.mark.parametrize(

@@ -17,7 +17,7 @@ from traceback import extract_tb
 from types import MappingProxyType, ModuleType
 from typing import Any
 
-from isopeel.errors import InputError
+from isopeel.common.errors import InputError
 
 #: The environment variable. A case cannot name such folders: it is data, and runs no code of anyone's.
 OWN_PARTS = "ISOPEEL_PARTS"

@@ -11,7 +11,7 @@ from multiprocessing import active_children, get_context, parent_process
 from threading import Thread
 from typing import NamedTuple, ParamSpec, TypeVar
 
-from isopeel.interrupts import check, leave_time
+from isopeel.common.interrupts import check, leave_time
 
 P = ParamSpec("P")
 O = TypeVar("O")  # noqa: E741 (an outcome)

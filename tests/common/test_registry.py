@@ -16,11 +16,11 @@ from isopeel.case import Case
 from isopeel.case.kinds import KindSection
 from isopeel.case.sections import MaterialSection
 from isopeel.case.values import key_of
-from isopeel.errors import InputError
+from isopeel.common.errors import InputError
+from isopeel.common.quantities import Length
+from isopeel.common.registry import discover
 from isopeel.physics.batch import evaluate_law, evaluate_material
 from isopeel.post.law import law_character
-from isopeel.quantities import Length
-from isopeel.registry import discover
 from isopeel.showing.law import LAWS
 
 NAMES = {
@@ -52,7 +52,7 @@ def test_all_kinds_are_found_by_their_names(package: str) -> None:
 def test_finding_laws_does_not_load_sympy() -> None:
     packages = [name for name in NAMES if name.startswith("isopeel.physics")]
     script = (
-        "import sys; from isopeel.registry import discover\n"
+        "import sys; from isopeel.common.registry import discover\n"
         f"for name in {packages!r}: discover(name)\n"
         "sys.exit('sympy' in sys.modules)"
     )
@@ -86,9 +86,9 @@ from dataclasses import dataclass
 from functools import cache
 from typing import ClassVar, Literal, Self
 import numpy as np
-from isopeel.arrays import FloatArray
+from isopeel.common.arrays import FloatArray
 from isopeel.physics.batch import *
-from isopeel.quantities import Length, Number, Stress
+from isopeel.common.quantities import Length, Number, Stress
 """
 # a law, a material and a substrate that the package lacks, each a file
 LINEAR_LAW = (
@@ -260,7 +260,7 @@ def test_a_field_without_a_dimension_is_named(monkeypatch: pytest.MonkeyPatch) -
         reach: float
 
     monkeypatch.setattr("isopeel.case.kinds.discover", lambda _: {"vague": Vague})
-    with pytest.raises(TypeError, match=r"Vague\.reach: .*float.*isopeel\.quantities"):
+    with pytest.raises(TypeError, match=r"Vague\.reach: .*float.*isopeel\.common\.quantities"):
         MaterialSection.chosen({"law": "vague"})
 
 

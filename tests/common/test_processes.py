@@ -12,7 +12,7 @@ from time import sleep
 import pytest
 from psutil import Process, wait_procs
 
-from isopeel.processes import WorkerLostError, compute_all, cores, worker_pool
+from isopeel.common.processes import WorkerLostError, compute_all, cores, worker_pool
 
 PATIENCE = 30  # a loaded machine may take a while to end processes
 
@@ -59,7 +59,7 @@ def test_cores_are_those_that_the_process_may_use() -> None:
 SLEEPING = """
 import sys, time
 from functools import partial
-from isopeel.processes import compute_all
+from isopeel.common.processes import compute_all
 try:
     compute_all([partial(time.sleep, 60.0)] * 2, 2, print)
 except KeyboardInterrupt:

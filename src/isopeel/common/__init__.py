@@ -1,0 +1,1 @@
+"""What all layers share: array types, errors, units, compilation, processes."""
