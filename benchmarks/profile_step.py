@@ -17,8 +17,8 @@ from clock import PARTS, Clock
 from isopeel.assembly.system import System
 from isopeel.case import parse_mesh
 from isopeel.common.arrays import FloatArray
+from isopeel.matrix.mixed_precision import approximate
 from isopeel.paper.study import MESHES, SPACES
-from isopeel.solve.linear import approximate
 from isopeel.solve.pairs import Pairs
 from peeling import STEP, TIMED, Strip, left_out, peel
 from printing import plain_table, wide_console

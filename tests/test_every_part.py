@@ -20,6 +20,7 @@ import pytest
 from isopeel.assembly.system import System
 from isopeel.common.arrays import FloatArray
 from isopeel.common.registry import discover
+from isopeel.matrix.factorize import factorize
 from isopeel.physics.adhesion import AdhesionLaw, Exponential, VanDerWaals
 from isopeel.physics.adhesion.mirrored import Mirrored
 from isopeel.physics.materials import Material, NeoHooke
@@ -39,7 +40,6 @@ from isopeel.problem.shapes import (
 from isopeel.results.provenance import Provenance
 from isopeel.results.run_file import read_run, run_attributes
 from isopeel.results.run_writer import RunWriter
-from isopeel.solve.linear import factorize
 from isopeel.solve.newton import NewtonSettings
 from isopeel.solve.step import Step
 from isopeel.solve.trace import trace

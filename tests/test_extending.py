@@ -16,8 +16,8 @@ from isopeel.case import Case
 from isopeel.case.kinds import KindSection
 from isopeel.common.arrays import FloatArray
 from isopeel.common.registry import OWN_PARTS, discover
+from isopeel.matrix.factorize import factorize
 from isopeel.physics.batch import evaluate_law, evaluate_material, evaluate_substrate
-from isopeel.solve.linear import factorize
 
 DOCS = Path(__file__).parents[1] / "docs"
 TEXT = "".join(

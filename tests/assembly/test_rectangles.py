@@ -5,8 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from isopeel.assembly.system import Storage, System
+from isopeel.assembly.system import System
 from isopeel.assembly.tables import body_table
+from isopeel.matrix.band import Storage
 from isopeel.problem import strip
 from isopeel.splines.nurbs import annulus_sector, rectangle
 from isopeel.splines.rows import RowSpace, row_space

@@ -20,9 +20,10 @@ from isopeel import (
     row_space,
     strip,
 )
-from isopeel.assembly.system import BandMatrix, Storage, System, bytes_needed
+from isopeel.assembly.system import System, bytes_needed
 from isopeel.assembly.tables import body_table
 from isopeel.common.arrays import FloatArray
+from isopeel.matrix.band import BandMatrix, Storage
 from isopeel.physics.batch import evaluate_law
 from isopeel.problem import Traction
 from isopeel.splines.nurbs import NurbsSurface, Side, annulus_sector, rectangle

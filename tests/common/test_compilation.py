@@ -71,5 +71,5 @@ def test_compiled_functions_stand_in_the_layers_whose_sources_are_watched() -> N
     files = [path for path in package.rglob("*.py") if compiles.search(path.read_text())]
     users = {path.relative_to(package).as_posix() for path in files}
     layers = {name if name.startswith("common/") else name.partition("/")[0] for name in users}
-    assert layers == {"common/compilation.py", "physics", "assembly", "solve"}
+    assert layers == {"common/compilation.py", "physics", "matrix", "assembly", "solve"}
     assert layers < set(compilation.LAYERS)

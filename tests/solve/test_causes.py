@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from isopeel.assembly.system import System
+from isopeel.matrix.factor import SingularError
 from isopeel.physics.adhesion.formula import FormulaAdhesion
 from isopeel.problem import MovedSide, Problem, PulledSide, strip
 from isopeel.solve import newton as newton_module
 from isopeel.solve import path as path_module
 from isopeel.solve.descent import Descent
-from isopeel.solve.linear import SingularError
 from isopeel.solve.newton import HINTS, ConvergenceError, NewtonSettings, newton
 from isopeel.solve.path import Path
 from isopeel.solve.trace import trace

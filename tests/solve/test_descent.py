@@ -7,9 +7,9 @@ import pytest
 
 from isopeel.assembly.system import System
 from isopeel.common.errors import InputError
+from isopeel.matrix.factorize import factorize
 from isopeel.problem import MovedSide, PulledSide, strip
 from isopeel.solve.descent import descend, potential_energy
-from isopeel.solve.linear import factorize
 from isopeel.solve.newton import ConvergenceError, NewtonSettings, newton
 from isopeel.solve.step import Step
 from isopeel.solve.trace import trace

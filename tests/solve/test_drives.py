@@ -9,6 +9,8 @@ import pytest
 from isopeel.assembly.system import System
 from isopeel.common.arrays import FloatArray
 from isopeel.common.errors import InputError
+from isopeel.matrix.bordered import Border, Bordered
+from isopeel.matrix.factorize import factorize
 from isopeel.physics.adhesion import Exponential
 from isopeel.physics.materials import NeoHooke
 from isopeel.problem import (
@@ -20,7 +22,6 @@ from isopeel.problem import (
     RotatedSide,
     strip,
 )
-from isopeel.solve.linear import Border, Bordered, factorize
 from isopeel.solve.newton import NewtonSettings
 from isopeel.solve.step import Step
 from isopeel.solve.trace import trace

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from isopeel.assembly.system import System
+from isopeel.matrix.cholesky import BandCholesky
 from isopeel.problem import Problem, PulledSide, strip
 from isopeel.solve import quasi_newton
-from isopeel.solve.blocks import BlockedFactor
 from isopeel.solve.newton import NewtonSettings, newton
 from isopeel.solve.pairs import MOST_PAIRS, Pairs
 from isopeel.solve.quasi_newton import QuasiNewton
@@ -81,7 +81,7 @@ def test_product_is_that_of_the_updates_one_by_one() -> None:
         H = V.T @ H @ V + rho * np.outer(s, s)
     residual = rng.standard_normal((n,))
     for precision, close in ((np.float64, 1e-9), (np.float32, 1e-2)):  # condition number about 1e5
-        found = pairs.correction(BlockedFactor.of(matrix.entries, precision), residual)
+        found = pairs.correction(BandCholesky.of(matrix.entries, precision), residual)
         np.testing.assert_allclose(found, -H @ residual, rtol=0, atol=close * np.abs(found).max())
 
 

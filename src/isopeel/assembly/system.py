@@ -2,7 +2,7 @@
 
 from copy import copy
 from dataclasses import dataclass
-from typing import ClassVar, Literal, Self
+from typing import ClassVar, Self
 
 import numpy as np
 from psutil import virtual_memory
@@ -17,13 +17,11 @@ from isopeel.assembly.start import ROUND_OFF, check_start, extent
 from isopeel.assembly.tables import BodyTable, SideTable, body_table, side_table
 from isopeel.common.arrays import FloatArray, frozen
 from isopeel.common.errors import InputError
+from isopeel.matrix.band import BandMatrix, Storage
 from isopeel.physics.adhesion.irreversible import NOT_CLOSED
 from isopeel.physics.batch import evaluate_substrate
 from isopeel.problem import Problem
 from isopeel.splines.rows import RowSpace
-
-#: Storage of a tangent: its lower half, or the whole band with room for the fill of a pivoted LU.
-Storage = Literal["symmetric", "general"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,35 +34,6 @@ class Equilibrium:
     lowest_determinant: float  # of F at the quadrature points
     forces: FloatArray  # (size, 2), on every coefficient
     residual: FloatArray  # (count,), on every unknown; the forces less those of the load
-
-
-@dataclass(frozen=True, eq=False)
-class BandMatrix:
-    """Tangent in LAPACK's band storage, transposed: row j of `entries` holds column j of the matrix.
-
-    symmetric: entries[j, i - j] = A_ij for i >= j (pbtrf, lower); general: entries[j, 2 b + i - j] with
-    half-bandwidth b, whose first b columns are left free for gbtrf.
-    """
-
-    workspace: FloatArray  # (n + 1, width); the last row holds nothing
-    half_bandwidth: int
-    storage: Storage
-
-    @property
-    def entries(self) -> FloatArray:
-        """(n, width)."""
-        return self.workspace[:-1]
-
-    def add_outer(self, vector: FloatArray, size: float) -> bool:
-        """Add size x vector vector^T to a symmetric matrix, where the band has room for it; say whether."""
-        (places,) = np.nonzero(vector)
-        if self.storage != "symmetric" or np.ptp(places) > self.half_bandwidth:
-            return False
-        row, column = np.meshgrid(places, places, indexing="ij")
-        lower = row >= column
-        i, j = row[lower], column[lower]
-        self.entries[j, i - j] += size * vector[i] * vector[j]
-        return True
 
 
 def bytes_needed(space: RowSpace) -> int:

@@ -27,7 +27,7 @@ if vars(config)["DISABLE_JIT"]:
 Function = TypeVar("Function", bound=Callable[..., Any])
 
 #: Where compiled functions stand, and what these read; a test holds that they stand nowhere else.
-LAYERS = ("common/arrays.py", "common/compilation.py", "splines", "physics", "assembly", "solve")
+LAYERS = ("common/arrays.py", "common/compilation.py", "splines", "physics", "matrix", "assembly", "solve")
 
 #: For formulas: a division by zero gives inf or nan, which the solver detects and reports.
 EXACT: dict[str, Any] = {"error_model": "numpy"}

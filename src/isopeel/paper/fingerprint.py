@@ -16,6 +16,7 @@ _SOURCES = (
     "case",
     "splines",
     "physics",
+    "matrix",
     "problem",
     "assembly",
     "solve",

@@ -15,10 +15,10 @@ import numpy as np
 from isopeel.assembly.system import System
 from isopeel.common.arrays import FloatArray
 from isopeel.common.errors import InputError
+from isopeel.matrix.factor import SingularError
 from isopeel.post.resolution import elements_are_tall
 from isopeel.problem import Problem
 from isopeel.results.run_file import StoredRun
-from isopeel.solve.linear import SingularError
 from isopeel.solve.newton import ConvergenceError, NewtonResult, NewtonSettings
 from isopeel.solve.path import Path
 from isopeel.solve.step import State

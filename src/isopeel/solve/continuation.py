@@ -6,11 +6,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from isopeel.assembly.system import BandMatrix, Equilibrium, System
+from isopeel.assembly.system import Equilibrium, System
 from isopeel.common.arrays import FloatArray
-from isopeel.solve.blocks import NotPositiveDefiniteError
-from isopeel.solve.inertia import BandLDL
-from isopeel.solve.linear import Border, Bordered, Factor, SingularError, factorize
+from isopeel.matrix.band import BandMatrix
+from isopeel.matrix.bordered import Border, Bordered
+from isopeel.matrix.factor import Factor, NotPositiveDefiniteError, SingularError
+from isopeel.matrix.factorize import factorize
+from isopeel.matrix.ldl import BandLDL
 from isopeel.solve.newton import ConvergenceError, NewtonResult, NewtonSettings
 
 #: Of the parameter's step: over which its derivative is taken. The error is of the square, and of round-off.

@@ -9,6 +9,7 @@ import numpy as np
 from threadpoolctl import ThreadpoolController
 
 from isopeel.common.interrupts import check, deferred
+from isopeel.matrix.factor import SingularError
 from isopeel.solve.balance import NO_MISFIT, Misfit
 from isopeel.solve.branching import gone_over
 from isopeel.solve.continuation import (
@@ -19,7 +20,6 @@ from isopeel.solve.continuation import (
     Curve,
     Point,
 )
-from isopeel.solve.linear import SingularError
 from isopeel.solve.newton import ConvergenceError
 from isopeel.solve.path import LEAST_REST, Found, Path
 from isopeel.solve.step import Kind, Past, Step

@@ -5,11 +5,13 @@ from typing import NamedTuple
 import numpy as np
 
 from isopeel.assembly.start import extent
-from isopeel.assembly.system import BandMatrix, Equilibrium, System
+from isopeel.assembly.system import Equilibrium, System
 from isopeel.common.arrays import FloatArray
 from isopeel.common.interrupts import check
-from isopeel.solve.blocks import NotPositiveDefiniteError
-from isopeel.solve.linear import Border, Bordered, Factor, SingularError, factorize
+from isopeel.matrix.band import BandMatrix
+from isopeel.matrix.bordered import Border, Bordered
+from isopeel.matrix.factor import Factor, NotPositiveDefiniteError, SingularError
+from isopeel.matrix.factorize import factorize
 
 _MOST_ITERATIONS = 500
 #: Of the mean entry on the diagonal, which is of stretching. That of bending is less by the square of the

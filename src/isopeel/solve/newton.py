@@ -6,18 +6,14 @@ from typing import Literal, TypeAlias
 
 import numpy as np
 
-from isopeel.assembly.system import BandMatrix, Equilibrium, System
+from isopeel.assembly.system import Equilibrium, System
 from isopeel.common.arrays import FloatArray
 from isopeel.common.interrupts import check
 from isopeel.common.path_control import Control
-from isopeel.solve.blocks import NotPositiveDefiniteError
-from isopeel.solve.linear import (
-    Border,
-    Bordered,
-    Factor,
-    SingularError,
-    factorize,
-)
+from isopeel.matrix.band import BandMatrix
+from isopeel.matrix.bordered import Border, Bordered
+from isopeel.matrix.factor import Factor, NotPositiveDefiniteError, SingularError
+from isopeel.matrix.factorize import factorize
 
 #: Why no equilibrium was found.
 Cause = Literal[

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from isopeel.common.arrays import FloatArray, IntArray
 from isopeel.common.compilation import compiled_reordered
-from isopeel.solve.blocks import BlockedFactor, Floats, scaled, solve
+from isopeel.matrix.cholesky import BandCholesky, Floats, scaled, solve
 
 #: In single precision: what is learned is no more exact, and half of the memory is read in half of the time.
 Singles: TypeAlias = NDArray[np.float32]
@@ -74,7 +74,7 @@ class Pairs:
         first, end = follow(pairs.rows, pairs.products, pairs.first, pairs.end, correction, change)
         return self if end == pairs.end else type(self)(pairs.rows, pairs.products, first, end)
 
-    def correction(self, factor: BlockedFactor, residual: FloatArray) -> FloatArray:
+    def correction(self, factor: BandCholesky, residual: FloatArray) -> FloatArray:
         """-H r with the inverse H of a kept tangent, updated by the pairs: see `correct`."""
         found = np.empty(len(residual))
         correct(factor.values, factor.starts, self.rows, self.products, self.first, self.end, residual, found)

@@ -7,11 +7,13 @@ import numpy as np
 from isopeel.assembly.constraints import displace
 from isopeel.assembly.equations import Energies, Equations, Iterate, evaluate
 from isopeel.assembly.start import extent
-from isopeel.assembly.system import BandMatrix, Equilibrium, System
+from isopeel.assembly.system import Equilibrium, System
 from isopeel.common.arrays import FloatArray, IntArray
 from isopeel.common.compilation import compiled_reordered
-from isopeel.solve.blocks import BlockedFactor, Floats, NotPositiveDefiniteError
-from isopeel.solve.linear import approximate
+from isopeel.matrix.band import BandMatrix
+from isopeel.matrix.cholesky import BandCholesky, Floats
+from isopeel.matrix.factor import NotPositiveDefiniteError
+from isopeel.matrix.mixed_precision import approximate
 from isopeel.solve.newton import NewtonResult, NewtonSettings
 from isopeel.solve.pairs import Pairs, Singles, correct, follow
 
@@ -87,7 +89,7 @@ class QuasiNewton:
     def __init__(self, system: System, settings: NewtonSettings, memory: Memory | None = None) -> None:
         self._system = system
         self._settings = settings
-        self._factor: BlockedFactor | None = None
+        self._factor: BandCholesky | None = None
         #: What goes on from here needs to do so bit for bit.
         self.memory: Memory | None = None if memory is None else replace(memory, pairs=memory.pairs.copy())
         # a motion next to the softest one of the tangent, and twice the energy that it takes there
@@ -214,7 +216,7 @@ class QuasiNewton:
             else:
                 return None
 
-    def _kept_tangent(self, guess: FloatArray, parameter: float) -> tuple[BlockedFactor, Memory]:
+    def _kept_tangent(self, guess: FloatArray, parameter: float) -> tuple[BandCholesky, Memory]:
         """The factor of the tangent that is kept, or of a new one at a guess where that has served enough."""
         memory = self.memory
         if memory is None or memory.slow or memory.steps >= _MOST_STEPS:
@@ -223,13 +225,13 @@ class QuasiNewton:
             self._factor = self._made(memory)
         return self._factor, memory
 
-    def _new_tangent(self, y: FloatArray, parameter: float) -> tuple[BlockedFactor, Memory]:
+    def _new_tangent(self, y: FloatArray, parameter: float) -> tuple[BandCholesky, Memory]:
         memory = Memory(y, parameter, self._system.openings, Pairs.none(len(y)))
         self._factor = self._made(memory)
         self._is_new = True
         return self._factor, memory
 
-    def _made(self, memory: Memory) -> BlockedFactor:
+    def _made(self, memory: Memory) -> BandCholesky:
         u, load = self._system.state(memory.unknown_values, memory.parameter)
         made = approximate(self._system.linearize(u, "symmetric", load, memory.openings)[1])
         self._softest = made.soft, made.needed

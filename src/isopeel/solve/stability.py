@@ -4,11 +4,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from isopeel.assembly.system import BandMatrix, System
+from isopeel.assembly.system import System
 from isopeel.common.arrays import FloatArray
-from isopeel.solve.blocks import NotPositiveDefiniteError
-from isopeel.solve.inertia import BandLDL
-from isopeel.solve.linear import GOLDEN_RATIO, Border, Bordered, Factor, SingularError, factorize
+from isopeel.matrix.band import BandMatrix
+from isopeel.matrix.bordered import Border, Bordered
+from isopeel.matrix.factor import Factor, NotPositiveDefiniteError, SingularError
+from isopeel.matrix.factorize import factorize
+from isopeel.matrix.ldl import BandLDL
+from isopeel.matrix.mixed_precision import GOLDEN_RATIO
 
 #: Inverse iterations for the critical motion: next to a bifurcation its eigenvalue is smaller than all others
 #: by orders, and each iteration divides what others have left by as much.

@@ -4,10 +4,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from isopeel.assembly.system import BandMatrix
 from isopeel.common.arrays import FloatArray
 from isopeel.common.compilation import compiled
-from isopeel.solve.linear import SingularError
+from isopeel.matrix.band import BandMatrix
+from isopeel.matrix.factor import SingularError
 
 #: Largest pivot over the largest entry that was there: beyond it half of the digits are lost.
 _MOST_GROWTH = 1e8

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from scipy.linalg import eigvals_banded
 
-from isopeel.assembly.system import BandMatrix
-from isopeel.solve.inertia import BandLDL
-from isopeel.solve.linear import SingularError
+from isopeel.matrix.band import BandMatrix
+from isopeel.matrix.factor import SingularError
+from isopeel.matrix.ldl import BandLDL
 
 
 def band(entries: np.ndarray) -> BandMatrix:

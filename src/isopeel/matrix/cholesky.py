@@ -14,18 +14,15 @@ from numpy.typing import NDArray
 
 from isopeel.common.arrays import FloatArray, IntArray
 from isopeel.common.compilation import compiled_reordered
-from isopeel.solve.registers import COLUMNS, backward, forward, set_product, take_off_product
+from isopeel.matrix.factor import NotPositiveDefiniteError
+from isopeel.matrix.simd_kernels import COLUMNS, backward, forward, set_product, take_off_product
 
 #: In single or in double precision.
 Floats: TypeAlias = NDArray[np.floating[Any]]
 
 
-class NotPositiveDefiniteError(ArithmeticError):
-    """Cholesky met a pivot that is not positive."""
-
-
 @dataclass(frozen=True, eq=False)
-class BlockedFactor:
+class BandCholesky:
     """L of A = L L^T, a band matrix of n rows: its diagonal blocks' inverses, and what lies below them.
 
     In single precision solutions take half of the memory, and so about half of the time. Inside of elements

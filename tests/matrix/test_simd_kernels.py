@@ -7,7 +7,7 @@ import pytest
 from numba import njit
 from scipy.linalg import solve_triangular
 
-from isopeel.solve.registers import COLUMNS, backward, forward, set_product, take_off_product
+from isopeel.matrix.simd_kernels import COLUMNS, backward, forward, set_product, take_off_product
 
 
 @njit

@@ -1,13 +1,15 @@
-"""The factor of a kept tangent: in single precision where that suffices."""
+"""The Cholesky factor of a band, in single precision where that suffices."""
 
 import numpy as np
 import pytest
 from scipy.linalg import solveh_banded
 
-from isopeel.assembly.system import BandMatrix, System
+from isopeel.assembly.system import System
+from isopeel.matrix.band import BandMatrix
+from isopeel.matrix.cholesky import BandCholesky, energy
+from isopeel.matrix.factor import NotPositiveDefiniteError
+from isopeel.matrix.mixed_precision import approximate
 from isopeel.problem import strip
-from isopeel.solve.blocks import BlockedFactor, NotPositiveDefiniteError, energy
-from isopeel.solve.linear import approximate
 from isopeel.splines.rows import row_space
 
 
@@ -42,7 +44,7 @@ def test_what_elements_joined_without_slopes_do_not_reach_is_left_out() -> None:
     system = System(strip(), row_space("L4", (40, 10)))
     u, _ = system.state(np.zeros(system.count), 0.0)
     matrix = system.linearize(u)[1]
-    factor = BlockedFactor.of(matrix.entries, np.float64)
+    factor = BandCholesky.of(matrix.entries, np.float64)
     # the unknowns of an element's first x reach to those of its last, the next three to fewer and fewer
     whole = system.count * (matrix.half_bandwidth + 1)
     assert 0.6 * whole < factor.values.size < 0.9 * whole
@@ -80,9 +82,9 @@ def test_blocks_solve_what_lapack_solves(n: int, half_bandwidth: int) -> None:
     exact = np.linalg.solve(dense, x)
     # the condition number is of order 10: all but two digits of either precision
     largest = np.abs(exact).max()
-    double = BlockedFactor.of(columns, np.float64).solve(x)
+    double = BandCholesky.of(columns, np.float64).solve(x)
     np.testing.assert_allclose(double, exact, rtol=0, atol=1e-13 * largest)
-    single = BlockedFactor.of(columns, np.float32).solve(x)
+    single = BandCholesky.of(columns, np.float32).solve(x)
     np.testing.assert_allclose(single, exact, rtol=0, atol=1e-5 * largest)
     assert energy(columns, x) == pytest.approx(x @ dense @ x, rel=1e-12)
 
@@ -94,4 +96,4 @@ def test_blocks_name_the_pivot_that_is_not_positive(number: int, pivot: float) -
     columns[:, 0] = 1.0
     columns[number - 1, 0] = pivot
     with pytest.raises(NotPositiveDefiniteError, match=f"pivot {number} "):
-        BlockedFactor.of(columns, np.float32)
+        BandCholesky.of(columns, np.float32)

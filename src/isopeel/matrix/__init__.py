@@ -1,0 +1,1 @@
+"""Band matrices and their factors: Cholesky, LDL^T, LU, bordered; no elements and no load steps."""
