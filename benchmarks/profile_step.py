@@ -19,7 +19,7 @@ from isopeel.case import parse_mesh
 from isopeel.common.arrays import FloatArray
 from isopeel.matrix.mixed_precision import approximate
 from isopeel.paper.study import MESHES, SPACES
-from isopeel.solve.pairs import Pairs
+from isopeel.solve.lbfgs import LbfgsPairs
 from peeling import STEP, TIMED, Strip, left_out, peel
 from printing import plain_table, wide_console
 from work import Work
@@ -64,7 +64,7 @@ def profile(strip: Strip, reach: float, coarse: float, steps: int) -> Profile:
     path = peel(strip, reach, coarse, steps)
     clock = Clock()
     timed: list[isopeel.Step] = []
-    pairs = Pairs.none(0)
+    pairs = LbfgsPairs.none(0)
     with clock.running():
         for step in path:
             timed.append(step)
@@ -89,7 +89,7 @@ def profile(strip: Strip, reach: float, coarse: float, steps: int) -> Profile:
 
 
 def parts_alone(
-    system: System, u: FloatArray, load: float, residual: FloatArray, pairs: Pairs
+    system: System, u: FloatArray, load: float, residual: FloatArray, pairs: LbfgsPairs
 ) -> dict[str, float]:
     """Least seconds of each part, of coefficients u (size, 2) and a residual (count,)."""
     matrix = system.linearize(u, load=load)[1]

@@ -20,7 +20,7 @@ from isopeel.common.compilation import is_kept, keeps
 from isopeel.common.interrupts import cleared_up
 from isopeel.common.processes import cores
 from isopeel.problem import strip
-from isopeel.solve.leading import best_weights
+from isopeel.solve.extrapolation import select_predictor
 from isopeel.solve.newton import NewtonSettings
 from isopeel.solve.path import Path as SolverPath
 from isopeel.splines.rows import row_space
@@ -55,7 +55,7 @@ def rehearse() -> None:
     """Take a few steps, on a mesh on which a front could be carried on from element to element."""
     # the first process asks for this one last, and could not wait for it
     one = np.ones(1)
-    best_weights(one, one, one, np.ones((1, 2, 1)), np.ones((1, 2, 1)), 2.0)
+    select_predictor(one, one, one, np.ones((1, 2, 1)), np.ones((1, 2, 1)), 2.0)
     path = SolverPath(_OnSprings(strip(), row_space("L1", (40, 1))), NewtonSettings(), ())
     for degrees in (0.0, 0.1, 0.2):
         path.step(path.equilibrium(radians(degrees)), perf_counter())

@@ -5,12 +5,12 @@ import pytest
 
 from isopeel.assembly.system import System
 from isopeel.problem import strip
-from isopeel.solve.advance import Advance
-from isopeel.solve.leading import MOST_STATES, best_weights, slope
+from isopeel.solve.extrapolation import MOST_STATES, select_predictor, slope
 from isopeel.solve.newton import NewtonSettings
 from isopeel.solve.predictor import Predictor
 from isopeel.solve.step import Past
 from isopeel.solve.trace import trace
+from isopeel.solve.translation_predictor import TranslationPredictor
 from isopeel.splines.rows import row_space
 
 
@@ -20,9 +20,9 @@ def unknown(states: int) -> np.ndarray:
 
 
 def _led(parameters: np.ndarray, energies: np.ndarray, values: np.ndarray, target: float) -> float:
-    nothing = np.full(len(values), np.nan)  # is carried on
+    nothing = np.full(len(values), np.nan)  # is translated
     samples = np.stack([values, nothing], axis=1)[..., None]
-    weights, _ = best_weights(parameters, nothing, energies, samples, unknown(len(values)), target)
+    weights, _ = select_predictor(parameters, nothing, energies, samples, unknown(len(values)), target)
     assert not weights[1].any()
     return float(weights[0] @ values)
 
@@ -94,14 +94,14 @@ def test_a_recurrence_leads_on_where_polynomials_cannot() -> None:
     values = _recurrent(way)[1]
     past = slice(0, -1)
     known, samples = parameters[past], np.stack([values, values], axis=1)[past]
-    weights, by_energy = best_weights(
+    weights, by_energy = select_predictor(
         known, known, 3 * way[past] - 1, samples, unknown(len(known)), parameters[-1]
     )
     assert by_energy
     assert weights[1].any()
     missed = np.abs(weights[0] @ values[past] + weights[1] @ values[past] - values[-1]).max()
     samples[:, 1] = np.nan
-    alone, _ = best_weights(known, known, 3 * way[past] - 1, samples, unknown(len(known)), parameters[-1])
+    alone, _ = select_predictor(known, known, 3 * way[past] - 1, samples, unknown(len(known)), parameters[-1])
     assert not alone[1].any()
     # states around a place, of eleven in a period, against those before it
     assert missed < 0.3 * np.abs(alone[0] @ values[past] - values[-1]).max()
@@ -114,8 +114,8 @@ def test_what_was_missed_is_not_asked_for_again() -> None:
     for n in range(1, 30):
         past = slice(0, n)
         arguments = parameters[past], parameters[past], parameters[past] ** 2 - 1, samples[past]
-        fresh = best_weights(*arguments, unknown(n), parameters[n])
-        again = best_weights(*arguments, kept[past], parameters[n])
+        fresh = select_predictor(*arguments, unknown(n), parameters[n])
+        again = select_predictor(*arguments, kept[past], parameters[n])
         np.testing.assert_array_equal(again[0], fresh[0])
         assert again[1] == fresh[1]
         every.append(np.isfinite(kept).sum())
@@ -155,7 +155,7 @@ def test_a_recurrence_does_not_lead_through_what_may_have_been_a_jump() -> None:
     for n in range(36, len(way)):
         past = slice(n - 36, n)
         known, samples = parameters[past], np.stack([values, values], axis=1)[past]
-        weights, _ = best_weights(known, known, way[past], samples, unknown(36), parameters[n])
+        weights, _ = select_predictor(known, known, way[past], samples, unknown(36), parameters[n])
         steps = np.diff(way[n - 4 : n + 1])
         (steep if steps[-1] > 2.6 * steps[:-1].min() else calm).append(bool(weights[1].any()))
     assert len(steep) > 1
@@ -164,43 +164,43 @@ def test_a_recurrence_does_not_lead_through_what_may_have_been_a_jump() -> None:
 
 
 @pytest.mark.parametrize("name", ["L1", "L2", "N3", "N2.1"])
-def test_what_is_linear_is_carried_on_by_one_element(name: str) -> None:
+def test_what_is_linear_is_translated_by_one_element(name: str) -> None:
     system = System(strip(), row_space(name, (40, 2)))
-    advance = Advance.of(system)
-    assert advance is not None
+    translation = TranslationPredictor.of(system)
+    assert translation is not None
     gradient, element = np.array([[0.1, -0.7], [0.9, 0.2]]), np.array([5.0, 0.0])
     unknowns = system.constraints.unknowns
-    own = (unknowns >= 0) & (advance.followers[unknowns] == 1)
-    field = np.where(own, advance.points @ gradient.T, 0.0)
+    own = (unknowns >= 0) & (translation.followers[unknowns] == 1)
+    field = np.where(own, translation.points @ gradient.T, 0.0)
     change = np.zeros(system.count)
     change[unknowns[own]] = field[own]
-    carried = advance.change(change, np.zeros_like(field))
-    expected = (advance.points + element) @ gradient.T
+    translated = translation.change(change, np.zeros_like(field))
+    expected = (translation.points + element) @ gradient.T
     # where all functions are alike: off the ends by the functions of a degree, and off what is held
     inside = np.abs(system.space.greville[:, 0] - 0.5) < 0.3
-    np.testing.assert_allclose(carried[unknowns[inside]], expected[inside], rtol=0, atol=1e-12 * 200)
+    np.testing.assert_allclose(translated[unknowns[inside]], expected[inside], rtol=0, atol=1e-12 * 200)
 
 
-def test_near_the_driven_side_the_body_is_carried_on_as_a_rigid_one() -> None:
+def test_near_the_driven_side_the_body_is_translated_as_a_rigid_one() -> None:
     system = System(strip(), row_space("N2", (100, 4)))
-    advance = Advance.of(system)
-    assert advance is not None
+    translation = TranslationPredictor.of(system)
+    assert translation is not None
     curvature, element = 0.01, 2.0
-    x, y = advance.points.T
+    x, y = translation.points.T
 
     def bent(angle: np.ndarray, height: np.ndarray) -> np.ndarray:
         radius = 1 / curvature - height
         return np.stack([radius * np.sin(angle), 1 / curvature - radius * np.cos(angle)], axis=1)
 
-    displacement = bent(curvature * x, y) - advance.points
+    displacement = bent(curvature * x, y) - translation.points
     angle = curvature * 200.0
-    ahead = advance.parameter(angle, displacement)
+    ahead = translation.parameter(angle, displacement)
     # control points of a circle's spline lie off it by some (curvature x element)^2
     assert ahead - angle == pytest.approx(curvature * element, rel=1e-3)
 
 
 def test_a_single_element_has_no_next_one() -> None:
-    assert Advance.of(System(strip(), row_space("L1", (1, 1)))) is None
+    assert TranslationPredictor.of(System(strip(), row_space("L1", (1, 1)))) is None
 
 
 @pytest.mark.kept_tangent
@@ -209,7 +209,7 @@ def test_the_front_of_a_finer_mesh_needs_few_corrections(monkeypatch: pytest.Mon
     corrections, moments = [], []
     for blind in (False, True):
         if blind:
-            monkeypatch.setattr(Advance, "of", lambda _: None)
+            monkeypatch.setattr(TranslationPredictor, "of", lambda _: None)
         steps = [*trace(strip(), row_space("N2.1", (100, 5)), angles, NewtonSettings(control="auto"))]
         last = [step for step in steps if step.kind == "requested"][-20:]
         corrections.append(np.mean([len(step.iterations) for step in last]))

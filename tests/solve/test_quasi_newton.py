@@ -9,8 +9,8 @@ from isopeel.assembly.system import System
 from isopeel.matrix.cholesky import BandCholesky
 from isopeel.problem import Problem, PulledSide, strip
 from isopeel.solve import quasi_newton
+from isopeel.solve.lbfgs import MOST_PAIRS, LbfgsPairs
 from isopeel.solve.newton import NewtonSettings, newton
-from isopeel.solve.pairs import MOST_PAIRS, Pairs
 from isopeel.solve.quasi_newton import QuasiNewton
 from isopeel.solve.step import Step
 from isopeel.solve.trace import trace
@@ -71,7 +71,7 @@ def test_product_is_that_of_the_updates_one_by_one() -> None:
             K[i, j] = K[j, i] = matrix.entries[j, i - j]
     H = np.linalg.inv(K)
     rng = np.random.default_rng(1)
-    pairs = Pairs.none(n)
+    pairs = LbfgsPairs.none(n)
     for _ in range(4):
         s = rng.standard_normal((n,))
         pairs = pairs.followed_by(s, K @ s + 0.1 * s)
@@ -87,7 +87,7 @@ def test_product_is_that_of_the_updates_one_by_one() -> None:
 
 def test_pairs_are_the_last_ones_and_positive() -> None:
     numbers = np.arange(1.0, 60.0)
-    pairs = Pairs.none(1)
+    pairs = LbfgsPairs.none(1)
     seen = []
     for x in numbers:
         pairs = pairs.followed_by(np.array([x]), np.array([2 * x]))

@@ -1,9 +1,9 @@
 """Compiled loops over the body (total Lagrangian): forces, stored energy and tangent, by sum factorization.
 
 The functions are products: of one along xi, of the row j, and of one across, M_j(eta). So fields are made
-along each row first, and across then; forces and tangents the other way round. Every array ends with the
-lane, an element along xi, and the innermost loops run over it, so that they fill the processor's vector
-registers whatever the degree.
+along each row first, and across then; forces and tangents the other way round. The last axis of
+every array is the element of a batch along xi. The innermost loops run over it, so that they fill the
+processor's vector registers whatever the degree.
 
 The gradient at a point is made of channels: d/dxi, d/deta and, of a rational space, the value itself. Each
 is a derivative of some order along xi times one of some order across (`BodyTable`). Where elements are equal
@@ -23,7 +23,7 @@ from isopeel.assembly.body_tangent import (
     pull_back,
     spread,
 )
-from isopeel.assembly.lanes import (
+from isopeel.assembly.element_batch import (
     add_product,
     add_products,
     add_scaled,
@@ -43,7 +43,7 @@ from isopeel.physics.batch import material_at, of_address
 
 #: Elements that are treated together, at most: enough that the test for overlapping arrays, made before each
 #: innermost loop, costs little, and few enough that what is kept of them fits the processor's cache.
-_LANES = 256
+_BATCH = 256
 # Numba takes seconds to compile an assignment to a part of an array, but not its fill.
 
 
@@ -99,7 +99,7 @@ def add_body(
     P, largest = along.shape[2], along.shape[3]
     channels = maps.shape[2]
     # blocks of about the same size
-    block = -(-X // -(-X // _LANES))
+    block = -(-X // -(-X // _BATCH))
     points = P * block
     local = np.empty((largest, 2, block))
     # of the rows of one row of elements
@@ -122,7 +122,7 @@ def add_body(
     least.fill(np.inf)
     for start in range(0, X, block):
         n = min(block, X - start)
-        lanes = slice(start, start + n)
+        batch = slice(start, start + n)
         ready = 0
         for y in range(Y):
             row = first_rows[y]
@@ -130,7 +130,7 @@ def add_body(
                 kind = kinds[j]
                 loads[j % C].fill(0.0)
                 for a in range(sizes[kind]):
-                    take(u, first[j, lanes], a, local[a, 0], local[a, 1], n)
+                    take(u, first[j, batch], a, local[a, 0], local[a, 1], n)
                 for order in range(2):
                     for i in range(2):
                         for p in range(P):
@@ -139,23 +139,23 @@ def add_body(
                                 line,
                                 0.0,
                                 local[0, i],
-                                along[kind, order, p, 0, lanes],
+                                along[kind, order, p, 0, batch],
                                 local[1, i],
-                                along[kind, order, p, 1, lanes],
+                                along[kind, order, p, 1, batch],
                                 n,
                             )
                             for a in range(2, sizes[kind] - 1, 2):
                                 add_products(
                                     line,
                                     local[a, i],
-                                    along[kind, order, p, a, lanes],
+                                    along[kind, order, p, a, batch],
                                     local[a + 1, i],
-                                    along[kind, order, p, a + 1, lanes],
+                                    along[kind, order, p, a + 1, batch],
                                     n,
                                 )
                             if sizes[kind] > 2 and sizes[kind] % 2 == 1:
                                 last = sizes[kind] - 1
-                                add_product(line, local[last, i], along[kind, order, p, last, lanes], n)
+                                add_product(line, local[last, i], along[kind, order, p, last, batch], n)
             ready = row + C
             for r in range(R):
                 to_X, areas = maps[map_kinds[y, r]], weights[weight_kinds[y, r]]
@@ -163,18 +163,18 @@ def add_body(
                     if rectangles[y, r]:
                         _deform_rectangles(F, lines, across[y], to_X, p, r, row, n)
                     else:
-                        _deform(F, lines, across[y], to_X, p, r, row, lanes, channel, n)
+                        _deform(F, lines, across[y], to_X, p, r, row, batch, channel, n)
                     # one for each place in the arrays: a single one would not run in vector registers
-                    for lane in range(n):
-                        determinant = F[0, 0, lane] * F[1, 1, lane] - F[0, 1, lane] * F[1, 0, lane]
-                        least[lane] = determinant if determinant < least[lane] else least[lane]
+                    for e in range(n):
+                        determinant = F[0, 0, e] * F[1, 1, e] - F[0, 1, e] * F[1, 0, e]
+                        least[e] = determinant if determinant < least[e] else least[e]
                     material(F, parameters, n, density, stress, A[p], with_tangent)
-                    area = areas[p, lanes]
+                    area = areas[p, batch]
                     energy += sum_of_products(area, density, n)
                     if rectangles[y, r]:
                         _load_rectangles(loads, stress, area[0], across[y], to_X, p, r, row, n)
                     else:
-                        _load(loads, stress, area, across[y], to_X, p, r, row, lanes, channel[0], n)
+                        _load(loads, stress, area, across[y], to_X, p, r, row, batch, channel[0], n)
                 if with_tangent and rectangles[y, r]:
                     add_rectangles_to_pairs(pairs, A, to_X, areas, across[y], r, row, n)
                 elif with_tangent:
@@ -190,13 +190,13 @@ def add_body(
                         for p in range(P):
                             add_products(
                                 total,
-                                along[kind, 0, p, a, lanes],
+                                along[kind, 0, p, a, batch],
                                 loads[j % C, 0, i, p],
-                                along[kind, 1, p, a, lanes],
+                                along[kind, 1, p, a, batch],
                                 loads[j % C, 1, i, p],
                                 n,
                             )
-                    give(forces, first[j, lanes], a, value[0], value[1], n)
+                    give(forces, first[j, batch], a, value[0], value[1], n)
                 if with_tangent:
                     for d in range(min(C, rows - j)):
                         spread(
@@ -219,8 +219,8 @@ def add_body(
                         )
                     pairs[j % C].fill(0.0)
     lowest = np.inf
-    for lane in range(block):
-        lowest = min(lowest, least[lane])
+    for e in range(block):
+        lowest = min(lowest, least[e])
     return energy, lowest
 
 
@@ -233,11 +233,11 @@ def _deform(
     p: int,
     r: int,
     row: int,
-    lanes: Any,
+    batch: Any,
     channel: Any,
     n: int,
 ) -> None:
-    """Set F to the deformation gradient at a point of each lane."""
+    """Set F to the deformation gradient at a point of each element of a batch."""
     C, channels = across.shape[2], maps.shape[1]
     for i in range(2):
         for h in range(channels):
@@ -249,10 +249,10 @@ def _deform(
         for J in range(2):
             start = 1.0 if i == J else 0.0
             set_products(
-                F[i, J], start, maps[p, 0, J, lanes], channel[0], maps[p, 1, J, lanes], channel[1], n
+                F[i, J], start, maps[p, 0, J, batch], channel[0], maps[p, 1, J, batch], channel[1], n
             )
             if channels == 3:
-                add_product(F[i, J], maps[p, 2, J, lanes], channel[2], n)
+                add_product(F[i, J], maps[p, 2, J, batch], channel[2], n)
 
 
 @inlined
@@ -279,16 +279,16 @@ def _load(
     p: int,
     r: int,
     row: int,
-    lanes: Any,
+    batch: Any,
     flow: Any,
     n: int,
 ) -> None:
-    """Add what the stresses at a point of each lane do to the rows."""
+    """Add what the stresses at a point of each element of a batch do to the rows."""
     C, channels = across.shape[2], maps.shape[1]
     for i in range(2):
         for h in range(channels):
             set_weighted_products(
-                flow, area, maps[p, h, 0, lanes], stress[i, 0], maps[p, h, 1, lanes], stress[i, 1], n
+                flow, area, maps[p, h, 0, batch], stress[i, 0], maps[p, h, 1, batch], stress[i, 1], n
             )
             factors, order = across[1 if h == 1 else 0, r], 1 if h == 0 else 0
             one, two = loads[row % C, order, i, p], loads[(row + 1) % C, order, i, p]

@@ -6,7 +6,7 @@ elements are summed up across, for each pair of rows of functions, and these pai
 
 from typing import Any
 
-from isopeel.assembly.lanes import (
+from isopeel.assembly.element_batch import (
     add_products,
     add_scaled,
     inlined,
@@ -20,7 +20,7 @@ from isopeel.common.compilation import compiled_reordered
 def pull_back(A: Any, maps: Any, weights: Any, start: int, n: int, half: Any, moduli: Any) -> None:
     """Moduli between channels: w sum_JL maps_hJ A_iJkL maps_gL at [2 h + i, 2 g + k], of the lower half."""
     P, channels = maps.shape[0], maps.shape[1]
-    lanes = slice(start, start + n)
+    batch = slice(start, start + n)
     for p in range(P):
         here = slice(p * n, (p + 1) * n)
         for g in range(channels):
@@ -29,11 +29,11 @@ def pull_back(A: Any, maps: Any, weights: Any, start: int, n: int, half: Any, mo
                     for J in range(2):
                         set_weighted_products(
                             half[i, J],
-                            weights[p, lanes],
+                            weights[p, batch],
                             A[p, i, J, k, 0],
-                            maps[p, g, 0, lanes],
+                            maps[p, g, 0, batch],
                             A[p, i, J, k, 1],
-                            maps[p, g, 1, lanes],
+                            maps[p, g, 1, batch],
                             n,
                         )
                 for h in range(channels):
@@ -44,9 +44,9 @@ def pull_back(A: Any, maps: Any, weights: Any, start: int, n: int, half: Any, mo
                                 moduli[2 * h + i, 2 * g + k, here],
                                 0.0,
                                 half[i, 0],
-                                maps[p, h, 0, lanes],
+                                maps[p, h, 0, batch],
                                 half[i, 1],
-                                maps[p, h, 1, lanes],
+                                maps[p, h, 1, batch],
                                 n,
                             )
 
@@ -117,7 +117,7 @@ def spread(
     unknowns; of one row with itself, half of the entries follow from the symmetry.
     """
     P = one.shape[1]
-    lanes = slice(start, start + n)
+    batch = slice(start, start + n)
     for i in range(2):
         for k in range(2):
             if same_row and i > k:
@@ -129,23 +129,23 @@ def spread(
                             flux[order, p],
                             0.0,
                             pair[order, 0, i, k, p],
-                            other[0, p, b, lanes],
+                            other[0, p, b, batch],
                             pair[order, 1, i, k, p],
-                            other[1, p, b, lanes],
+                            other[1, p, b, batch],
                             n,
                         )
                 for a in range(b if same_row and i == k else 0, size):
                     value.fill(0.0)
                     for p in range(P):
                         add_products(
-                            value, one[0, p, a, lanes], flux[0, p], one[1, p, a, lanes], flux[1, p], n
+                            value, one[0, p, a, batch], flux[0, p], one[1, p, a, batch], flux[1, p], n
                         )
                     _scatter(
                         flat,
                         diagonal,
                         stride,
-                        rows[i, a, lanes],
-                        columns[k, b, lanes],
+                        rows[i, a, batch],
+                        columns[k, b, batch],
                         value,
                         place,
                         n,
@@ -171,16 +171,16 @@ def _scatter(
     unknown meet their mirror image on the diagonal, unless they are the `same`.
     """
     nowhere = flat.size - 1
-    for lane in range(n):
-        least = min(row[lane], column[lane])
-        place[lane] = stride * least + diagonal + max(row[lane], column[lane]) if least >= 0 else nowhere
+    for e in range(n):
+        least = min(row[e], column[e])
+        place[e] = stride * least + diagonal + max(row[e], column[e]) if least >= 0 else nowhere
     if not same:
-        for lane in range(n):
-            value[lane] *= 2.0 if row[lane] == column[lane] else 1.0
-    for lane in range(n):
-        flat[place[lane]] += value[lane]
+        for e in range(n):
+            value[e] *= 2.0 if row[e] == column[e] else 1.0
+    for e in range(n):
+        flat[place[e]] += value[e]
     if diagonal > 0:
-        for lane in range(n):
-            if row[lane] >= 0 and column[lane] >= 0 and row[lane] != column[lane]:
-                greatest = max(row[lane], column[lane])
-                flat[stride * greatest + diagonal + min(row[lane], column[lane])] += value[lane]
+        for e in range(n):
+            if row[e] >= 0 and column[e] >= 0 and row[e] != column[e]:
+                greatest = max(row[e], column[e])
+                flat[stride * greatest + diagonal + min(row[e], column[e])] += value[e]

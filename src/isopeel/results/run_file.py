@@ -34,8 +34,8 @@ from isopeel.results.files import check_readable, replacing
 from isopeel.results.journal import Record, read_journal
 from isopeel.results.provenance import Provenance
 from isopeel.results.untrusted import UntrustedError
+from isopeel.solve.lbfgs import LbfgsPairs
 from isopeel.solve.newton import HINTS, Cause
-from isopeel.solve.pairs import Pairs
 from isopeel.solve.quasi_newton import Memory
 from isopeel.solve.step import KINDS, PARABOLA_POINTS, Past, State
 from isopeel.splines.rows import RowSpace
@@ -226,7 +226,7 @@ def _memory(group: h5py.Group) -> Memory:
         y,
         untrusted.number(group, "parameter"),
         frozen(untrusted.floats(group, "openings", 2)),
-        Pairs.of(corrections, changes),
+        LbfgsPairs.of(corrections, changes),
         int(untrusted.number(group, "steps")),
         bool(untrusted.number(group, "slow")),
     )

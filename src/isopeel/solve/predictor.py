@@ -14,9 +14,9 @@ from scipy.linalg.blas import daxpy, ddot
 from isopeel.assembly.system import System
 from isopeel.common.arrays import FloatArray, IntArray
 from isopeel.common.compilation import compiled
-from isopeel.solve.advance import Advance
-from isopeel.solve.leading import MOST_STATES, best_weights, lagrange, slope
+from isopeel.solve.extrapolation import MOST_STATES, lagrange, select_predictor, slope
 from isopeel.solve.step import Past
+from isopeel.solve.translation_predictor import TranslationPredictor
 
 #: States that are remembered: those of two elements and some more, of which a front of the published study
 #: passes each in 9 to 14 steps.
@@ -34,16 +34,17 @@ class Predictor:
 
     def __init__(self, system: System) -> None:
         self._system = system
-        self._advance = Advance.of(system)
+        self._translation = TranslationPredictor.of(system)
         side = np.unique(system.adhesive.functions)
-        self._functions = np.stack([side, side if self._advance is None else self._advance.ahead[side]])
+        ahead = side if self._translation is None else self._translation.ahead[side]
+        self._functions = np.stack([side, ahead])
         # a turn of the body as a whole, which dwarfs all else, leaves second differences as they are
         self._order = min(2, len(side) - 1)
         self._every = 1 + len(side) // _PLACES
         #: The newest at the end.
         self.states: list[Past] = []
-        # notes of the states are the last of `end` rows: parameters, as they are and carried on, and adhesive
-        # energies; bends, as they are and carried on; and what polynomials would have missed them by
+        # notes of the states are the last of `end` rows: parameters, as they are and translated, and adhesive
+        # energies; bends, as they are and translated; and what polynomials would have missed them by
         self._end = 0
         self._numbers = np.empty((3, _ROWS))
         self._bends = np.empty((_ROWS, 2, 2 * -(-(len(side) - self._order) // self._every)))
@@ -59,7 +60,7 @@ class Predictor:
 
     def remember(self, state: Past, displacement: FloatArray) -> None:
         """Take a state, of coefficients u (size, 2)."""
-        parameter, advance = state.parameter, self._advance
+        parameter, translation = state.parameter, self._translation
         # a drive that turns back meets a parameter again: its last state counts
         (known,) = np.nonzero(self._numbers[0, self._rows] != parameter)
         if self._end == _ROWS or len(known) < len(self.states):
@@ -72,7 +73,7 @@ class Predictor:
             self._bends[: self._end] = self._bends[rows]
             self._misses[: self._end] = self._misses[rows]
         self.states = [*self.states[1 - STATES_TO_GO_ON :], state]
-        ahead = np.nan if advance is None else advance.parameter(parameter, displacement)
+        ahead = np.nan if translation is None else translation.parameter(parameter, displacement)
         for row, number in enumerate((parameter, ahead, state.adhesive_energy)):
             self._numbers[row, self._end] = number
         self._misses[self._end] = np.nan
@@ -91,7 +92,7 @@ class Predictor:
             return guess
         rows = self._rows
         parameters, ahead, energies = self._numbers
-        weights, self._by_energy = best_weights(
+        weights, self._by_energy = select_predictor(
             parameters[rows],
             ahead[rows],
             energies[rows],
@@ -99,9 +100,9 @@ class Predictor:
             self._misses[rows],
             parameter,
         )
-        if self._advance is not None and weights[1].any():
+        if self._translation is not None and weights[1].any():
             self._add(weights[1], guess)
-            guess = self._advance.change(guess, self._displacement)
+            guess = self._translation.change(guess, self._displacement)
         self._add(weights[0], guess)
         return guess
 

@@ -14,8 +14,8 @@ from isopeel.matrix.band import BandMatrix
 from isopeel.matrix.cholesky import BandCholesky, Floats
 from isopeel.matrix.factor import NotPositiveDefiniteError
 from isopeel.matrix.mixed_precision import approximate
+from isopeel.solve.lbfgs import LbfgsPairs, Singles, correct, follow
 from isopeel.solve.newton import NewtonResult, NewtonSettings
-from isopeel.solve.pairs import Pairs, Singles, correct, follow
 
 #: Steps that one tangent serves.
 _MOST_STEPS = 40
@@ -65,11 +65,11 @@ class Memory:
     unknown_values: FloatArray  # (count,)
     parameter: float
     openings: FloatArray  # (E, Q), for irreversible adhesion
-    pairs: Pairs
+    pairs: LbfgsPairs
     steps: int = 0
     slow: bool = False  # the last step
 
-    def followed_by(self, pairs: Pairs, *, slow: bool) -> "Memory":
+    def followed_by(self, pairs: LbfgsPairs, *, slow: bool) -> "Memory":
         """After one more step."""
         return Memory(self.unknown_values, self.parameter, self.openings, pairs, self.steps + 1, slow)
 
@@ -156,7 +156,7 @@ class QuasiNewton:
         except NotPositiveDefiniteError:
             return None
         self._factor, self._softest = made.factor, (made.soft, made.needed)
-        self.memory = Memory(made_at, parameter, self._system.openings, Pairs.none(len(start)))
+        self.memory = Memory(made_at, parameter, self._system.openings, LbfgsPairs.none(len(start)))
         result = self._solve(start, parameter, None, _EXACT * self._settings.tolerance, 0.0)
         if result is None:
             self.forget()
@@ -207,7 +207,7 @@ class QuasiNewton:
                 except NotPositiveDefiniteError:
                     return None
             elif outcome == _CONVERGED and energies[3] > 0:
-                pairs = Pairs(pairs.rows, pairs.products, first, end)
+                pairs = LbfgsPairs(pairs.rows, pairs.products, first, end)
                 self.memory = memory.followed_by(pairs, slow=made > _SLOW)
                 equilibrium = Equilibrium(*energies, at.forces, at.residual)
                 iterations = tuple(measures[:made].tolist())
@@ -226,7 +226,7 @@ class QuasiNewton:
         return self._factor, memory
 
     def _new_tangent(self, y: FloatArray, parameter: float) -> tuple[BandCholesky, Memory]:
-        memory = Memory(y, parameter, self._system.openings, Pairs.none(len(y)))
+        memory = Memory(y, parameter, self._system.openings, LbfgsPairs.none(len(y)))
         self._factor = self._made(memory)
         self._is_new = True
         return self._factor, memory

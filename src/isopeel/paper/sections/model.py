@@ -6,7 +6,7 @@ from isopeel.paper.reading import WINDOW, Reading
 from isopeel.paper.study import STEP, Run
 from isopeel.paper.wording import UNIT
 from isopeel.report.document import Block, Text
-from isopeel.solve.leading import MOST_STATES
+from isopeel.solve.extrapolation import MOST_STATES
 from isopeel.solve.newton import NewtonSettings
 from isopeel.solve.step import PARABOLA_POINTS
 

@@ -1,8 +1,10 @@
-"""Compiled: which sum of past states leads on best, as the last of them tell.
+"""Compiled: extrapolation of a path from its past states, and the selection of the predictor.
 
-A path is a curve (p(s), y(s)), known at some places s. Polynomials lead on from there; and where y(s) follows
-from what y(s - P) is when it is *carried on* (`isopeel.solve.advance`), a polynomial through the rest, which
-changes little: y(s) = C y(s - P) + d(s). Names: the way is s, p the parameter, P the period.
+A path is a curve (p(s), y(s)), known at some places s. Polynomials in s extrapolate it. Where a front peels
+even elements, y(s) follows from y(s - P) *translated* by one element (see `solve.translation_predictor`):
+y(s) = C y(s - P) + d(s), where the rest d(s) changes little and is extrapolated by a polynomial. Names: the
+path measure (`way`) is s, p the parameter, P the period. The predictor is the one that would have met the
+last states best.
 """
 
 import numpy as np
@@ -10,12 +12,12 @@ import numpy as np
 from isopeel.common.arrays import FloatArray
 from isopeel.common.compilation import compiled, compiled_reordered
 
-#: States that a polynomial leads through, at most.
+#: States that a polynomial passes through, at most.
 MOST_STATES = 8
 #: The last states that each polynomial is tried on.
 TRIES = 3
 _FEWEST_OF_ENERGY = 3
-#: States that the rest d of a recurrence is led through, at most.
+#: States that the polynomial of the rest d passes through, at most.
 _MOST_OF_REST = 5
 #: States around a place between them that tell what was there; 8 to 12 tell no more.
 _AROUND = 6
@@ -32,7 +34,7 @@ _BY_PARAMETER, _BY_ENERGY, _RECURRENCE = range(3)
 
 
 @compiled
-def best_weights(
+def select_predictor(
     parameters: FloatArray,
     ahead: FloatArray,
     energies: FloatArray,
@@ -40,16 +42,17 @@ def best_weights(
     misses: FloatArray,
     target: float,
 ) -> tuple[FloatArray, bool]:
-    """Weights (2, n) of past states, as they are and carried on, whose sum leads to the target.
+    """Return weights (2, n) of past states and of past states translated, whose sum predicts the target.
 
-    Past are the parameters (n,) of states, the newest at the end, and what these are ahead, when the states
-    are carried on; their adhesive energies (n,); and numbers (n, 2, m) that tell how well a state is met, as
-    it is and carried on: nan where nothing is carried on. Each polynomial, in either measure of the way and
-    through 1 to MOST_STATES states, and each recurrence is judged by the mean logarithm of what it would have
-    missed the last states by. The second value is whether its measure is the energy.
+    The arguments are the parameters (n,) of the past states, the newest at the end; the parameters `ahead`
+    (n,) of the translated states; the adhesive energies (n,); and samples (n, 2, m) of each state and of the
+    translated one, by which states are compared: nan where nothing can be translated. Each polynomial, in
+    either path measure and through 1 to MOST_STATES states, and each recurrence is judged by the mean
+    logarithm of its errors at the last states. The second value returned is whether its path measure is the
+    energy.
 
-    What polynomials would have missed a state by is kept in misses (n, 2, MOST_STATES), by measure and number
-    of states: nan where it has not been asked for yet.
+    The errors of polynomials are stored in misses (n, 2, MOST_STATES), by path measure and number of states:
+    nan where they have not been evaluated yet.
     """
     n, m = samples.shape[0], samples.shape[2]
     weights, trial, difference = np.zeros((2, n)), np.zeros((2, n)), np.empty(m)
@@ -70,7 +73,8 @@ def best_weights(
                 missed = np.nan if kind == _RECURRENCE else misses[last, kind, count - 1]
                 if np.isnan(missed):
                     missed = np.inf
-                    if _lead(way, parameters, ahead, last, parameters[last], count, period, trial) != 0.0:
+                    there = parameters[last]
+                    if _extrapolate(way, parameters, ahead, last, there, count, period, trial) != 0.0:
                         missed = _missed(samples, trial, last, difference)
                     if kind != _RECURRENCE:
                         misses[last, kind, count - 1] = missed
@@ -80,7 +84,7 @@ def best_weights(
                     break
             if not score < best:
                 continue
-            rise = _lead(way, parameters, ahead, n, target, count, period, trial)
+            rise = _extrapolate(way, parameters, ahead, n, target, count, period, trial)
             if rise == 0.0 or (kind == _RECURRENCE and _jumps(way, parameters, target, rise)):
                 continue
             best, best_count, best_kind = score, count, kind
@@ -88,7 +92,7 @@ def best_weights(
     # where all states that there were met the last one best, one more may do better
     if best_count == n - 1 < MOST_STATES and best_kind != _RECURRENCE:
         way = parameters if best_kind == _BY_PARAMETER else energies
-        if _lead(way, parameters, ahead, n, target, n, 0.0, trial) != 0.0:
+        if _extrapolate(way, parameters, ahead, n, target, n, 0.0, trial) != 0.0:
             _copy(trial, weights)
     return weights, best_kind != _BY_PARAMETER
 
@@ -128,7 +132,7 @@ def _jumps(way: FloatArray, parameters: FloatArray, target: float, rise: float) 
 
 
 @compiled
-def _lead(
+def _extrapolate(
     way: FloatArray,
     parameters: FloatArray,
     ahead: FloatArray,
@@ -138,10 +142,11 @@ def _lead(
     period: float,
     weights: FloatArray,
 ) -> float:
-    """Set the weights that lead through the last `count` of n states to where the parameter is the target.
+    """Set the weights of the extrapolation through the last `count` of n states to the target parameter.
 
-    Those of Lagrange's polynomials of the way; with a period, of the polynomial d(s), and C y(s - P). Returns
-    what the way grows by to there, the first such place; 0 where there is none, not far ahead.
+    Without a period these are Lagrange's polynomials of the path measure; with one, those of d(s), and
+    C y(s - P). Returns the increment of the path measure to the first place where the parameter is the
+    target; 0 where there is none within a few steps.
     """
     for kind in range(2):
         for k in range(n):
@@ -155,10 +160,10 @@ def _lead(
     start = n - count
     # the way and the parameters, from the last state on, as far back as is asked for
     unit, here = way[n - 1] - way[n - 2], parameters[n - 1]
-    s, carried = np.empty(n), np.empty(n)
+    s, translated = np.empty(n), np.empty(n)
     for k in range(first if period > 0.0 else start, n):
         s[k] = (way[k] - way[n - 1]) / unit
-        carried[k] = ahead[k] - here
+        translated[k] = ahead[k] - here
     ago = period / abs(unit)
     basis = np.empty((2, MOST_STATES))
     rest = np.empty(count)
@@ -168,7 +173,7 @@ def _lead(
             place = _around(s, first, n, s[start + k] - ago)
             if place < 0:
                 return 0.0
-            rest[k] -= _before(s, carried, place, s[start + k] - ago, basis)[0]
+            rest[k] -= _before(s, translated, place, s[start + k] - ago, basis)[0]
     # Newton's form of the polynomial, by divided differences
     for order in range(1, count):
         for i in range(count - 1, order - 1, -1):
@@ -177,12 +182,12 @@ def _lead(
     at = step / (here - parameters[n - 2])
     low, high = 0.0, _FARTHEST
     if period > 0.0:
-        # between which states, carried on, does the path meet the target?
+        # between which translated states does the path meet the target?
         high = 0.0
         for j in range(first, n):
             if s[j] + ago > 0.0:
                 at = s[j] + ago
-                if (carried[j] + _horner(rest, s, start, at)[0] - step) * step >= 0.0:
+                if (translated[j] + _horner(rest, s, start, at)[0] - step) * step >= 0.0:
                     high = at
                     break
                 low = at
@@ -191,7 +196,7 @@ def _lead(
     for _ in range(_ITERATIONS):
         value, slope = _horner(rest, s, start, at)
         if period > 0.0:
-            before, rise = _before(s, carried, _around(s, first, n, at - ago), at - ago, basis)
+            before, rise = _before(s, translated, _around(s, first, n, at - ago), at - ago, basis)
             value, slope = value + before, slope + rise
             if (value - step) * step > 0.0:
                 high = at
@@ -304,7 +309,7 @@ def lagrange(nodes: FloatArray, start: int, count: int, at: float, basis: FloatA
 
 @compiled
 def _period(way: FloatArray, samples: FloatArray) -> float:
-    """How long ago the path was last where, carried on, it meets the last state; zero where it nowhere was.
+    """Return the period after which a translated state meets the last one; zero where none does.
 
     The nearest state must meet it better than the last one but one, as it is; Gauss and Newton's method finds
     the place between the states.
@@ -358,7 +363,7 @@ def _period(way: FloatArray, samples: FloatArray) -> float:
 
 @compiled
 def _square(samples: FloatArray, k: int, kind: int) -> float:
-    """Square of the distance of the last state from another, as it is or carried on."""
+    """Square of the distance of the last state from another, as it is or translated."""
     last = samples.shape[0] - 1
     total = 0.0
     for j in range(samples.shape[2]):

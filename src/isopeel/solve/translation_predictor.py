@@ -1,7 +1,7 @@
-"""A state with its front one element further: on even elements, a front peels each one as it did the last.
+"""Translation of a state by one element: on even elements, a front peels each one as it did the last.
 
 All functions take over what those of the next element are, on the way to the driven side. Near that side,
-whose own deformation would be carried away with them, the body moves as a rigid one: it follows the functions
+whose own deformation would be translated with them, the body moves as a rigid one: it follows the functions
 of the hinge, where it is bent evenly, and turns by what the body bends there on one element.
 """
 
@@ -22,7 +22,7 @@ _DECAYED = 2.0
 
 
 @dataclass(frozen=True, eq=False)
-class Advance:
+class TranslationPredictor:
     """What each function takes over, and what is rigid."""
 
     system: System
@@ -65,7 +65,7 @@ class Advance:
     def change(self, change: FloatArray, displacement: FloatArray) -> FloatArray:
         """What a small change of the unknowns (count,) becomes, at coefficients u (size, 2)."""
         ahead = np.zeros(self.system.constraints.count)
-        _carry(
+        _translate(
             self.system.constraints.unknowns,
             change,
             self.points,
@@ -121,7 +121,7 @@ def _turn(points: FloatArray, displacement: FloatArray, hinge: IntArray) -> tupl
 def _rise(
     points: FloatArray, displacement: FloatArray, hinge: IntArray, driven: IntArray, rate: FloatArray
 ) -> float:
-    """What the driven functions move by when they are carried on with the hinge, times a rate (n, 2)."""
+    """What the driven functions move by when they are translated with the hinge, times a rate (n, 2)."""
     cosine, sine = _turn(points, displacement, hinge)
     here, beyond = hinge[0], hinge[2]
     x0, y0 = points[here, 0] + displacement[here, 0], points[here, 1] + displacement[here, 1]
@@ -136,7 +136,7 @@ def _rise(
 
 
 @compiled
-def _carry(
+def _translate(
     unknowns: IntArray,
     change: FloatArray,
     points: FloatArray,
@@ -148,7 +148,7 @@ def _carry(
     result: FloatArray,
 ) -> None:
     """Set the result (count,), of zeros, to a change of the unknowns (count,), one element ahead."""
-    u, carried, position = np.zeros(unknowns.shape), np.empty(unknowns.shape), np.empty(unknowns.shape)
+    u, translated, position = np.zeros(unknowns.shape), np.empty(unknowns.shape), np.empty(unknowns.shape)
     here, before, beyond = hinge[0], hinge[1], hinge[2]
     for f in range(len(u)):
         for i in range(2):
@@ -157,16 +157,16 @@ def _carry(
                 u[f, i] = change[unknowns[f, i]]
     for f in range(len(u)):
         for i in range(2):
-            carried[f, i] = u[ahead[f], i]
+            translated[f, i] = u[ahead[f], i]
     cosine, sine = _turn(points, displacement, hinge)
     # the change of the angle between the elements
     angle = _angle(position, u, here, beyond) - _angle(position, u, before, here)
     for f in rigid:
         x = u[f, 0] - u[here, 0] - angle * (position[f, 1] - position[here, 1])
         y = u[f, 1] - u[here, 1] + angle * (position[f, 0] - position[here, 0])
-        carried[f, 0] = u[beyond, 0] + cosine * x - sine * y
-        carried[f, 1] = u[beyond, 1] + sine * x + cosine * y
-    condense(unknowns, carried, result)
+        translated[f, 0] = u[beyond, 0] + cosine * x - sine * y
+        translated[f, 1] = u[beyond, 1] + sine * x + cosine * y
+    condense(unknowns, translated, result)
     for n in range(len(result)):
         result[n] /= followers[n]
 

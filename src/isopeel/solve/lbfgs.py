@@ -1,4 +1,4 @@
-"""What a kept tangent has learned: corrections, and the changes of the residual that they made."""
+"""L-BFGS pairs: corrections, and the changes of the residual that they made, which update a chord tangent."""
 
 from dataclasses import dataclass
 from typing import Any, Self, TypeAlias
@@ -13,14 +13,14 @@ from isopeel.matrix.cholesky import BandCholesky, Floats, scaled, solve
 #: In single precision: what is learned is no more exact, and half of the memory is read in half of the time.
 Singles: TypeAlias = NDArray[np.float32]
 
-#: Pairs that are kept; more of them learn little more.
+#: LbfgsPairs that are kept; more of them learn little more.
 MOST_PAIRS = 10
 #: Rows of an array of pairs: what is beyond the kept ones is room for the next.
 _ROWS = 3 * MOST_PAIRS
 
 
 @dataclass(frozen=True, eq=False)
-class Pairs:
+class LbfgsPairs:
     """Corrections of the unknowns, and the changes of the residual that they made; the newest at the end.
 
     They are the rows from `first` up to `end` of arrays that have room for more. Only the newest pairs may be
