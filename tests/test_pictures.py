@@ -17,8 +17,8 @@ from PIL import Image
 
 from isopeel.cli import main
 from isopeel.results.run_file import read_run, write_run
+from isopeel.running.run_reader import read_stages
 from isopeel.showing.view import Viewer
-from isopeel.stored import stored_stages
 
 COARSE = ("--mesh", "40x2", "--to", "20", "--step", "1")
 
@@ -209,7 +209,7 @@ def test_a_state_is_viewed(runs: Path, tmp_path: Path) -> None:
 def test_the_slider_shows_the_states(runs: Path) -> None:
     import pyvista
 
-    (stage,) = stored_stages(runs / "L1")
+    (stage,) = read_stages(runs / "L1")
     with pyvista.vtk_verbosity("off"):
         viewer = Viewer(pyvista, stage, off_screen=True)
         viewer.add_slider(2)

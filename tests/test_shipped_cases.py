@@ -10,10 +10,10 @@ from PIL import Image
 from rich.console import Console
 
 from isopeel.case import Case, load_case, shipped_cases
-from isopeel.folder import FILES
 from isopeel.physics.materials.base import plane_strain_modulus
 from isopeel.post.closed_form import expected, jkr_line_pull_off
-from isopeel.run import run_case
+from isopeel.running.folder import FILES
+from isopeel.running.run import run_case
 from isopeel.solve.newton import NewtonSettings
 from isopeel.solve.trace import trace
 

@@ -10,8 +10,8 @@ from rich.console import Console
 import isopeel
 from isopeel.case import Case
 from isopeel.cli import main
-from isopeel.folder import FILES
-from isopeel.run import run_case
+from isopeel.running.folder import FILES
+from isopeel.running.run import run_case
 
 STAGES = """
 [[drive]]

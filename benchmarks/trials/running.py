@@ -18,9 +18,9 @@ from rich.console import Console
 from isopeel.case import load_case
 from isopeel.common.errors import InputError
 from isopeel.common.units import parse_quantity
-from isopeel.folder import places
 from isopeel.results.run_file import StoredRun, read_run
-from isopeel.run import run_case
+from isopeel.running.folder import places
+from isopeel.running.run import run_case
 from isopeel.solve.step import KINDS
 from trials.case import Reading, Trial
 from trials.energy import Gain, largest_gain

@@ -50,9 +50,9 @@ def test_a_command_runs_no_module_that_lies_there(command: tuple[str, ...]) -> N
 
 def test_the_second_process_of_a_first_run_neither() -> None:
     script = (
-        "import subprocess, isopeel.rehearsal as r, os\n"
+        "import subprocess, isopeel.running.warm_up as r, os\n"
         "r.is_kept = lambda _: False; r.cores = lambda: 2\n"
-        "with r.rehearsed_beside():\n    import time; time.sleep(1.0)\n"
+        "with r.warmed_up_beside():\n    import time; time.sleep(1.0)\n"
     )
     assert run("-P", "-c", script).returncode == 0
 

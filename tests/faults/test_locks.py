@@ -6,7 +6,7 @@ import pytest
 
 from isopeel.cli import main
 from isopeel.common.errors import InputError
-from isopeel.folder import LOCK, alone_in
+from isopeel.running.folder import LOCK, alone_in
 
 SMALL = ("--mesh", "10x1", "--space", "L1", "--to", "1", "--step", "1")
 

@@ -15,7 +15,7 @@ from isopeel.post.laboratory import Laboratory
 from isopeel.post.resolution import estimated, needed_elements, process_zone_length
 from isopeel.post.resolution_notes import estimate_notes
 from isopeel.results.notes import with_one_remedy
-from isopeel.run import run_case
+from isopeel.running.run import run_case
 from isopeel.solve.newton import NewtonSettings
 from isopeel.solve.trace import trace
 from isopeel.splines.rows import row_space

@@ -14,10 +14,10 @@ import numpy as np
 
 import isopeel
 from isopeel.cli import main
-from isopeel.folder import FILES, stage_files
 from isopeel.results import run_writer
 from isopeel.results.journal import journal_path
 from isopeel.results.run_writer import RunWriter
+from isopeel.running.folder import FILES, stage_files
 
 _DEADLINE = 120.0  # seconds; a run here takes a few
 
@@ -52,9 +52,9 @@ def in_a_fork(
             _report_to(os.open(reports, os.O_WRONLY | os.O_CREAT | os.O_TRUNC | os.O_APPEND))
             run_writer._SAVE_SECONDS = save_seconds
             if not figures:
-                import isopeel.run
+                import isopeel.running.run
 
-                vars(isopeel.run)["save"] = lambda _, path: path.write_bytes(b"Creator\0isopeel")
+                vars(isopeel.running.run)["save"] = lambda _, path: path.write_bytes(b"Creator\0isopeel")
             code = main(arguments)
             sys.stdout.flush()
         finally:

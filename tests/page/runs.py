@@ -5,7 +5,7 @@ from pathlib import Path
 from rich.console import Console
 
 import isopeel
-from isopeel.run import run_case
+from isopeel.running.run import run_case
 
 _QUIET = Console(quiet=True)
 

@@ -17,7 +17,7 @@ from selenium.webdriver.remote.webelement import WebElement
 
 from isopeel.page.write import write_page
 from isopeel.post.fields import sample_fields
-from isopeel.stored import stored_stages
+from isopeel.running.run_reader import read_stages
 
 BROWSER, DRIVER = shutil.which("chromium"), shutil.which("chromedriver")
 pytestmark = pytest.mark.skipif(
@@ -181,7 +181,7 @@ def test_buttons_show_a_part_and_play_the_states(browser: webdriver.Chrome, stri
 
 def test_the_stress_under_the_pointer_is_that_of_the_run(browser: webdriver.Chrome, strip_page: Path) -> None:
     show(browser, strip_page)
-    (stored,) = stored_stages(strip_page.parent)
+    (stored,) = read_stages(strip_page.parent)
     displacement = stored.run.fields[30.0]
     # the middle of an element, near the front and of a stress that is not small
     fields = sample_fields(stored.stage.problem, stored.space, displacement, (2, 2))
@@ -210,7 +210,7 @@ def test_the_script_unpacks_what_was_packed(browser: webdriver.Chrome, strip_pag
     return [Array.from(state.nodes), content.states[1].nodes.unit];
     """
     nodes, unit = browser.execute_script(script)
-    (stored,) = stored_stages(strip_page.parent)
+    (stored,) = read_stages(strip_page.parent)
     fields = sample_fields(stored.stage.problem, stored.space, stored.run.fields[10.0], (8, 8))
     corners = fields.position[[0, -1], [0, -1], [0, -1], [0, -1]]
     found = np.array(nodes).reshape(-1, 2)[[0, -1]]

@@ -26,8 +26,8 @@ from isopeel.post.fields import sample_fields
 from isopeel.post.findings import find
 from isopeel.post.states import Window
 from isopeel.results.run_file import Ending, StoredRun, read_run, write_run
+from isopeel.running.run_reader import StoredStage, read_stages
 from isopeel.solve.step import KINDS
-from isopeel.stored import StoredStage, stored_stages
 
 # elements that may stay open
 VOID = {"meta", "link", "input", "br"}
@@ -40,7 +40,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def stage(folder: Path) -> StoredStage:
-    (stored,) = stored_stages(folder)
+    (stored,) = read_stages(folder)
     return stored
 
 
@@ -257,14 +257,14 @@ def test_runs_that_did_not_end_say_so(stage: StoredStage, tmp_path: Path) -> Non
     assert "Completed: 7 steps, to 30°." in ended("completed")
     assert "This run was interrupted" in ended("interrupted")
     assert "This run was killed" in ended("running")
-    (stopped,) = stored_stages(failed(tmp_path))
+    (stopped,) = read_stages(failed(tmp_path))
     assert stopped.run.failure is not None
     text = told(stopped)
     assert f"Cause: {stopped.run.failure.cause}. What to try: {stopped.run.failure.hint}." in text
 
 
 def test_a_run_without_a_step_has_a_page_too(tmp_path: Path) -> None:
-    (stopped,) = stored_stages(failed(tmp_path))
+    (stopped,) = read_stages(failed(tmp_path))
     nothing = path(stopped.run, [], [])
     found = Elements(page((replace(stopped, run=replace(nothing, fields={})),)))
     assert any("No equilibrium" in text for text in found.texts["p"])
@@ -296,7 +296,7 @@ def test_a_page_takes_the_finer_mesh_from_the_summary(folder: Path, monkeypatch:
     computed = _recount(monkeypatch)
     changes = json.loads((folder / "summary.json").read_text("utf-8"))["finer_mesh"]
     assert changes
-    text = page(stored_stages(folder))
+    text = page(read_stages(folder))
     assert not computed
     assert text.count("half the elements&#x27; length") == len(changes)
 
@@ -320,7 +320,7 @@ def test_a_summary_that_is_not_of_the_run_is_not_believed(
     told = file.read_text("utf-8")
     try:
         file.write_text(json.dumps(damage(json.loads(told))), "utf-8")
-        page(stored_stages(folder))
+        page(read_stages(folder))
         assert computed
     finally:
         file.write_text(told, "utf-8")

@@ -19,7 +19,7 @@ from isopeel.common.errors import InputError
 from isopeel.common.interrupts import INTERRUPTED, telling
 
 if TYPE_CHECKING:
-    from isopeel.run import Result
+    from isopeel.running.run import Result
 
 _ForceOption = Annotated[
     bool, typer.Option("--force", help="Write to DIR whatever is in it; files of other names stay.")
@@ -107,10 +107,10 @@ def run(
         )
         folder = out or Path("out") / chosen.name
         # takes a while to import: what is wrong with the case was told before
-        from isopeel.rehearsal import rehearsed_beside
+        from isopeel.running.warm_up import warmed_up_beside
 
-        with telling("interrupted", f"interrupted; {goes_on(folder)}"), rehearsed_beside():
-            from isopeel.run import run_case
+        with telling("interrupted", f"interrupted; {goes_on(folder)}"), warmed_up_beside():
+            from isopeel.running.run import run_case
 
             result = run_case(chosen, folder, console(), strict, force=force)
     except InputError as error:
@@ -137,10 +137,10 @@ def resume(
 ) -> int:
     """Go on with a run that was interrupted or killed; its steps are those of an uninterrupted one."""
     try:
-        from isopeel.rehearsal import rehearsed_beside
+        from isopeel.running.warm_up import warmed_up_beside
 
-        with telling(f"interrupted; {goes_on(folder)}"), rehearsed_beside():
-            from isopeel.resume import resume_case
+        with telling(f"interrupted; {goes_on(folder)}"), warmed_up_beside():
+            from isopeel.running.resume import resume_case
 
             result = resume_case(folder, console(), to, control)
     except KeyboardInterrupt:
@@ -152,14 +152,14 @@ def resume(
 
 def _ended(result: "Result", folder: Path) -> int:
     """Tell how a run ended, and return the exit code for it."""
-    from isopeel.run import failure_message
-    from isopeel.stored import stored_stages
+    from isopeel.running.run import failure_message
+    from isopeel.running.run_reader import read_stages
 
     run, stage_folder = result
     if run.ending == "interrupted":
         return fail(INTERRUPTED, f"interrupted; {goes_on(folder)}")
     if run.failure is not None:
-        (stored,) = stored_stages(stage_folder)
+        (stored,) = read_stages(stage_folder)
         at = stored.laboratory.parameter(run.curve.parameter_column, run.failure.parameter)
         failure = run.failure._replace(reason=stored.laboratory.sentence(run.failure.reason))
         return fail(NOT_CONVERGED, failure_message(failure, at, stage_folder, folder))

@@ -146,7 +146,7 @@ def view(
 @command
 def cases() -> int:
     """List the shipped cases."""
-    from isopeel.run import cases_table
+    from isopeel.running.run import cases_table
 
     console().print(cases_table())
     return COMPLETED

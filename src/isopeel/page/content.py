@@ -32,8 +32,8 @@ from isopeel.problem import Column, Problem
 from isopeel.results.curve import Curve
 from isopeel.results.fields import Fields
 from isopeel.results.run_file import StoredRun
+from isopeel.running.run_reader import StoredStage
 from isopeel.solve.step import KINDS
-from isopeel.stored import StoredStage
 
 _DOTS = 8_000  # across the front: more than a screen has
 _ALONG_SIDE = 400  # pieces of the face that adheres

@@ -10,8 +10,8 @@ from isopeel.post.figures.reaction import unstable_pieces
 from isopeel.post.findings import Findings
 from isopeel.post.summary_table import summary_rows
 from isopeel.results.run_file import Failure
+from isopeel.running.run_reader import StoredStage
 from isopeel.solve.step import KINDS
-from isopeel.stored import StoredStage
 
 
 def table(headings: Sequence[str], rows: Iterable[Sequence[str]]) -> str:

@@ -13,7 +13,6 @@ import numpy as np
 
 import isopeel
 from isopeel.common.errors import InputError
-from isopeel.folder import REPORT, check_overwritten
 from isopeel.page import markup
 from isopeel.page.content import Content, column_words, stage_content
 from isopeel.page.packing import packed
@@ -22,7 +21,8 @@ from isopeel.post.stored_changes import stored_changes
 from isopeel.post.style import BLUE, FIELD_MAP, SHADE, SKY, VERMILION
 from isopeel.post.summary import summarize
 from isopeel.results.files import replacing
-from isopeel.stored import StoredStage, stored_stages
+from isopeel.running.folder import REPORT, check_overwritten
+from isopeel.running.run_reader import StoredStage, read_stages
 
 #: Of the states of all stages, so that a page can be sent by mail: it stays below 5 MB.
 MOST_BYTES = 4_000_000
@@ -36,7 +36,7 @@ def write_page(folder: Path, out: Path | None = None, *, force: bool = False) ->
     after the other. Raises InputError where there is no run in the folder, OSError where the page cannot be
     written.
     """
-    stages = stored_stages(folder)
+    stages = read_stages(folder)
     path = out or folder / REPORT
     check_overwritten("--out", [path], force)
     text = page(stages)

@@ -8,7 +8,6 @@ from rich.console import Console
 
 from isopeel.common.errors import InputError
 from isopeel.common.processes import cores
-from isopeel.folder import first_names, make_folder
 from isopeel.paper.execution import Store, execute
 from isopeel.paper.monitor import Monitor
 from isopeel.paper.record import Record, write_records
@@ -29,6 +28,7 @@ from isopeel.paper.sections import (
 from isopeel.paper.study import MESHES, Run, with_bases
 from isopeel.report.document import Block, Document, Section, Table, Text, print_table, write_document
 from isopeel.report.folder import RUNS, replaced, take_folder
+from isopeel.running.folder import first_names, make_folder
 
 
 @dataclass(frozen=True)

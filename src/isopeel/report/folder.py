@@ -4,8 +4,8 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 from isopeel.common.errors import InputError
-from isopeel.folder import first_names, is_of_nobody, make_folder
 from isopeel.results.files import is_written_by_isopeel, kind_of
+from isopeel.running.folder import first_names, is_of_nobody, make_folder
 
 #: What a report is made of, and its folders: of pictures, of tables, and of the runs that it is about.
 PAGES, PICTURES, TABLES, RUNS = ("report.md", "report.html", "records.h5"), "figures", "tables", "runs"

@@ -10,7 +10,7 @@ from rich.console import Console
 from isopeel.case.values import as_written, read_quantity
 from isopeel.common.errors import InputError
 from isopeel.common.units import measured_in
-from isopeel.stored import StoredStage, stored_stages
+from isopeel.running.run_reader import StoredStage, read_stages
 
 #: Of the largest parameter of a path: states that differ by less are the same.
 _SAME = 1e-9
@@ -21,7 +21,7 @@ def shown_stages(folder: Path) -> tuple[StoredStage, ...]:
 
     Raises InputError where there is none, or where numbers of one are not finite.
     """
-    stages = tuple(stage for stage in stored_stages(folder) if len(stage.run.curve) and stage.run.fields)
+    stages = tuple(stage for stage in read_stages(folder) if len(stage.run.curve) and stage.run.fields)
     if not stages:
         allowed = "no step of the run in it converged, so that there is nothing to show"
         raise InputError("DIR", str(folder), allowed)

@@ -12,7 +12,6 @@ from rich.console import Console
 from rich.table import Column, Table
 
 from isopeel.common.errors import InputError
-from isopeel.folder import check_overwritten, make_folder
 from isopeel.post.comparison import Compared, comparison, difference
 from isopeel.post.figures import comparison_figure, save
 from isopeel.post.findings import in_laboratory
@@ -20,8 +19,9 @@ from isopeel.post.laboratory import short_unit
 from isopeel.post.style import check_format
 from isopeel.results.curve import Curve
 from isopeel.results.files import replacing
+from isopeel.running.folder import check_overwritten, make_folder
+from isopeel.running.run_reader import StoredStage
 from isopeel.showing.chosen import shown_stage
-from isopeel.stored import StoredStage
 
 
 def compare_runs(

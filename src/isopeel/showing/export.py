@@ -6,10 +6,10 @@ from pathlib import Path
 from rich.console import Console
 
 from isopeel.common.errors import InputError
-from isopeel.folder import EXPORTED, check_overwritten, make_folder
 from isopeel.post.grids import body_grids, body_mesh, side_grids, side_mesh
 from isopeel.results.vtk import write_grid, write_series
-from isopeel.stored import StoredStage, stored_stages
+from isopeel.running.folder import EXPORTED, check_overwritten, make_folder
+from isopeel.running.run_reader import StoredStage, read_stages
 
 #: Most straight pieces of an element each way: the square of them are written for each element and state.
 MOST_PIECES = 20
@@ -30,7 +30,7 @@ def export_run(
     """
     if linear is not None and not 1 <= linear <= MOST_PIECES:
         raise InputError("--linear", linear, f"an element is cut into 1 to {MOST_PIECES} each way")
-    stages = stored_stages(folder)
+    stages = read_stages(folder)
     if not any(stage.run.fields for stage in stages):
         raise InputError("DIR", str(folder), "a run with a converged step is needed, and it has none yet")
     for stage in stages:

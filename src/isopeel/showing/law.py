@@ -10,12 +10,12 @@ from isopeel.case import load_case
 from isopeel.common.errors import InputError
 from isopeel.common.registry import discover
 from isopeel.common.units import UnitSystem, shown
-from isopeel.folder import check_overwritten, make_folder
 from isopeel.physics.adhesion import AdhesionLaw
 from isopeel.physics.adhesion.mirrored import Mirrored
 from isopeel.post.figures import law_figure, save
 from isopeel.post.laboratory import Laboratory
 from isopeel.post.law import LawCharacter, law_character
+from isopeel.running.folder import check_overwritten, make_folder
 
 LAWS = discover("isopeel.physics.adhesion")
 

@@ -9,7 +9,6 @@ from matplotlib.figure import Figure
 from rich.console import Console
 
 from isopeel.common.errors import InputError
-from isopeel.folder import FIGURES, check_overwritten, make_folder
 from isopeel.post.figures import (
     front_figure,
     plateau_figure,
@@ -25,8 +24,9 @@ from isopeel.post.laboratory import Laboratory
 from isopeel.post.reading import unreadable
 from isopeel.post.style import check_format
 from isopeel.results.files import replacing
+from isopeel.running.folder import FIGURES, check_overwritten, make_folder
+from isopeel.running.run_reader import StoredStage
 from isopeel.showing.chosen import shown_stages, stored_parameters
-from isopeel.stored import StoredStage
 
 
 class _Shown(NamedTuple):

@@ -8,8 +8,8 @@ from rich.table import Table
 
 from isopeel.case import parse_mesh
 from isopeel.common.errors import InputError
-from isopeel.folder import check_overwritten, make_folder
 from isopeel.post.figures import save, space_figure
+from isopeel.running.folder import check_overwritten, make_folder
 from isopeel.splines.names import SplineFamily, parse_space_name
 from isopeel.splines.rows import RowSpace, row_space
 

@@ -14,15 +14,15 @@ from rich.console import Console
 
 from isopeel.common.arrays import FloatArray
 from isopeel.common.errors import InputError
-from isopeel.folder import check_overwritten, make_folder
 from isopeel.physics.batch import evaluate_substrate
 from isopeel.post.fields import SampledFields
 from isopeel.post.states import BodyState, Window, body_state, common_view
 from isopeel.post.style import FIELD_MAP, SHADE, VERMILION
 from isopeel.problem import Problem
 from isopeel.results.files import MAKER, replacing
+from isopeel.running.folder import check_overwritten, make_folder
+from isopeel.running.run_reader import StoredStage
 from isopeel.showing.chosen import shown_stage, stored_parameters
-from isopeel.stored import StoredStage
 
 _SIZE = (1280, 720)  # pixels
 #: Who made a picture, as those of matplotlib say it.

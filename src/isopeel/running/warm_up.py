@@ -1,7 +1,7 @@
-"""A path with springs in place of the body: to compile all kernels but that of the body.
+"""Warm-up compilation: a path with springs in place of the body compiles all kernels but the body's.
 
-That one takes as long to compile as all others. So where they are not cached yet, as in the first run after
-an installation, a second process compiles the others meanwhile.
+The body's kernel takes as long to compile as all others. So where they are not cached yet, as in the first
+run after an installation, a second process compiles the others meanwhile.
 """
 
 import subprocess
@@ -30,8 +30,8 @@ _STIFFNESS = 10.0
 
 
 @contextmanager
-def rehearsed_beside() -> Iterator[None]:
-    """Compile in a second process meanwhile, as long as the body's kernel is not cached."""
+def warmed_up_beside() -> Iterator[None]:
+    """Compile the other kernels in a second process, as long as the body's kernel is not cached."""
     if is_kept(add_body) or not keeps(add_body) or cores() == 1:
         yield
         return
@@ -51,8 +51,8 @@ def rehearsed_beside() -> Iterator[None]:
         process.wait()
 
 
-def rehearse() -> None:
-    """Take a few steps, on a mesh on which a front could be carried on from element to element."""
+def warm_up() -> None:
+    """Take a few steps, on a mesh on which a front could be translated from element to element."""
     # the first process asks for this one last, and could not wait for it
     one = np.ones(1)
     select_predictor(one, one, one, np.ones((1, 2, 1)), np.ones((1, 2, 1)), 2.0)
@@ -103,4 +103,4 @@ class _OnSprings(System):
 
 
 if __name__ == "__main__":
-    rehearse()
+    warm_up()

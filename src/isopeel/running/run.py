@@ -17,16 +17,6 @@ from rich.table import Table
 from isopeel.case import Case, Stage, load_case, shipped_cases
 from isopeel.common.errors import InputError
 from isopeel.common.interrupts import check, deferred, leave_time
-from isopeel.earlier import check_earlier, check_foreign, keep_finished, kept_finished, let_go
-from isopeel.folder import (
-    FILES,
-    Place,
-    alone_in,
-    check_folder,
-    clear_parts,
-    make_folder,
-    places,
-)
 from isopeel.post.figures import reaction_figure, save, shapes_figure
 from isopeel.post.findings import Findings, find, in_laboratory
 from isopeel.post.laboratory import Laboratory
@@ -36,13 +26,23 @@ from isopeel.post.resolution_notes import estimate_notes
 from isopeel.post.summary import summarize
 from isopeel.post.summary_table import summary_rows
 from isopeel.post.table import write_curve
-from isopeel.progress import progress
 from isopeel.results.curve import Curve
 from isopeel.results.files import replacing
 from isopeel.results.notes import with_one_remedy
 from isopeel.results.provenance import Provenance
 from isopeel.results.run_file import Failure, StoredRun, read_run, run_attributes
 from isopeel.results.run_writer import RunWriter
+from isopeel.running.folder import (
+    FILES,
+    Place,
+    alone_in,
+    check_folder,
+    clear_parts,
+    make_folder,
+    places,
+)
+from isopeel.running.previous_run import check_foreign, check_previous, keep_finished, kept_finished, let_go
+from isopeel.running.progress import progress
 from isopeel.solve.newton import ConvergenceError, NewtonSettings
 from isopeel.solve.step import State, Step
 from isopeel.solve.trace import check_stage, trace
@@ -84,7 +84,7 @@ def run_case(case: Case, out: Path, console: Console, strict: bool = False, *, f
             files = ", ".join(str(place.run_file) for place in where if place.run_file.exists())
             replaced = files and f"replaces {files}"
         else:
-            replaced = check_earlier(case, stages, out)
+            replaced = check_previous(case, stages, out)
         for place in where:
             check_folder(place.folder)
             clear_parts(place.folder)

@@ -5,18 +5,18 @@ import sys
 
 import pytest
 
-from isopeel import rehearsal
-from isopeel.rehearsal import rehearsed_beside
+from isopeel.running import warm_up
+from isopeel.running.warm_up import warmed_up_beside
 
-#: Prints how many loops over body and side a rehearsal has compiled, and a path after it, and the compiled
+#: Prints how many loops over body and side a warm-up has compiled, and a path after it, and the compiled
 #: functions that the path asks for in other types, one in a line.
-NOT_REHEARSED = """
+NOT_WARMED_UP = """
 import sys
 import numpy as np
 from numba.core.dispatcher import Dispatcher
 import isopeel
 from isopeel.assembly.loops import compile_loops
-from isopeel.rehearsal import rehearse
+from isopeel.running.warm_up import warm_up
 
 def signatures():
     return {
@@ -25,7 +25,7 @@ def signatures():
         for value in vars(module).values() if isinstance(value, Dispatcher)
     }
 
-rehearse()
+warm_up()
 before = signatures()
 print("loops", compile_loops.cache_info().currsize)
 angles = np.radians(np.arange(0, 3, 0.1))
@@ -40,7 +40,7 @@ for key, found in signatures().items():
 
 def test_a_path_needs_nothing_but_the_bodys_kernel_afterwards() -> None:
     found = subprocess.run(
-        [sys.executable, "-c", NOT_REHEARSED], check=True, capture_output=True, text=True
+        [sys.executable, "-c", NOT_WARMED_UP], check=True, capture_output=True, text=True
     ).stdout.splitlines()
     kernel = "isopeel.assembly.body_kernel"
     assert [line for line in found if not line.startswith(kernel)] == ["loops 2", "loops 3"]
@@ -57,10 +57,10 @@ def test_a_second_process_is_there_where_it_helps_and_while_it_does(
             super().__init__(*arguments, **options)  # type: ignore[call-overload]
             started.append(self)
 
-    monkeypatch.setattr(rehearsal, "is_kept", lambda _: not cold)
-    monkeypatch.setattr(rehearsal, "cores", lambda: cores)
+    monkeypatch.setattr(warm_up, "is_kept", lambda _: not cold)
+    monkeypatch.setattr(warm_up, "cores", lambda: cores)
     monkeypatch.setattr(subprocess, "Popen", Noted)
-    with rehearsed_beside():
+    with warmed_up_beside():
         assert len(started) == processes
         assert all(process.poll() is None for process in started)
     assert all(process.returncode is not None for process in started)

@@ -5,10 +5,10 @@ from pathlib import Path
 
 from isopeel.case import Case, Stage
 from isopeel.common.errors import InputError
-from isopeel.folder import run_files
 from isopeel.post.findings import Findings, find
 from isopeel.post.laboratory import Laboratory
 from isopeel.results.run_file import StoredRun, read_run
+from isopeel.running.folder import run_files
 from isopeel.splines.rows import RowSpace
 
 _NEEDED = ("L0", "E0", "stage", "space", "mesh", "dofs", "traction")  # attributes of a run
@@ -35,16 +35,16 @@ class StoredStage:
         return find(self.stage.problem, self.space, self.run, self.stage.window, self.laboratory)
 
 
-def stored_stages(folder: Path) -> tuple[StoredStage, ...]:
+def read_stages(folder: Path) -> tuple[StoredStage, ...]:
     """Read the stages in the folder of a run, or the one in the folder of a stage, in the order of the run.
 
     The files may come from anywhere. Raises InputError where there is no run in the folder, or a file does
     not fit to the case in it.
     """
-    return tuple(map(_stored_stage, run_files(folder)))
+    return tuple(map(_read_stage, run_files(folder)))
 
 
-def _stored_stage(file: Path) -> StoredStage:
+def _read_stage(file: Path) -> StoredStage:
     run = read_run(file)
     try:
         case = Case.of_run(run.case_text, str(file), run.attributes.get("dofs"))

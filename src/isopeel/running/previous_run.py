@@ -13,7 +13,12 @@ import numpy as np
 from isopeel.case import Case, Stage
 from isopeel.case.case import LARGEST_FILE
 from isopeel.common.errors import InputError
-from isopeel.folder import (
+from isopeel.post.laboratory import short_unit
+from isopeel.problem import Column
+from isopeel.results.files import is_written_by_isopeel, kind_of
+from isopeel.results.journal import journal_path
+from isopeel.results.run_file import StoredRun, read_run
+from isopeel.running.folder import (
     DRAWN,
     EARLIER,
     EXPORTED,
@@ -26,11 +31,6 @@ from isopeel.folder import (
     is_of_nobody,
     stage_files,
 )
-from isopeel.post.laboratory import short_unit
-from isopeel.problem import Column
-from isopeel.results.files import is_written_by_isopeel, kind_of
-from isopeel.results.journal import journal_path
-from isopeel.results.run_file import StoredRun, read_run
 from isopeel.solve.step import KINDS
 
 #: Of the size of a parameter: two ends that differ by less are the same.
@@ -67,7 +67,7 @@ def check_foreign(out: Path) -> None:
         raise InputError("--out", str(out), allowed)
 
 
-def check_earlier(case: Case, stages: Sequence[Stage], out: Path) -> str:
+def check_previous(case: Case, stages: Sequence[Stage], out: Path) -> str:
     """Say which run of a case is replaced in a folder; nothing where there is none.
 
     Raises InputError where that is of another case, cannot be read, goes further than the `stages` of the

@@ -10,10 +10,10 @@ from rich.console import Console
 
 import isopeel
 from isopeel import InputError
-from isopeel.folder import stage_files
 from isopeel.results.run_file import read_run, write_run
-from isopeel.run import run_case
-from isopeel.stored import stored_stages
+from isopeel.running.folder import stage_files
+from isopeel.running.run import run_case
+from isopeel.running.run_reader import read_stages
 
 
 @pytest.fixture(scope="module")
@@ -26,7 +26,7 @@ def staged(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def test_stages_come_in_their_order(staged: Path) -> None:
-    press, peel = stored_stages(staged)
+    press, peel = read_stages(staged)
     assert (press.title, peel.title) == ("press-and-peel, stage 1: press", "press-and-peel, stage 2: peel")
     assert peel.run.curve.parameter.tolist() == [0.0, 0.5, 1.0]
     assert press.stage.problem.drive.side == "top"
@@ -34,18 +34,18 @@ def test_stages_come_in_their_order(staged: Path) -> None:
 
 
 def test_the_folder_of_a_stage_holds_that_stage(staged: Path) -> None:
-    (peel,) = stored_stages(staged / "2-peel")
+    (peel,) = read_stages(staged / "2-peel")
     assert (peel.title, peel.stage.name) == ("press-and-peel, stage 2: peel", "peel")
 
 
 def test_what_is_no_folder_of_a_run_is_refused(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="it is no folder"):
-        stored_stages(tmp_path / "nowhere")
+        read_stages(tmp_path / "nowhere")
     with pytest.raises(InputError, match=r"there is no run\.h5 in it"):
-        stored_stages(tmp_path)
+        read_stages(tmp_path)
     (tmp_path / "run.h5").write_bytes(b"no HDF5")
     with pytest.raises(InputError, match="the file of a run is needed"):
-        stored_stages(tmp_path)
+        read_stages(tmp_path)
 
 
 def test_a_file_that_does_not_fit_to_its_case_is_refused(staged: Path, tmp_path: Path) -> None:
@@ -62,7 +62,7 @@ def test_a_file_that_does_not_fit_to_its_case_is_refused(staged: Path, tmp_path:
     ):
         write_run(tmp_path / "run.h5", changed)
         with pytest.raises(InputError, match=told):
-            stored_stages(tmp_path)
+            read_stages(tmp_path)
 
 
 def test_a_run_from_before_degree_2_was_the_default_is_linear_across(tmp_path: Path) -> None:
@@ -73,7 +73,7 @@ def test_a_run_from_before_degree_2_was_the_default_is_linear_across(tmp_path: P
         run = read_run(tmp_path / stage / "run.h5")
         # as such a run was written
         write_run(tmp_path / stage / "run.h5", replace(run, case_text=text))
-    press, _ = stored_stages(tmp_path)
+    press, _ = read_stages(tmp_path)
     assert press.space.across.degree == 1
     assert press.run.attributes["dofs"] == 2 * press.space.size
 
@@ -87,4 +87,4 @@ def test_a_space_of_another_case_is_refused(name: str, value: str, staged: Path,
     with h5py.File(stage_files(folder)[0], "r+", libver="latest") as file:
         file.attrs[name] = value
     with pytest.raises(InputError, match="holds fields, a space or a stage of another case"):
-        stored_stages(folder)
+        read_stages(folder)

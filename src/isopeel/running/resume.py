@@ -8,10 +8,10 @@ from rich.console import Console
 
 from isopeel.case import Case, Stage
 from isopeel.common.errors import InputError
-from isopeel.folder import FILES, alone_in, check_overwritten, places, run_files
 from isopeel.post.laboratory import Laboratory
 from isopeel.results.run_file import StoredRun, read_run
-from isopeel.run import Result, check_later_stages, go_through, let_go_when_finished
+from isopeel.running.folder import FILES, alone_in, check_overwritten, places, run_files
+from isopeel.running.run import Result, check_later_stages, go_through, let_go_when_finished
 from isopeel.solve.step import KINDS
 
 
