@@ -19,8 +19,8 @@ from scipy.integrate import trapezoid
 import isopeel
 from isopeel.cli import main
 from isopeel.common.processes import cores
+from isopeel.output.law import LAWS
 from isopeel.results.run_writer import RunWriter
-from isopeel.showing.law import LAWS
 from isopeel.solve.newton import ConvergenceError
 from isopeel.solve.step import KINDS
 

@@ -16,9 +16,9 @@ import pytest
 from PIL import Image
 
 from isopeel.cli import main
+from isopeel.output.view import Viewer
 from isopeel.results.run_file import read_run, write_run
 from isopeel.running.run_reader import read_stages
-from isopeel.showing.view import Viewer
 
 COARSE = ("--mesh", "40x2", "--to", "20", "--step", "1")
 
@@ -174,7 +174,7 @@ def test_animations_that_cannot_be_made(
 @pytest.mark.parametrize("suffix", ["mp4", "gif"])
 def test_ctrl_c_leaves_no_half_animation(runs: Path, tmp_path: Path, suffix: str) -> None:
     program = (
-        "import sys; import isopeel.showing.animate as a; from isopeel.cli import main\n"
+        "import sys; import isopeel.output.animate as a; from isopeel.cli import main\n"
         "picture = a.MovingFigure.picture\n"
         "def slow(self, number):\n"
         "    if number == 1: print('begun', flush=True); import time; time.sleep(60)\n"

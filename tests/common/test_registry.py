@@ -19,9 +19,9 @@ from isopeel.case.values import key_of
 from isopeel.common.errors import InputError
 from isopeel.common.quantities import Length
 from isopeel.common.registry import discover
+from isopeel.output.law import LAWS
 from isopeel.physics.batch import evaluate_law, evaluate_material
 from isopeel.post.law import law_character
-from isopeel.showing.law import LAWS
 
 NAMES = {
     "isopeel.physics.adhesion": (

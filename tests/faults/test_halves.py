@@ -8,7 +8,7 @@ import pytest
 from rich.console import Console
 from summaries import told_by
 
-from isopeel.showing.law import show_law
+from isopeel.output.law import show_law
 
 DCB = """
 name = "dcb"

@@ -199,6 +199,6 @@ def test_what_is_done_is_not_interrupted(
         signal.raise_signal(signal.SIGINT)
         return code
 
-    monkeypatch.setattr("isopeel.cli.running._ended", ended)
+    monkeypatch.setattr("isopeel.cli.compute_commands._ended", ended)
     assert main([*SMALL, "out", "--to", "1"]) == code
     assert capfd.readouterr().err == ""

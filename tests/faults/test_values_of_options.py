@@ -9,7 +9,7 @@ from rich.console import Console
 from isopeel.case import Case
 from isopeel.cli import main
 from isopeel.common.errors import InputError
-from isopeel.showing.chosen import shown_stage, stored_parameters
+from isopeel.output.selection import shown_stage, stored_parameters
 
 CASE = """
 name = "micro"

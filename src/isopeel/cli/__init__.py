@@ -8,12 +8,12 @@ from io import TextIOWrapper
 
 from typer.exceptions import TyperException
 
-from isopeel.cli import running, showing
+from isopeel.cli import compute_commands, output_commands
 from isopeel.cli.base import BAD_INPUT, COMPLETED, app, fail, unwritten
 from isopeel.common.errors import InputError
 from isopeel.common.interrupts import ending_this_process
 
-__all__ = ["app", "main", "running", "showing"]
+__all__ = ["app", "compute_commands", "main", "output_commands"]
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

@@ -15,12 +15,12 @@ from rich.console import Console
 
 from isopeel.common.errors import InputError
 from isopeel.common.interrupts import check, cleared_up, leave_time
+from isopeel.output.selection import shown_stages
 from isopeel.post.figures.moving import MovingFigure, Picture
 from isopeel.results.files import MAKER, replacing
 from isopeel.running.folder import FIGURES, check_overwritten, make_folder
 from isopeel.running.progress import counted
 from isopeel.running.run_reader import StoredStage
-from isopeel.showing.chosen import shown_stages
 
 #: Pictures per second that are possible: a gif counts in hundredths of a second, and shows no more than 50.
 FEWEST, MOST = 0.1, 50.0

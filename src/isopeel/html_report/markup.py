@@ -5,7 +5,7 @@ from functools import partial
 from html import escape
 from typing import Any
 
-from isopeel.page.content import column_words, field_steps, plain
+from isopeel.html_report.content import column_words, field_steps, plain
 from isopeel.post.figures.reaction import unstable_pieces
 from isopeel.post.findings import Findings
 from isopeel.post.summary_table import summary_rows

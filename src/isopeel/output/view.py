@@ -14,6 +14,7 @@ from rich.console import Console
 
 from isopeel.common.arrays import FloatArray
 from isopeel.common.errors import InputError
+from isopeel.output.selection import shown_stage, stored_parameters
 from isopeel.physics.batch import evaluate_substrate
 from isopeel.post.fields import SampledFields
 from isopeel.post.states import BodyState, Window, body_state, common_view
@@ -22,7 +23,6 @@ from isopeel.problem import Problem
 from isopeel.results.files import MAKER, replacing
 from isopeel.running.folder import check_overwritten, make_folder
 from isopeel.running.run_reader import StoredStage
-from isopeel.showing.chosen import shown_stage, stored_parameters
 
 _SIZE = (1280, 720)  # pixels
 #: Who made a picture, as those of matplotlib say it.

@@ -1,4 +1,4 @@
-// Arrays from the short texts that isopeel.page.packing made of them.
+// Arrays from the short texts that isopeel.html_report.packing made of them.
 
 function bytesOf(text) {
   const raw = atob(text);

@@ -16,11 +16,11 @@ from runs import failed, staged, strip
 
 from isopeel import InputError
 from isopeel.cli import main
-from isopeel.page import content
-from isopeel.page.content import field_steps, plain, stage_content
-from isopeel.page.markup import curve_legend
-from isopeel.page.region import substrate_region
-from isopeel.page.write import page, write_page
+from isopeel.html_report import content
+from isopeel.html_report.content import field_steps, plain, stage_content
+from isopeel.html_report.markup import curve_legend
+from isopeel.html_report.region import substrate_region
+from isopeel.html_report.write import html_report, write_html_report
 from isopeel.physics.substrates import Circle, Flat
 from isopeel.post.fields import sample_fields
 from isopeel.post.findings import find
@@ -74,7 +74,7 @@ class Elements(HTMLParser):
 
 
 def test_a_page_loads_nothing_and_runs_its_own_script_alone(stage: StoredStage) -> None:
-    text = page((stage,))
+    text = html_report((stage,))
     found = Elements(text)
     loading = {("link", "href"), ("img", "src"), ("script", "src"), ("a", "href")}
     urls = [value for tag, name, value in found.attributes if (tag, name) in loading]
@@ -99,7 +99,7 @@ def test_what_comes_from_a_run_is_shown_as_text(stage: StoredStage) -> None:
         attributes={**stage.run.attributes, "command_line": mark, "L0": mark},
     )
     case = stage.case.model_copy(update={"about": mark})
-    found = Elements(page((replace(stage, run=run, title=mark, case=case),)))
+    found = Elements(html_report((replace(stage, run=run, title=mark, case=case),)))
     assert len(found.texts["script"]) == 2  # the numbers and the script
     assert mark in found.texts["h1"][0]
     assert [text for text in found.texts["code"] if mark in text]
@@ -186,7 +186,7 @@ def test_what_is_no_number_is_refused(folder: Path, tmp_path: Path) -> None:
     ):
         write_run(tmp_path / "run.h5", changed)
         with pytest.raises(InputError, match=told):
-            write_page(tmp_path)
+            write_html_report(tmp_path)
     assert not (tmp_path / "report.html").exists()
 
 
@@ -249,7 +249,7 @@ def test_the_command_refuses_in_one_line(
 
 def test_runs_that_did_not_end_say_so(stage: StoredStage, tmp_path: Path) -> None:
     def told(stage: StoredStage) -> str:
-        return unescape(re.sub("<[^>]*>", "", page((stage,))))
+        return unescape(re.sub("<[^>]*>", "", html_report((stage,))))
 
     def ended(ending: Ending) -> str:
         return told(replace(stage, run=replace(stage.run, ending=ending)))
@@ -266,10 +266,10 @@ def test_runs_that_did_not_end_say_so(stage: StoredStage, tmp_path: Path) -> Non
 def test_a_run_without_a_step_has_a_page_too(tmp_path: Path) -> None:
     (stopped,) = read_stages(failed(tmp_path))
     nothing = path(stopped.run, [], [])
-    found = Elements(page((replace(stopped, run=replace(nothing, fields={})),)))
+    found = Elements(html_report((replace(stopped, run=replace(nothing, fields={})),)))
     assert any("No equilibrium" in text for text in found.texts["p"])
     assert json.loads(found.texts["script"][0])["stages"] == {}
-    found = Elements(page((replace(stopped, run=replace(stopped.run, fields={})),)))
+    found = Elements(html_report((replace(stopped, run=replace(stopped.run, fields={})),)))
     assert json.loads(found.texts["script"][0])["stages"] == {}
 
 
@@ -288,7 +288,7 @@ def _recount(monkeypatch: pytest.MonkeyPatch) -> list[float]:
         computed.extend(run.fields)
         return []
 
-    monkeypatch.setattr("isopeel.page.write.mesh_changes", counted)
+    monkeypatch.setattr("isopeel.html_report.write.mesh_changes", counted)
     return computed
 
 
@@ -296,7 +296,7 @@ def test_a_page_takes_the_finer_mesh_from_the_summary(folder: Path, monkeypatch:
     computed = _recount(monkeypatch)
     changes = json.loads((folder / "summary.json").read_text("utf-8"))["finer_mesh"]
     assert changes
-    text = page(read_stages(folder))
+    text = html_report(read_stages(folder))
     assert not computed
     assert text.count("half the elements&#x27; length") == len(changes)
 
@@ -320,7 +320,7 @@ def test_a_summary_that_is_not_of_the_run_is_not_believed(
     told = file.read_text("utf-8")
     try:
         file.write_text(json.dumps(damage(json.loads(told))), "utf-8")
-        page(read_stages(folder))
+        html_report(read_stages(folder))
         assert computed
     finally:
         file.write_text(told, "utf-8")

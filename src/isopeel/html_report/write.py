@@ -13,9 +13,9 @@ import numpy as np
 
 import isopeel
 from isopeel.common.errors import InputError
-from isopeel.page import markup
-from isopeel.page.content import Content, column_words, stage_content
-from isopeel.page.packing import packed
+from isopeel.html_report import markup
+from isopeel.html_report.content import Content, column_words, stage_content
+from isopeel.html_report.packing import packed
 from isopeel.post.mesh_error import mesh_changes
 from isopeel.post.stored_changes import stored_changes
 from isopeel.post.style import BLUE, FIELD_MAP, SHADE, SKY, VERMILION
@@ -29,7 +29,7 @@ MOST_BYTES = 4_000_000
 _LEVELS = 255  # of the stress, as `packed_stress` has them
 
 
-def write_page(folder: Path, out: Path | None = None, *, force: bool = False) -> Path:
+def write_html_report(folder: Path, out: Path | None = None, *, force: bool = False) -> Path:
     """Write what a folder holds of a run as one HTML page, DIR/report.html when no file is given.
 
     The page loads nothing: it opens without a network, now and later. A case of several stages has them one
@@ -39,13 +39,13 @@ def write_page(folder: Path, out: Path | None = None, *, force: bool = False) ->
     stages = read_stages(folder)
     path = out or folder / REPORT
     check_overwritten("--out", [path], force)
-    text = page(stages)
+    text = html_report(stages)
     with replacing(path) as part:
         part.write_text(text, "utf-8", newline="\n")
     return path
 
 
-def page(stages: tuple[StoredStage, ...]) -> str:
+def html_report(stages: tuple[StoredStage, ...]) -> str:
     """Make the page of stages of one run. Raises InputError where their files hold no numbers."""
     names = [f"stage-{number}" for number, _ in enumerate(stages, start=1)]
     sections, contents = [], {}
@@ -119,7 +119,7 @@ def _contents(names: list[str], stages: tuple[StoredStage, ...]) -> str:
 
 
 def _template(name: str) -> Template:
-    return Template(_read("page", name))
+    return Template(_read("html_report", name))
 
 
 def _style() -> str:
@@ -131,7 +131,7 @@ def _style() -> str:
 def _script() -> str:
     """The files of the script, in their order, as one."""
     files = sorted(
-        resources.files("isopeel").joinpath("page", "script").iterdir(), key=lambda file: file.name
+        resources.files("isopeel").joinpath("html_report", "script").iterdir(), key=lambda file: file.name
     )
     parts = [file.read_text("utf-8") for file in files if file.name.endswith(".js")]
     return "\n".join(['\n"use strict";\n', *parts])

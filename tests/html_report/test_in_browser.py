@@ -15,7 +15,7 @@ from selenium.webdriver.common.by import By
 from selenium.webdriver.common.keys import Keys
 from selenium.webdriver.remote.webelement import WebElement
 
-from isopeel.page.write import write_page
+from isopeel.html_report.write import write_html_report
 from isopeel.post.fields import sample_fields
 from isopeel.running.run_reader import read_stages
 
@@ -52,12 +52,12 @@ def browser(tmp_path_factory: pytest.TempPathFactory) -> Iterator[webdriver.Chro
 
 @pytest.fixture(scope="module")
 def strip_page(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return write_page(strip(tmp_path_factory.mktemp("strip")))
+    return write_html_report(strip(tmp_path_factory.mktemp("strip")))
 
 
 @pytest.fixture(scope="module")
 def staged_page(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return write_page(staged(tmp_path_factory.mktemp("staged")))
+    return write_html_report(staged(tmp_path_factory.mktemp("staged")))
 
 
 def show(
@@ -299,7 +299,7 @@ def test_each_stage_has_its_own_slider(browser: webdriver.Chrome, staged_page: P
 
 
 def test_a_failed_run_says_so(browser: webdriver.Chrome, tmp_path: Path) -> None:
-    show(browser, write_page(failed(tmp_path)))
+    show(browser, write_html_report(failed(tmp_path)))
     told = browser.find_element(By.CSS_SELECTOR, ".ending").text
     assert told.startswith("No equilibrium at 40°: ")
     assert "What to try: " in told

@@ -12,6 +12,7 @@ from rich.console import Console
 from rich.table import Column, Table
 
 from isopeel.common.errors import InputError
+from isopeel.output.selection import shown_stage
 from isopeel.post.comparison import Compared, comparison, difference
 from isopeel.post.figures import comparison_figure, save
 from isopeel.post.findings import in_laboratory
@@ -21,7 +22,6 @@ from isopeel.results.curve import Curve
 from isopeel.results.files import replacing
 from isopeel.running.folder import check_overwritten, make_folder
 from isopeel.running.run_reader import StoredStage
-from isopeel.showing.chosen import shown_stage
 
 
 def compare_runs(

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from isopeel.common.arrays import FloatArray
-from isopeel.page.packing import packed, packed_positions, packed_stress
+from isopeel.html_report.packing import packed, packed_positions, packed_stress
 
 
 def unpacked(text: str, dtype: str) -> FloatArray:

@@ -9,6 +9,7 @@ from matplotlib.figure import Figure
 from rich.console import Console
 
 from isopeel.common.errors import InputError
+from isopeel.output.selection import shown_stages, stored_parameters
 from isopeel.post.figures import (
     front_figure,
     plateau_figure,
@@ -26,7 +27,6 @@ from isopeel.post.style import check_format
 from isopeel.results.files import replacing
 from isopeel.running.folder import FIGURES, check_overwritten, make_folder
 from isopeel.running.run_reader import StoredStage
-from isopeel.showing.chosen import shown_stages, stored_parameters
 
 
 class _Shown(NamedTuple):

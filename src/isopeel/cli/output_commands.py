@@ -37,7 +37,7 @@ def plot(
     force: _ForceOption = False,
 ) -> int:
     """Draw the figures of a stored run: its curve and plateau, deformed shapes, front and tractions."""
-    from isopeel.showing.plot import plot_run
+    from isopeel.output.plot import plot_run
 
     plot_run(folder, only or [], at or [], suffix, out, console(), force=force)
     return COMPLETED
@@ -52,9 +52,9 @@ def report(
     force: _ForceOption = False,
 ) -> int:
     """Write a run as one HTML page, with its curve, shapes, front and tractions, that opens anywhere."""
-    from isopeel.page.write import write_page
+    from isopeel.html_report.write import write_html_report
 
-    console().print(f"the report is {write_page(folder, out, force=force)}", soft_wrap=True)
+    console().print(f"the report is {write_html_report(folder, out, force=force)}", soft_wrap=True)
     return COMPLETED
 
 
@@ -74,7 +74,7 @@ def export(
     told = "interrupted; the same command writes all files anew"
     try:
         with telling(told):
-            from isopeel.showing.export import export_run
+            from isopeel.output.export import export_run
 
             export_run(folder, out, linear, console(), force=force)
     except KeyboardInterrupt:
@@ -94,7 +94,7 @@ def compare(
     force: _ForceOption = False,
 ) -> int:
     """Lay the curves of stored runs over each other, and tabulate what was read from them."""
-    from isopeel.showing.compare import compare_runs
+    from isopeel.output.compare import compare_runs
 
     compare_runs(folders, suffix, out, console(), force=force)
     return COMPLETED
@@ -115,7 +115,7 @@ def animate(
     force: _ForceOption = False,
 ) -> int:
     """Animate a stored run: the deformed body, and beside it the curve with a mark that moves along it."""
-    from isopeel.showing.animate import animate_run
+    from isopeel.output.animate import animate_run
 
     animate_run(folder, suffix, fps, size, out, console(), force=force)
     return COMPLETED
@@ -137,7 +137,7 @@ def view(
     force: _ForceOption = False,
 ) -> int:
     """Show the deformed body of a stored run in a window, with a slider (needs isopeel[view])."""
-    from isopeel.showing.view import view_run
+    from isopeel.output.view import view_run
 
     view_run(folder, at, screenshot, console(), force=force)
     return COMPLETED
@@ -162,7 +162,7 @@ def spaces(
     force: _ForceOption = False,
 ) -> int:
     """Draw the functions of a spline space, and tell its degrees, continuities, supports and DOFs."""
-    from isopeel.showing.spaces import show_space
+    from isopeel.output.spaces import show_space
 
     show_space(name, mesh, out, console(), force=force)
     return COMPLETED
@@ -179,7 +179,7 @@ def law(
     force: _ForceOption = False,
 ) -> int:
     """Draw a law of adhesion, and tell its strength, work of adhesion and stiffness."""
-    from isopeel.showing.law import show_law
+    from isopeel.output.law import show_law
 
     show_law(name, out, console(), force=force)
     return COMPLETED

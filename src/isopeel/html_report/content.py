@@ -11,8 +11,8 @@ import numpy as np
 
 from isopeel.common.arrays import FloatArray, IntArray
 from isopeel.common.errors import InputError
-from isopeel.page.packing import packed, packed_positions, packed_stress
-from isopeel.page.region import substrate_region
+from isopeel.html_report.packing import packed, packed_positions, packed_stress
+from isopeel.html_report.region import substrate_region
 from isopeel.post.figures.reaction import is_reached, unstable_pieces, widest_turn
 from isopeel.post.findings import Findings, Shown, in_laboratory
 from isopeel.post.front import front_profile

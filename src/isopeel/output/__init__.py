@@ -1,0 +1,1 @@
+"""What commands make of stored runs, laws and spaces: figures, tables, animations, ParaView files."""
