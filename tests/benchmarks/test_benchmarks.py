@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from comparison import Comparison
     from programs import Block
 
-BENCHMARKS = Path(__file__).parents[1] / "benchmarks"
+BENCHMARKS = Path(__file__).parents[2] / "benchmarks"
 ELEMENTS = (20, 2)
 # all stop at the same energy residual, after which only rounding tells them apart: 1e-13 at most
 MOMENT_TOLERANCE = 1e-10

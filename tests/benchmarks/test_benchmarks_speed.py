@@ -15,7 +15,7 @@ import isopeel
 from isopeel.assembly.system import System
 from isopeel.paper.study import MESHES, SPACES
 
-BENCHMARKS = Path(__file__).parents[1] / "benchmarks"
+BENCHMARKS = Path(__file__).parents[2] / "benchmarks"
 
 
 @pytest.fixture(autouse=True)

@@ -9,7 +9,7 @@ from timeit import timeit
 import numpy as np
 import pytest
 
-sys.path.insert(0, str(Path(__file__).parents[1] / "benchmarks"))
+sys.path.insert(0, str(Path(__file__).parents[2] / "benchmarks"))
 
 from isopeel.case import Case, load_case
 from isopeel.post.closed_form import double_cantilever_force, kendall_force, sliding_tape_force

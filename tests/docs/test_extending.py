@@ -19,7 +19,7 @@ from isopeel.common.registry import OWN_PARTS, discover
 from isopeel.matrix.factorize import factorize
 from isopeel.physics.batch import evaluate_law, evaluate_material, evaluate_substrate
 
-DOCS = Path(__file__).parents[1] / "docs"
+DOCS = Path(__file__).parents[2] / "docs"
 TEXT = "".join(
     (DOCS / page).read_text(encoding="utf-8")
     for page in ("howto/adhesion-law.md", "extending.md", "howto/shape.md")

@@ -17,7 +17,7 @@ from isopeel.running.run import run_case
 from isopeel.solve.newton import NewtonSettings
 from isopeel.solve.trace import trace
 
-DOCUMENT = Path(__file__).parents[1] / "docs" / "cases.md"
+DOCUMENT = Path(__file__).parents[2] / "docs" / "cases.md"
 CASES = {
     "strip",
     "tape-angle",

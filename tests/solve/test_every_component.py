@@ -2,7 +2,7 @@
 
 The tangent against central differences, Newton's convergence, the energy balance and going on from a file.
 One part at a time is varied around a common problem: a short strip, lifted at its end until about a tenth to
-a half of the work has gone into tearing. Drives have the same checks in `solve/test_drives.py`.
+a half of the work has gone into tearing. Drives have the same checks in `test_drives.py`.
 """
 
 import json
@@ -291,10 +291,10 @@ def test_tangent_is_the_derivative_of_the_residual(peeled: Peeled) -> None:
 def test_every_registered_part_is_tested() -> None:
     """Laws and materials are by themselves; what else is registered needs an example that suits it."""
     here = Path(__file__).parent
-    drives = {drive.name for drive, _ in run_path(str(here / "solve/test_drives.py"))["DRIVES"].values()}
+    drives = {drive.name for drive, _ in run_path(str(here / "test_drives.py"))["DRIVES"].values()}
     for found, examples, place in (
-        (FOUND[2], SUBSTRATES, "SUBSTRATES in tests/test_every_part.py"),
-        (FOUND[3], SHAPES, "SHAPES in tests/test_every_part.py"),
+        (FOUND[2], SUBSTRATES, "SUBSTRATES in tests/solve/test_every_component.py"),
+        (FOUND[3], SHAPES, "SHAPES in tests/solve/test_every_component.py"),
         (FOUND[4], drives, "DRIVES in tests/solve/test_drives.py"),
     ):
         missing = sorted(set(found) - set(examples))
