@@ -1,1 +1,1 @@
-"""From a problem and a spline space to forces and tangents: tables, kernels, constraints, the system."""
+"""Tables of functions, compiled loops, constraints, the assembled system; no load steps."""

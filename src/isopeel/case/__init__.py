@@ -1,4 +1,4 @@
-"""The case file: what is peeled, on which space, how far and in which steps, in TOML with units."""
+"""The case file: keys, units and stages, each made into a problem and its parameters."""
 
 from isopeel.case.case import Case, load_case, parse_mesh, shipped_cases
 from isopeel.case.changes import assignment

@@ -1,4 +1,4 @@
-"""The command line."""
+"""The command line: arguments and exit codes; no logic."""
 
 import os
 import sys

@@ -1,1 +1,1 @@
-"""What all layers share: array types, errors, units, compilation, processes."""
+"""What all layers share: array types, errors, units, compilation, processes, Ctrl-C, component discovery."""

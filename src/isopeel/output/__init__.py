@@ -1,1 +1,1 @@
-"""What commands make of stored runs, laws and spaces: figures, tables, animations, ParaView files."""
+"""Output of stored runs, laws and spaces: figures, tables, animations, a window, ParaView files."""

@@ -1,1 +1,1 @@
-"""The published benchmark: its tables as data, and our own numbers beside them."""
+"""The published study: its tables as data, its runs, and the sections and figures of its report."""

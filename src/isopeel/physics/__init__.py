@@ -1,4 +1,4 @@
-"""Physics: materials, adhesion laws and substrates as small frozen objects with formulas.
+"""Materials, adhesion laws and substrates: small frozen objects with formulas; no meshes, no solvers.
 
 Each object carries its numbers (`parameters`) and a compiled batch function (`kernel`) that evaluates its
 formulas at many points at once. The assembly calls that function through its address, so that a new law

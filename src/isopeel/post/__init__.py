@@ -1,1 +1,1 @@
-"""Reading what a run leaves behind: plateaus, fields, closed forms and figures."""
+"""Evaluation of a run: readings of its curve, fields, the front, closed forms, figures."""

@@ -1,4 +1,4 @@
-"""What is peeled: a body, where it adheres to what, what is held, and how it is driven."""
+"""A body and its shape, where it adheres, what is held, the drive; no meshes, no solvers."""
 
 from isopeel.problem.drives import Column, Drive, Load, MovedSide, PulledSide, RotatedSide
 from isopeel.problem.problem import AdhesiveSide, Body, FixedSide, Problem, Traction

@@ -1,1 +1,1 @@
-"""Documents: Markdown and one HTML page from blocks; it knows neither study nor validation."""
+"""Documents of blocks, written as Markdown and as one HTML page; no study and no validation."""

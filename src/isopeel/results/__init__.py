@@ -1,1 +1,1 @@
-"""What a run leaves behind: the curve, fields and provenance, in files that other programs read."""
+"""The curve, the file of a run and its journal, provenance; files are read as untrusted."""

@@ -1,1 +1,1 @@
-"""Splines: knot vectors, bases, NURBS and the row-wise space. Knows nothing of mechanics."""
+"""Knot vectors, bases, NURBS and the row-wise space; no mechanics."""

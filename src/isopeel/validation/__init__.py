@@ -1,1 +1,1 @@
-"""Runs held against closed forms: one module per check, and the report on all of them."""
+"""Runs compared with closed forms: one module per check, and the report on all of them."""
