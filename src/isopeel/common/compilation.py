@@ -27,7 +27,7 @@ if vars(config)["DISABLE_JIT"]:
 Function = TypeVar("Function", bound=Callable[..., Any])
 
 #: Where compiled functions stand, and what these read; a test holds that they stand nowhere else.
-LAYERS = ("common/arrays.py", "common/compilation.py", "splines", "physics", "matrix", "assembly", "solve")
+COMPILED = ("common/arrays.py", "common/compilation.py", "splines", "physics", "matrix", "assembly", "solve")
 
 #: For formulas: a division by zero gives inf or nan, which the solver detects and reports.
 EXACT: dict[str, Any] = {"error_model": "numpy"}
@@ -97,7 +97,7 @@ def _module(function: Callable[..., Any]) -> str:
 def sources() -> str:
     """Digest of all sources that are part of compiled functions."""
     package, digest = Path(__file__).parents[1], sha256()
-    for layer in LAYERS:
+    for layer in COMPILED:
         path = package / layer
         for file in [path] if path.suffix else sorted(path.rglob("*.py")):
             digest.update(file.read_bytes())
