@@ -3,17 +3,15 @@
 Index names: a, b functions of an element; i, k components; J, L reference directions; q quadrature points.
 """
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numba import boolean, float64, int64
 
+from isopeel.assembly.interface_kernel import project, respond
 from isopeel.assembly.loops import PAIR, read_only
 from isopeel.common.arrays import FloatArray, IntArray
-from isopeel.common.compilation import compiled_reordered
-from isopeel.physics.adhesion.irreversible import with_history
-from isopeel.physics.adhesion.sliding import with_slip
-from isopeel.physics.batch import law_at, of_address, substrate_at
+from isopeel.physics.batch import of_address
 
 
 class AdhesionArguments(NamedTuple):
@@ -74,75 +72,27 @@ def add_adhesion(
     curvature k: dn/dx = k/(1 + k r) t t (Sadhana 46:3, 2021, Eqs. 19, 26, 27; with v = F^-T N_o, w = F^-1 n,
     d phi/dF_kL = v_k w_L). Shapes as in `SideTable`.
     """
-    law, substrate = law_at(law_address), substrate_at(substrate_address)
+    answer = respond(
+        law_address,
+        law_parameters,
+        substrate_address,
+        substrate_parameters,
+        functions,
+        values,
+        positions,
+        factors,
+        irreversible,
+        sliding_length,
+        tangents,
+        equilibrium_gap,
+        openings,
+        u,
+    )
+    gap, n, curvature, potential = answer.gap, answer.normal, answer.curvature, answer.potential
+    T, dT, lost, shear = answer.traction, answer.derivative, answer.dissipated, answer.shear
     elements, m = functions.shape
     Q = weights.shape[1]
-    # of all points at once, for the loops of law and substrate
-    points = elements * Q
-    x = np.empty((2, points))
-    gap = np.empty(points)
-    n = np.empty((2, points))
-    curvature = np.empty(points)
-    seen = np.zeros(points)
-    potential = np.empty(points)
-    T = np.empty(points)
-    dT = np.empty(points)
-    lost = np.zeros(points)
-    shear = np.zeros((3, points))
-    local = np.empty((2, m))  # of one element: its displacements, and then its forces
-    for e in range(elements):
-        for a in range(m):
-            for i in range(2):
-                local[i, a] = u[functions[e, a], i]
-        for q in range(Q):
-            for i in range(2):
-                place = positions[e, q, i]
-                for a in range(m):
-                    place += values[e, q, a] * local[i, a]
-                x[i, e * Q + q] = place
-    substrate(x, substrate_parameters, points, gap, n, curvature)
-    if factors:
-        for p in range(points):
-            seen[p] = curvature[p]
-    if irreversible:
-        with_history(
-            law,
-            gap,
-            seen,
-            openings.ravel(),
-            equilibrium_gap,
-            law_parameters,
-            points,
-            potential,
-            T,
-            dT,
-            lost,
-        )
-    else:
-        law(gap, seen, law_parameters, points, potential, T, dT)
-    if sliding_length > 0.0:
-        closed = np.full(points, equilibrium_gap)
-        bottom = np.empty((3, points))
-        slip = np.zeros(points)
-        for e in range(elements):
-            for q in range(Q):
-                for i in range(2):
-                    slip[e * Q + q] += tangents[e, q, i] * (x[i, e * Q + q] - positions[e, q, i])
-        law(closed, seen, law_parameters, points, bottom[0], bottom[1], bottom[2])
-        with_slip(
-            gap,
-            slip,
-            sliding_length,
-            equilibrium_gap,
-            bottom[0],
-            points,
-            potential,
-            T,
-            dT,
-            shear[0],
-            shear[1],
-            shear[2],
-        )
+    local = np.empty((2, m))  # forces of one element
     F = np.empty((2, 2))
     H = np.empty((2, 2))
     v = np.empty(2)
@@ -159,11 +109,7 @@ def add_adhesion(
             p = e * Q + q
             phi = 1.0
             if projected:
-                _inverse_deformation(u, functions[e], gradients[e, q], F, H)
-                for i in range(2):
-                    v[i] = H[0, i] * normals[e, q, 0] + H[1, i] * normals[e, q, 1]
-                    w[i] = H[i, 0] * n[0, p] + H[i, 1] * n[1, p]
-                phi = -(n[0, p] * v[0] + n[1, p] * v[1])
+                phi = project(u, functions[e], gradients[e, q], normals[e, q], n[0, p], n[1, p], F, H, v, w)
             area = weights[e, q]
             energy += area * phi * potential[p]
             dissipated += area * phi * lost[p]
@@ -238,18 +184,3 @@ SIDE_SIGNATURE = PAIR(
 
 #: Those loops, of their address, within compiled code.
 adhesion_at = of_address(SIDE_SIGNATURE)
-
-
-@compiled_reordered
-def _inverse_deformation(u: Any, functions: Any, gradients: Any, F: Any, H: Any) -> None:
-    """Deformation gradient F at one point, and H = F^-1."""
-    for i in range(2):
-        for J in range(2):
-            F[i, J] = 1.0 if i == J else 0.0
-            for a in range(functions.size):
-                F[i, J] += u[functions[a], i] * gradients[J, a]
-    determinant = F[0, 0] * F[1, 1] - F[0, 1] * F[1, 0]
-    H[0, 0] = F[1, 1] / determinant
-    H[0, 1] = -F[0, 1] / determinant
-    H[1, 0] = -F[1, 0] / determinant
-    H[1, 1] = F[0, 0] / determinant

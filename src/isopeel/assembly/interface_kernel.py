@@ -1,0 +1,175 @@
+"""Compiled evaluation of the interface at points of the adhering side: the only place that composes its law.
+
+The assembly (`adhesion_kernel`) and every reading of a state (`interface`) call it, so that both have the
+same curvature, damage, sliding and projected area.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from isopeel.common.arrays import FloatArray, IntArray
+from isopeel.common.compilation import compiled_reordered
+from isopeel.physics.adhesion.irreversible import with_history
+from isopeel.physics.adhesion.sliding import with_slip
+from isopeel.physics.batch import law_at, substrate_at
+
+
+class Response(NamedTuple):
+    """What the interface answers at points (n): those of the first element first."""
+
+    position: FloatArray  # x (2, n)
+    gap: FloatArray
+    normal: FloatArray  # n_o (2, n)
+    curvature: FloatArray  # of the substrate, also where the law is not told it
+    potential: FloatArray  # per area that the traction acts on, as the following
+    traction: FloatArray  # T along n_o, repulsion positive
+    derivative: FloatArray  # of T by the gap
+    dissipated: FloatArray
+    shear: FloatArray  # V_s, V_ss and V_rs (3, n) of a joint that slides, else zero
+
+
+@compiled_reordered
+def respond(
+    law_address: int,
+    law_parameters: FloatArray,
+    substrate_address: int,
+    substrate_parameters: FloatArray,
+    functions: IntArray,
+    values: FloatArray,
+    positions: FloatArray,
+    factors: bool,
+    irreversible: bool,
+    sliding_length: float,
+    tangents: FloatArray,
+    equilibrium_gap: float,
+    openings: FloatArray,
+    u: FloatArray,
+) -> Response:
+    """Evaluate the interface of a body with coefficients u (size, 2).
+
+    Points are those of a `SideTable`, E elements of Q points each, with the substrate's `tangents` (E, Q, 2)
+    at their first positions. With `factors` the law is told the curvature. An `irreversible` law follows the
+    largest `openings` (E, Q) so far; a joint with a `sliding_length`, zero for none, also holds along the
+    tangents.
+    """
+    law, substrate = law_at(law_address), substrate_at(substrate_address)
+    elements, m = functions.shape
+    Q = positions.shape[1]
+    # of all points at once, for the loops of law and substrate
+    points = elements * Q
+    x = np.empty((2, points))
+    gap = np.empty(points)
+    n = np.empty((2, points))
+    curvature = np.empty(points)
+    seen = np.zeros(points)
+    potential = np.empty(points)
+    T = np.empty(points)
+    dT = np.empty(points)
+    lost = np.zeros(points)
+    shear = np.zeros((3, points))
+    local = np.empty((2, m))
+    for e in range(elements):
+        for a in range(m):
+            for i in range(2):
+                local[i, a] = u[functions[e, a], i]
+        for q in range(Q):
+            for i in range(2):
+                place = positions[e, q, i]
+                for a in range(m):
+                    place += values[e, q, a] * local[i, a]
+                x[i, e * Q + q] = place
+    substrate(x, substrate_parameters, points, gap, n, curvature)
+    if factors:
+        for p in range(points):
+            seen[p] = curvature[p]
+    if irreversible:
+        with_history(
+            law,
+            gap,
+            seen,
+            openings.ravel(),
+            equilibrium_gap,
+            law_parameters,
+            points,
+            potential,
+            T,
+            dT,
+            lost,
+        )
+    else:
+        law(gap, seen, law_parameters, points, potential, T, dT)
+    if sliding_length > 0.0:
+        closed = np.full(points, equilibrium_gap)
+        bottom = np.empty((3, points))
+        slip = np.zeros(points)
+        for e in range(elements):
+            for q in range(Q):
+                for i in range(2):
+                    slip[e * Q + q] += tangents[e, q, i] * (x[i, e * Q + q] - positions[e, q, i])
+        law(closed, seen, law_parameters, points, bottom[0], bottom[1], bottom[2])
+        with_slip(
+            gap,
+            slip,
+            sliding_length,
+            equilibrium_gap,
+            bottom[0],
+            points,
+            potential,
+            T,
+            dT,
+            shear[0],
+            shear[1],
+            shear[2],
+        )
+    return Response(x, gap, n, curvature, potential, T, dT, lost, shear)
+
+
+@compiled_reordered
+def project(
+    u: FloatArray,
+    functions: IntArray,
+    gradients: FloatArray,
+    rest_normal: FloatArray,
+    n_x: float,
+    n_y: float,
+    F: FloatArray,
+    H: FloatArray,
+    v: FloatArray,
+    w: FloatArray,
+) -> float:
+    """Projected area -n . F^-T N_o of a unit reference area at one point; writes v = F^-T N_o, w = F^-1 n.
+
+    Of the functions (m,) of an element with gradients (2, m), and the normal n = (n_x, n_y) of the substrate.
+    F and H = F^-1 are written as well.
+    """
+    for i in range(2):
+        for J in range(2):
+            F[i, J] = 1.0 if i == J else 0.0
+            for a in range(functions.size):
+                F[i, J] += u[functions[a], i] * gradients[J, a]
+    determinant = F[0, 0] * F[1, 1] - F[0, 1] * F[1, 0]
+    H[0, 0] = F[1, 1] / determinant
+    H[0, 1] = -F[0, 1] / determinant
+    H[1, 0] = -F[1, 0] / determinant
+    H[1, 1] = F[0, 0] / determinant
+    for i in range(2):
+        v[i] = H[0, i] * rest_normal[0] + H[1, i] * rest_normal[1]
+        w[i] = H[i, 0] * n_x + H[i, 1] * n_y
+    return -(n_x * v[0] + n_y * v[1])
+
+
+@compiled_reordered
+def projected_areas(
+    functions: IntArray, gradients: FloatArray, rest_normals: FloatArray, normal: FloatArray, u: FloatArray
+) -> FloatArray:
+    """Projected areas (n,) of unit reference areas at the points of a `SideTable`, for normals (2, n)."""
+    Q = gradients.shape[1]
+    areas = np.empty(normal.shape[1])
+    F, H, v, w = np.empty((2, 2)), np.empty((2, 2)), np.empty(2), np.empty(2)
+    for p in range(areas.size):
+        e, q = p // Q, p % Q
+        areas[p] = project(
+            u, functions[e], gradients[e, q], rest_normals[e, q], normal[0, p], normal[1, p], F, H, v, w
+        )
+    return areas
