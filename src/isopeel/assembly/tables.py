@@ -14,6 +14,10 @@ from isopeel.splines.rows import Basis, RowSpace
 MOST_CONTACT_POINTS = 100
 #: Lines of points are alike where their values agree to so many digits: to the round-off of their evaluation.
 _DIGITS = 13
+#: Share of the largest Jacobian below which it counts as zero: at a corner where two sides meet tangentially.
+FLAT = 1e-9
+#: Share of the way to the middle of its points at which the tangent of a corner of a shape is seen.
+_INWARDS = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
@@ -197,28 +201,55 @@ def side_table(
     Elements that the part covers in part are integrated over that part, with full accuracy. There are
     `points` Gauss points on each, by default one more than the highest degree along the side.
     """
-    start, end = part
     if points is not None and not 1 <= points <= MOST_CONTACT_POINTS:
         raise InputError("contact_points", points, f"there can be 1 to {MOST_CONTACT_POINTS} on an element")
-    along = space.across if side in ("left", "right") else space.rows[0]
-    breakpoints = along.breakpoints
-    inside = breakpoints[(breakpoints > start) & (breakpoints < end)]
+    parameter, weights = side_points(space, side, part, points)
+    return table_at(shape, space, side, parameter, weights)
+
+
+def side_points(
+    space: RowSpace, side: Side, part: tuple[float, float], points: int | None = None
+) -> tuple[FloatArray, FloatArray]:
+    """Parameters and weights (E, Q) of the Gauss points of `side_table`; weights are lengths of parameter."""
     degree = space.across.degree if side in ("left", "right") else space.degree
-    parameter, weights = _gauss_points(np.concatenate([[start], inside, [end]]), points or degree + 1)
+    return _gauss_points(element_ends(space, side, part), points or degree + 1)
+
+
+def element_ends(space: RowSpace, side: Side, part: tuple[float, float]) -> FloatArray:
+    """Parameters (E + 1,) of the ends of the elements of a side, as far as a part of it covers them."""
+    start, end = part
+    breakpoints = (space.across if side in ("left", "right") else space.rows[0]).breakpoints
+    inside = breakpoints[(breakpoints > start) & (breakpoints < end)]
+    return np.concatenate([[start], inside, [end]])
+
+
+def table_at(
+    shape: NurbsSurface, space: RowSpace, side: Side, parameter: FloatArray, weights: FloatArray
+) -> SideTable:
+    """Table of points (E, Q) of a side, each row of them on one element, with their lengths of parameter.
+
+    Gradients are nan at a corner where two sides meet tangentially. Raises InputError where a space does not
+    allow for adhesion on this side, or the patch folds.
+    """
     elements, quadrature = parameter.shape
+    upright = side in ("left", "right")
     constant = np.full(parameter.size, 0.0 if side in ("left", "bottom") else 1.0)
-    if side in ("bottom", "top"):
-        xi, eta = parameter.ravel(), constant
-        basis = space.basis(xi, eta, 0 if side == "bottom" else space.elements[1] - 1)
-        tangent = shape.jacobian(xi, eta)[:, :, 0] * (1 if side == "bottom" else -1)
-    else:
+    # a point where two elements meet belongs to that of its row
+    inside = parameter.mean(axis=1, keepdims=True)
+    holders = (space.across if upright else space.rows[0]).element_of(inside[:, 0])
+    # and so does the tangent of a shape that has a corner there
+    corners = np.isin(parameter, shape.spaces[int(upright)].breakpoints[1:-1])
+    seen = (parameter + corners * _INWARDS * (inside - parameter)).ravel()
+    if upright:
         xi, eta = constant, parameter.ravel()
-        rows = space.across.element_of(parameter[:, 0])
-        basis = _stack(
-            [space.basis(xi[:quadrature], e, r) for e, r in zip(parameter, rows, strict=True)], side
-        )
-        tangent = shape.jacobian(xi, eta)[:, :, 1] * (1 if side == "right" else -1)
-    gradients, _ = _reference_gradients(shape, basis, xi, eta)
+        basis = _on_upright_side(space, side, xi, parameter, holders)
+        jacobian = shape.jacobian(xi, seen)
+    else:
+        xi, eta = parameter.ravel(), constant
+        row = 0 if side == "bottom" else space.elements[1] - 1
+        basis = space.basis(xi, eta, row, np.repeat(holders, quadrature))
+        jacobian = shape.jacobian(seen, eta)
+    tangent = jacobian[:, :, int(upright)] * (1 if side in ("bottom", "right") else -1)
     length = np.linalg.norm(tangent, axis=1)
     # the boundary runs anticlockwise, so that the outward normal lies to its right
     normals = np.stack([tangent[:, 1], -tangent[:, 0]], axis=1) / length[:, None]
@@ -226,17 +257,28 @@ def side_table(
     return SideTable(
         functions=basis.functions.reshape(elements, quadrature, m)[:, 0].copy(),
         values=basis.values.reshape(elements, quadrature, m),
-        gradients=gradients.reshape(elements, quadrature, 2, m),
+        gradients=_reference_gradients(jacobian, basis, xi, eta).reshape(elements, quadrature, 2, m),
         weights=weights * length.reshape(elements, quadrature),
         positions=shape.evaluate(xi, eta).reshape(elements, quadrature, 2),
         normals=normals.reshape(elements, quadrature, 2),
     )
 
 
-def _stack(parts: list[Basis], side: Side) -> Basis:
+def _on_upright_side(
+    space: RowSpace, side: Side, xi: FloatArray, parameter: FloatArray, holders: IntArray
+) -> Basis:
+    """Functions at parameters (E, Q) of the left or right side, whose rows lie on the elements `holders`."""
+    order = np.argsort(holders, kind="stable")
+    parts = []
+    for row in np.unique(holders):
+        eta = parameter[holders == row].ravel()
+        parts.append(space.basis(xi[: eta.size], eta, int(row)))
     if len({part.functions.shape[1] for part in parts}) > 1:
         raise InputError("adhesion.side", side, "on this side all rows must have one space")
-    return Basis(*(np.concatenate(arrays) for arrays in zip(*parts, strict=True)))
+    # back from the order of the elements
+    places = np.empty(parameter.shape, dtype=np.int64)
+    places[order] = np.arange(parameter.size).reshape(parameter.shape)
+    return Basis(*(np.concatenate(arrays)[places.ravel()] for arrays in zip(*parts, strict=True)))
 
 
 def _gauss_points(breakpoints: FloatArray, count: int) -> tuple[FloatArray, FloatArray]:
@@ -247,13 +289,17 @@ def _gauss_points(breakpoints: FloatArray, count: int) -> tuple[FloatArray, Floa
 
 
 def _reference_gradients(
-    shape: NurbsSurface, basis: Basis, xi: FloatArray, eta: FloatArray
-) -> tuple[FloatArray, FloatArray]:
-    """Gradients (n, 2, m) with respect to the reference position, and det dX/d(xi, eta) (n,)."""
-    jacobian = shape.jacobian(xi, eta)
-    determinant = _positive(jacobian, xi, eta)
-    gradients = np.einsum("nJi,nim->nJm", np.linalg.inv(jacobian).transpose(0, 2, 1), basis.derivatives)
-    return gradients, determinant
+    jacobian: FloatArray, basis: Basis, xi: FloatArray, eta: FloatArray
+) -> FloatArray:
+    """Gradients (n, 2, m) with respect to the reference position, of dX/d(xi, eta) (n, 2, 2)."""
+    determinant = np.linalg.det(jacobian)
+    flat = np.abs(determinant) <= FLAT * np.abs(determinant).max()
+    regular = np.where(flat[:, None, None], np.eye(2), jacobian)
+    _positive(regular, xi, eta)
+    inverse = np.linalg.inv(regular)
+    inverse[flat] = np.nan
+    gradients: FloatArray = np.einsum("nJi,nim->nJm", inverse.transpose(0, 2, 1), basis.derivatives)
+    return gradients
 
 
 def _positive(jacobian: FloatArray, xi: FloatArray, eta: FloatArray) -> FloatArray:

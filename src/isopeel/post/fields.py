@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from isopeel.assembly.tables import FLAT
 from isopeel.common.arrays import FloatArray, IntArray
 from isopeel.common.errors import InputError
 from isopeel.physics.batch import evaluate_material, evaluate_substrate
@@ -12,9 +13,6 @@ from isopeel.problem import Problem
 from isopeel.splines.nurbs import NurbsSurface, Side
 from isopeel.splines.rows import RowSpace
 from isopeel.splines.space import SplineSpace
-
-#: Share of the largest Jacobian below which it counts as zero: at a corner where two sides meet tangentially.
-_FLAT = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
@@ -146,7 +144,7 @@ def _deformation(
     X, reference_derivatives = on_grid(*as_rows(shape), xi, eta)
     u, derivatives = on_grid(space.weighted(shape), displacement, xi, eta)
     determinant = np.linalg.det(reference_derivatives)
-    flat = np.abs(determinant) <= _FLAT * np.abs(determinant).max()
+    flat = np.abs(determinant) <= FLAT * np.abs(determinant).max()
     inverse = np.linalg.inv(np.where(flat[..., None, None], np.eye(2), reference_derivatives))
     inverse[flat] = np.nan
     return X, X + u, np.eye(2) + derivatives @ inverse, inverse

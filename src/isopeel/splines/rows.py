@@ -180,14 +180,19 @@ class RowSpace:
             case "top":
                 return np.arange(self.offsets[-2], self.offsets[-1])
 
-    def basis(self, xi: FloatArray, eta: FloatArray, element_row: int) -> Basis:
-        """Evaluate the functions at points (n,) of one row of elements, 0 at eta = 0."""
+    def basis(
+        self, xi: FloatArray, eta: FloatArray, element_row: int, elements: IntArray | None = None
+    ) -> Basis:
+        """Evaluate the functions at points (n,) of one row of elements, 0 at eta = 0.
+
+        With `elements` (n,) along xi, each point is seen from that element, as in `SplineSpace.basis`.
+        """
         first_row = self.across.first_functions[element_row]
         across, _ = self.across.basis(eta, 1, elements=np.full(len(eta), element_row))
         functions, values, derivatives = [], [], []
         for k in range(self.across.degree + 1):
             j = first_row + k
-            along, first = self.rows[j].basis(xi, 1)
+            along, first = self.rows[j].basis(xi, 1, elements)
             number = first[:, None] + np.arange(self.rows[j].degree + 1)
             scale = 1.0 if self.weights is None else self.weights[j][number]
             functions.append(self.offsets[j] + number)

@@ -1,0 +1,174 @@
+"""The state of the interface at points of the adhering side, as the assembly has it at its own points."""
+
+from dataclasses import dataclass
+from typing import Self
+
+import numpy as np
+
+from isopeel.assembly.interface_kernel import Response, projected_areas, respond
+from isopeel.assembly.tables import element_ends, side_points, table_at
+from isopeel.common.arrays import BoolArray, FloatArray
+from isopeel.common.errors import InputError
+from isopeel.physics.adhesion.irreversible import NOT_CLOSED
+from isopeel.physics.batch import evaluate_law, evaluate_substrate
+from isopeel.problem import Problem
+from isopeel.splines.rows import RowSpace
+
+
+@dataclass(frozen=True, eq=False)
+class InterfaceState:
+    """What acts between a side and its substrate at points (n, k), in the units of the problem.
+
+    Tractions and energies are per reference area, also where the law acts on the projected area. The traction
+    is T n_o + t t_o: of the normal n_o at the point, and the tangent t_o at its first position.
+    """
+
+    position: FloatArray  # x (n, k, 2)
+    gap: FloatArray
+    normal: FloatArray  # n_o, of the substrate (n, k, 2)
+    stretch: FloatArray  # of the side; nan at a corner where two sides meet tangentially
+    normal_traction: FloatArray  # T, repulsion positive
+    tangential_traction: FloatArray  # t
+    traction: FloatArray  # on the body (n, k, 2)
+    opening: FloatArray  # largest one so far, beyond the equilibrium gap; zero where it has not closed yet
+    softening: BoolArray  # whether the law weakens with further opening than the largest one
+    energy: FloatArray  # what closing would give back
+    dissipated: FloatArray
+
+
+class InterfacePoints:
+    """Points of the adhering side of a problem on a space, at which states are evaluated.
+
+    `parameters` (n, k) lie in [0, 1] along the side, each row of them on one element; `weights` (n, k) are
+    those of a quadrature over the parameter, by default zero.
+    """
+
+    def __init__(
+        self, problem: Problem, space: RowSpace, parameters: FloatArray, weights: FloatArray | None = None
+    ) -> None:
+        self._problem = problem
+        self._space = space
+        self.parameters: FloatArray = parameters
+        adhesion, shape = problem.adhesion, problem.body.shape
+        weights = np.zeros(parameters.shape) if weights is None else weights
+        table = table_at(shape, space.weighted(shape), adhesion.side, parameters, weights)
+        #: Reference length that each point stands for in an integral.
+        self.lengths: FloatArray = table.weights
+        self._projected = adhesion.traction == "projected"
+        self._table = table if self._projected else table.of_values()
+        substrate = adhesion.substrate
+        _, normal, _ = evaluate_substrate(substrate.kernel, substrate.parameters, table.positions)
+        self._tangents = np.stack([-normal[..., 1], normal[..., 0]], axis=-1)
+        # as compiled code is told them by the assembly
+        for array in (self._table.functions, self._table.values, self._table.positions, self._tangents):
+            array.setflags(write=False)
+        self._contact: InterfacePoints | None = None
+
+    @classmethod
+    def of_contact(cls, problem: Problem, space: RowSpace, count: int | None = None) -> Self:
+        """Return the points at which the assembly evaluates the interface, `count` on each element."""
+        adhesion = problem.adhesion
+        part = adhesion.start, adhesion.end
+        return cls(problem, space, *side_points(space, adhesion.side, part, count))
+
+    def state(self, displacement: FloatArray, openings: FloatArray | None = None) -> InterfaceState:
+        """Evaluate a state with coefficients (size, 2).
+
+        An irreversible joint needs its largest `openings` (E, Q) so far at the points of the assembly, as a
+        step has them. Between these, what they exceed the present opening by is interpolated linearly along
+        the side, and it is constant beyond the first and the last; whether a point has closed yet is that of
+        the nearest one. Where they are nan, they are not known, and the joint is taken as never opened
+        farther than now. Raises InputError where they are missing, or of another space.
+        """
+        if displacement.shape != (self._space.size, 2):
+            allowed = f"the space has {self._space.size} functions"
+            raise InputError("displacement", displacement.shape, allowed)
+        adhesion, law = self._problem.adhesion, self._problem.adhesion.law
+        u = np.ascontiguousarray(displacement, dtype=np.float64).view()
+        u.setflags(write=False)
+        history = np.zeros(self.parameters.shape)
+        if adhesion.irreversible:
+            history = self._history(u, openings)
+        answer = self._respond(u, history, irreversible=adhesion.irreversible)
+        area = np.ones(history.size)
+        table = self._table
+        if self._projected:
+            area = projected_areas(table.functions, table.gradients, table.normals, answer.normal, u)
+        T, shear = area * answer.traction, -answer.shear[0]
+        opening = np.maximum(answer.gap - law.equilibrium_gap, 0.0)
+        softening = answer.derivative > 0
+        if adhesion.irreversible:
+            waits = history.ravel() < 0
+            opening = np.where(waits, 0.0, np.maximum(opening, history.ravel()))
+            farthest = np.where(waits, answer.gap, law.equilibrium_gap + opening)
+            seen = answer.curvature * adhesion.substrate.constant_curvature
+            softening = evaluate_law(law.kernel, law.parameters, farthest, seen)[2] > 0
+        shape = self.parameters.shape
+        normal = np.moveaxis(answer.normal, 0, -1).reshape(*shape, 2)
+        T, shear = T.reshape(shape), shear.reshape(shape)
+        return InterfaceState(
+            position=np.moveaxis(answer.position, 0, -1).reshape(*shape, 2),
+            gap=answer.gap.reshape(shape),
+            normal=normal,
+            stretch=self._stretch(u),
+            normal_traction=T,
+            tangential_traction=shear,
+            traction=T[..., None] * normal + shear[..., None] * self._tangents,
+            opening=opening.reshape(shape),
+            softening=softening.reshape(shape),
+            energy=(area * answer.potential).reshape(shape),
+            dissipated=(area * answer.dissipated).reshape(shape),
+        )
+
+    def _respond(self, u: FloatArray, openings: FloatArray, *, irreversible: bool) -> Response:
+        adhesion, table = self._problem.adhesion, self._table
+        openings.setflags(write=False)
+        answer: Response = respond(
+            adhesion.law.kernel.address,
+            adhesion.law.parameters,
+            adhesion.substrate.kernel.address,
+            adhesion.substrate.parameters,
+            table.functions,
+            table.values,
+            table.positions,
+            adhesion.substrate.constant_curvature,
+            irreversible,
+            float(adhesion.sliding_length or 0.0),
+            self._tangents,
+            float(adhesion.law.equilibrium_gap),
+            openings,
+            u,
+        )
+        return answer
+
+    def _opening(self, u: FloatArray) -> FloatArray:
+        """Present openings (n k,), zero where the joint is closed."""
+        gap = self._respond(u, np.zeros(self.parameters.shape), irreversible=False).gap
+        return np.maximum(gap - self._problem.adhesion.law.equilibrium_gap, 0.0)
+
+    def _history(self, u: FloatArray, openings: FloatArray | None) -> FloatArray:
+        """Largest openings (n, k) so far, of those at the points of the assembly."""
+        adhesion = self._problem.adhesion
+        elements = element_ends(self._space, adhesion.side, (adhesion.start, adhesion.end)).size - 1
+        if openings is None or openings.ndim != 2 or len(openings) != elements or not openings.size:
+            allowed = f"an irreversible joint needs its largest openings so far, on {elements} elements"
+            raise InputError("openings", None if openings is None else openings.shape, allowed)
+        here = self._opening(u)
+        if np.isnan(openings).any():
+            return here.reshape(self.parameters.shape)
+        if self._contact is None or self._contact.parameters.shape != openings.shape:
+            self._contact = InterfacePoints.of_contact(self._problem, self._space, openings.shape[1])
+        known = openings.ravel()
+        excess = np.where(known < 0, 0.0, np.maximum(known - self._contact._opening(u), 0.0))
+        at, places = self.parameters.ravel(), self._contact.parameters.ravel()
+        nearest = np.searchsorted((places[1:] + places[:-1]) / 2, at)
+        history = np.where(known[nearest] < 0, NOT_CLOSED, here + np.interp(at, places, excess))
+        return history.reshape(self.parameters.shape)
+
+    def _stretch(self, u: FloatArray) -> FloatArray:
+        table = self._table
+        tangent = np.stack([-table.normals[..., 1], table.normals[..., 0]], axis=-1)
+        slopes = np.einsum("nkJm,nkJ->nkm", table.gradients, tangent)
+        change = np.einsum("nkm,nmi->nki", slopes, u[table.functions])
+        stretch: FloatArray = np.linalg.norm(tangent + change, axis=-1)
+        return stretch
