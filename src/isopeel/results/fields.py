@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from types import MappingProxyType
+from typing import Generic, NamedTuple, TypeVar
 
 import numpy as np
 
@@ -10,8 +11,18 @@ from isopeel.common.arrays import FloatArray
 _ROUND_OFF = 1e-9
 
 
-class Fields:
-    """The displacements kept of those that come, by their parameter.
+class Field(NamedTuple):
+    """The displacement coefficients (functions, 2) of a state, and its largest openings (E, Q) so far."""
+
+    displacement: FloatArray
+    openings: FloatArray
+
+
+Kept = TypeVar("Kept")
+
+
+class Fields(Generic[Kept]):
+    """What is kept of the states that come, by their parameter.
 
     They are those of the first step at or beyond each multiple of an interval, and of the last step.
     """
@@ -19,22 +30,22 @@ class Fields:
     def __init__(self, interval: float) -> None:
         self._interval = interval
         self._passed: float | None = None
-        self._kept: dict[float, FloatArray] = {}
-        self._last: dict[float, FloatArray] = {}
+        self._kept: dict[float, Kept] = {}
+        self._last: dict[float, Kept] = {}
 
-    def take(self, parameter: float, displacement: FloatArray) -> None:
+    def take(self, parameter: float, state: Kept) -> None:
         """Keep one until the next one comes, or for good."""
-        self._last = {parameter: displacement}
+        self._last = {parameter: state}
         passed = float(np.floor(abs(parameter) / self._interval + _ROUND_OFF))
         if passed != self._passed:
             self._kept |= self._last
             self._passed = passed
 
-    def take_all(self, displacements: Mapping[float, FloatArray]) -> None:
+    def take_all(self, states: Mapping[float, Kept]) -> None:
         """Take what was kept before."""
-        for parameter, displacement in displacements.items():
-            self.take(parameter, displacement)
+        for parameter, state in states.items():
+            self.take(parameter, state)
 
-    def all(self) -> Mapping[float, FloatArray]:
+    def all(self) -> Mapping[float, Kept]:
         """Those kept, and the last one."""
         return MappingProxyType(self._kept | self._last)

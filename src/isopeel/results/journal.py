@@ -5,9 +5,10 @@ system at once, so that a kill loses nothing but the step in flight. The path go
 the journal: making its steps again gives the same to the last bit, in the time that they took.
 
 Layout: a mark, the identity of the file that it goes on from, and the records: the number of the step, the
-number of its energy residuals, its row of the curve, its displacement, and a checksum of all but the latter,
-which is written last. Where the file has been saved, records are written from the beginning again, over
-those that it holds by then: what follows the last whole one is of no meaning.
+numbers of its energy residuals and of its openings, which are left out where all are zero, its row of the
+curve, its displacement, its openings, and a checksum of all but the latter two, which is written last. Where
+the file has been saved, records are written from the beginning again, over those that it holds by then: what
+follows the last whole one is of no meaning.
 """
 
 import os
@@ -21,21 +22,21 @@ from typing import NamedTuple
 
 import numpy as np
 
-from isopeel.common.arrays import FloatArray
 from isopeel.results.curve import Curve
+from isopeel.results.fields import Field
 from isopeel.results.files import check_is_file, new_file
 
-_MARK = b"isopeel journal 1\n"
+_MARK = b"isopeel journal 2\n"
 _IDENTITY = 16  # bytes
-_HEAD = struct.Struct("<QQ")
+_HEAD = struct.Struct("<QQQ")
 _CHECKSUM = struct.Struct("<Q")
 
 
 class Record(NamedTuple):
-    """A step: its curve of one row, and its displacement (functions, 2)."""
+    """A step: its curve of one row, its displacement (functions, 2) and its largest openings (E, Q)."""
 
     curve: Curve
-    displacement: FloatArray
+    field: Field
 
 
 def journal_path(run_file: Path) -> Path:
@@ -58,11 +59,12 @@ class Journal:
     def append(self, number: int, record: Record) -> None:
         """Write a step, the one of this number from zero on."""
         row = record.curve
-        parts = [_HEAD.pack(number, len(row.energy_residuals))]
+        u, openings = (np.ascontiguousarray(array) for array in record.field)
+        openings = openings if openings.any() else openings[:0]
+        parts = [_HEAD.pack(number, len(row.energy_residuals), openings.size)]
         parts += [getattr(row, name).tobytes() for name in _columns()]
         head = b"".join(parts)
-        displacement = np.ascontiguousarray(record.displacement).data.cast("B")
-        self._write([head, displacement, _CHECKSUM.pack(zlib.crc32(head))])
+        self._write([head, u.data.cast("B"), openings.tobytes(), _CHECKSUM.pack(zlib.crc32(head))])
 
     def clear(self) -> None:
         """Forget all records: the run's file holds them now."""
@@ -89,24 +91,26 @@ class Journal:
             raise OSError(error.errno, error.strerror, str(self._path)) from error
 
 
-def read_journal(run_file: Path, identity: str, curve: Curve, functions: int) -> Iterator[Record]:
-    """Yield the whole records that go on from a run's file, whose curve and number of functions are given."""
+def read_journal(run_file: Path, identity: str, curve: Curve, last: Field) -> Iterator[Record]:
+    """Yield the whole records that go on from a run's file, whose curve and last field are given."""
     path = journal_path(run_file)
     if not path.is_file():
         return
     columns = _columns()
     types = [getattr(curve, name).dtype for name in columns]
+    points = last.openings.size
     with path.open("rb") as file:
         if file.read(len(_MARK) + _IDENTITY) != _MARK + bytes.fromhex(identity):
             return
         size, expected = path.stat().st_size, len(curve)
         while len(head := file.read(_HEAD.size)) == _HEAD.size:
-            number, residuals = _HEAD.unpack(head)
+            number, residuals, opened = _HEAD.unpack(head)
             counts = [residuals if name == "energy_residuals" else 1 for name in columns]
-            row_size, rest = 8 * sum(counts), 8 * 2 * functions + _CHECKSUM.size
-            if number > expected or file.tell() + row_size + rest > size:
+            row_size, rest = 8 * sum(counts), 8 * (last.displacement.size + opened) + _CHECKSUM.size
+            if number > expected or file.tell() + row_size + rest > size or opened not in (0, points):
                 return
-            row, displacement = file.read(row_size), file.read(8 * 2 * functions)
+            row, displacement = file.read(row_size), file.read(8 * last.displacement.size)
+            history = np.frombuffer(file.read(8 * opened), np.float64) if opened else np.zeros(points)
             if file.read(_CHECKSUM.size) != _CHECKSUM.pack(zlib.crc32(head + row)):
                 return
             if number < expected:
@@ -118,7 +122,10 @@ def read_journal(run_file: Path, identity: str, curve: Curve, functions: int) ->
             }
             yield Record(
                 Curve(curve.parameter_column, curve.reaction_column, **values),
-                np.frombuffer(displacement, np.float64).reshape(functions, 2),
+                Field(
+                    np.frombuffer(displacement, np.float64).reshape(last.displacement.shape),
+                    history.reshape(last.openings.shape),
+                ),
             )
             expected += 1
 

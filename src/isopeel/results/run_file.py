@@ -2,7 +2,8 @@
 
 Layout: `case`, the TOML text; `curve/NAME` (n,) for each column, with its `unit`, among them
 `curve/energy_residuals` (m,), one for each Newton correction of all steps; `fields/parameter` (k,) in the
-unit of the parameter's column, and `fields/displacement` (k, functions, 2); `last`, the state of the last
+unit of the parameter's column, `fields/displacement` (k, functions, 2), and `fields/openings` (k, E, Q), the
+largest ones so far of an irreversible joint, unless all are zero; `last`, the state of the last
 step, from which the path goes on: `parameter` in the solver's unit, `displacement` (functions, 2), `openings`
 (E, Q); `last/past`, the solver's last states: `parameter` (l,), `unknown_values` (l, count), `energies`
 (l, 3), and `polished` (l, count), of nan where there is none; `last/memory`, what the solver kept: where its
@@ -29,7 +30,7 @@ from isopeel.common.errors import InputError
 from isopeel.problem import Column, Problem
 from isopeel.results import untrusted
 from isopeel.results.curve import Curve
-from isopeel.results.fields import Fields
+from isopeel.results.fields import Field, Fields
 from isopeel.results.files import check_readable, replacing
 from isopeel.results.journal import Record, read_journal
 from isopeel.results.provenance import Provenance
@@ -46,6 +47,8 @@ Ending = Literal["running", "completed", "not converged", "interrupted"]
 _FORMAT = "isopeel run 6"
 _IDENTITY = 16  # bytes
 _UNKNOWNS = ("unknown_values", "polished")
+#: Openings that are not known.
+_UNKNOWN = frozen(np.full((1, 1), np.nan))
 
 
 class Failure(NamedTuple):
@@ -67,9 +70,11 @@ class StoredRun:
     """What the file of a run holds.
 
     `fields` maps the parameter, in the unit of its column, to displacement coefficients (functions, 2): at
-    the first step at or beyond each multiple of `field_interval`, and at the last step. `attributes` are
-    those of `run_attributes`. Where the run was killed, `journaled` of its steps come from its journal, which
-    is known by the `identity` of the file, and `last` is the state before them.
+    the first step at or beyond each multiple of `field_interval`, and at the last step. `openings` maps it to
+    the largest openings (E, Q) of an irreversible joint so far, nan where the file does not hold them: those
+    of version 0.1.0 had the openings of the last state alone. `attributes` are those of `run_attributes`.
+    Where the run was killed, `journaled` of its steps come from its journal, which is known by the `identity`
+    of the file, and `last` is the state before them.
     """
 
     case_text: str
@@ -83,6 +88,25 @@ class StoredRun:
     field_interval: float = 10.0
     identity: str = field(default_factory=lambda: uuid4().hex)
     journaled: int = 0
+    openings: Mapping[float, FloatArray] = field(default_factory=dict)
+
+    @property
+    def states(self) -> dict[float, Field]:
+        """The fields with their openings."""
+        return {at: Field(u, self.openings.get(at, _UNKNOWN)) for at, u in self.fields.items()}
+
+    def with_states(self, states: Mapping[float, Field]) -> "StoredRun":
+        """The same with other fields and openings."""
+        return replace(
+            self,
+            fields=MappingProxyType({at: one.displacement for at, one in states.items()}),
+            openings=MappingProxyType({at: one.openings for at, one in states.items()}),
+        )
+
+    @property
+    def lacks_history(self) -> bool:
+        """Whether openings of a stored field are not known."""
+        return any(np.isnan(one.openings).any() for one in self.states.values())
 
 
 def run_attributes(problem: Problem, space: RowSpace, provenance: Provenance) -> dict[str, str | int]:
@@ -124,7 +148,9 @@ def read_run(path: Path, *, journal: bool = True) -> StoredRun:
             run = _stored(file)
         if not journal or run.last is None:
             return run
-        return _followed_by(run, read_journal(path, run.identity, run.curve, len(run.last.displacement)))
+        openings = _UNKNOWN if run.last.openings is None else run.last.openings
+        last = Field(run.last.displacement, openings)
+        return _followed_by(run, read_journal(path, run.identity, run.curve, last))
     except OSError as error:
         if error.errno in (EMFILE, ENFILE):
             raise  # which is not the fault of the file
@@ -134,12 +160,14 @@ def read_run(path: Path, *, journal: bool = True) -> StoredRun:
 
 
 def _followed_by(run: StoredRun, records: Iterable[Record]) -> StoredRun:
-    fields, rows = Fields(run.field_interval), []
-    fields.take_all(run.fields)
-    for row, displacement in records:
+    fields: Fields[Field] = Fields(run.field_interval)
+    fields.take_all(run.states)
+    rows = []
+    for row, taken in records:
         rows.append(row)
-        fields.take(float(row.parameter[0]), displacement)
-    return replace(run, curve=run.curve.followed_by(rows), fields=fields.all(), journaled=len(rows))
+        fields.take(float(row.parameter[0]), taken)
+    longer = replace(run, curve=run.curve.followed_by(rows), journaled=len(rows))
+    return longer.with_states(fields.all())
 
 
 def _image(run: StoredRun) -> bytes:
@@ -156,6 +184,13 @@ def _image(run: StoredRun) -> bytes:
             file["curve"].attrs[role] = getattr(run.curve, f"{role}_column").name
         file["fields/parameter"] = np.array(list(run.fields), dtype=np.float64)
         file["fields/displacement"] = np.array(list(run.fields.values()) or np.empty((0, 0, 2)))
+        openings = [one.openings for one in run.states.values()]
+        known = [one for one in openings if not np.isnan(one).any()]
+        if any(one.any() for one in known):
+            shape = known[0].shape
+            file["fields/openings"] = np.array(
+                [np.full(shape, np.nan) if np.isnan(one).any() else one for one in openings]
+            )
         file["fields"].attrs["interval"] = run.field_interval
         if run.last is not None:
             _write_state(file.create_group("last"), run.last)
@@ -268,10 +303,24 @@ def _stored(file: h5py.File) -> StoredRun:
         untrusted.number(fields, "interval"),
         identity,
     )
+    if run.fields:
+        run = replace(run, openings=MappingProxyType(_openings(fields, run)))
     every = [*run.fields.values(), *([] if run.last is None else [run.last.displacement])]
     if not run.field_interval > 0 or any(u.ndim != 2 or u.shape != (len(every[-1]), 2) for u in every):
         raise UntrustedError("its fields do not fit together")
     return run
+
+
+def _openings(group: h5py.Group, run: StoredRun) -> dict[float, FloatArray]:
+    """Openings of the fields in a file, zero where none were written, nan where they are not known."""
+    last = None if run.last is None else run.last.openings
+    if "openings" in group:
+        openings = untrusted.floats(group, "openings", 3)
+        if np.isinf(openings).any() or (last is not None and openings.shape[1:] != last.shape):
+            raise UntrustedError("its openings do not fit together")
+        return dict(zip(run.fields, map(frozen, openings), strict=True))
+    known = last is not None and not last.any()
+    return dict.fromkeys(run.fields, frozen(np.zeros_like(last)) if known else _UNKNOWN)
 
 
 def _stored_curve(group: h5py.Group) -> Curve:

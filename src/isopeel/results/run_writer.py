@@ -14,7 +14,7 @@ import numpy as np
 from isopeel.common.arrays import FloatArray
 from isopeel.problem import Drive
 from isopeel.results.curve import Curve
-from isopeel.results.fields import Fields
+from isopeel.results.fields import Field, Fields
 from isopeel.results.journal import Journal, Record
 from isopeel.results.run_file import Ending, Failure, StoredRun, write_run
 from isopeel.solve.step import Step
@@ -29,11 +29,12 @@ class RunWriter:
     The steps in between are in its journal, one by one. The first save removes the `outdated` files, which
     were made from an earlier run, and lists them in `removed`; `saved` says that it was made.
 
-    The displacement is kept at the first step at or beyond each multiple of `field_interval` (in the
-    unit of the parameter's column), and at the last step; `base` is that of the state that a stage begins
-    with. Each save replaces the file as a whole, so that it is sound whatever ends the process: an
-    exception, a kill, a full disk. A run that goes on after a stored one, read without its journal, takes the
-    steps after that; until all that the journal holds have come again, file and journal stay as they are.
+    The displacement and the largest openings are kept at the first step at or beyond each multiple of
+    `field_interval` (in the unit of the parameter's column), and at the last step; `base` is the displacement
+    of the state that a stage begins with. Each save replaces the file as a whole, so that it is sound
+    whatever ends the process: an exception, a kill, a full disk. A run that goes on after a stored one, read
+    without its journal, takes the steps after that; until all that the journal holds have come again, file
+    and journal stay as they are.
 
     Raises OSError where the file cannot be written. A folder that vanished is made again first, with all that
     has come.
@@ -56,7 +57,7 @@ class RunWriter:
         self._outdated = outdated
         self._rows: list[Step] = []
         self._journaled = journaled
-        self._fields = Fields(field_interval)
+        self._fields: Fields[Field] = Fields(field_interval)
         nothing = StoredRun(
             case_text,
             Curve.of([], drive),
@@ -68,7 +69,7 @@ class RunWriter:
         )
         #: What has been stored before, and how the run stands but for the steps since then.
         self._run = replace(after or nothing, case_text=case_text, ending="running", failure=None)
-        self._fields.take_all(self._run.fields)
+        self._fields.take_all(self._run.states)
         self._last = self._run.last
         self._resumes = True
         self._journal: Journal | None = None
@@ -111,14 +112,15 @@ class RunWriter:
         self._resumes = step.resumes
         if step.resumes:
             self._last = step.state
-        self._fields.take(float(self._drive.parameter_column.shown(step.parameter)), step.displacement)
+        kept = Field(step.displacement, step.openings)
+        self._fields.take(float(self._drive.parameter_column.shown(step.parameter)), kept)
         if self._is_behind:
             return
         if step.resumes and (self._journal is None or perf_counter() >= self._next_save):
             self._save()
         elif self._journal is not None:
             number = len(self._run.curve) + len(self._rows) - 1
-            self._journal.append(number, Record(Curve.of([row], self._drive), step.displacement))
+            self._journal.append(number, Record(Curve.of([row], self._drive), kept))
 
     @property
     def _is_behind(self) -> bool:
@@ -141,7 +143,7 @@ class RunWriter:
 
     def _save(self) -> None:
         began = perf_counter()
-        run = replace(self._run, curve=self.curve, fields=self._fields.all(), last=self._last)
+        run = replace(self._run, curve=self.curve, last=self._last).with_states(self._fields.all())
         try:
             write_run(self._path, run)
         except FileNotFoundError as error:
