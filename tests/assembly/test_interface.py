@@ -40,9 +40,7 @@ SIDES = {
     "wavy": replace(flat, substrate=Wavy(0.1, 15.0, height=-0.5)),
     "wavy, projected": replace(flat, substrate=Wavy(0.1, 15.0, height=-0.5), traction="projected"),
     "sliding": replace(flat, law=PEAKED, sliding_length=0.5),
-    "sliding on waves": replace(
-        flat, law=PEAKED, sliding_length=0.5, substrate=Wavy(0.1, 15.0, height=-0.5)
-    ),
+    "sliding on waves": replace(flat, law=PEAKED, sliding_length=0.5, substrate=Wavy(0.1, 15.0, height=-0.5)),
     "irreversible": replace(flat, law=PEAKED, irreversible=True),
     "irreversible, van der Waals": replace(
         flat, irreversible=True, substrate=Circle(5e3, "inside", (5.0, -5000.25))

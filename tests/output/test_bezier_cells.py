@@ -10,10 +10,10 @@ from bodies import BODIES, body, displacement, exact
 from vtk_files import ReadGrid
 from vtkmodules.vtkCommonDataModel import vtkBezierCurve, vtkHigherOrderQuadrilateral
 
+from isopeel.assembly.interface import InterfacePoints
 from isopeel.common.arrays import FloatArray
 from isopeel.post.fields import fields_at
 from isopeel.post.grids import body_grids, body_mesh, side_grids, side_mesh
-from isopeel.post.traction import adhesive_traction
 from isopeel.results import vtk
 from isopeel.splines.nurbs import Side
 
@@ -131,7 +131,8 @@ def test_curves_along_a_side(name: str, side: Side, tmp_path: Path) -> None:
             at = (across, along) if vertical else (along, across)
             assert np.abs(np.stack([X, d])[:, :2] - exact(problem, space, u, *at)).max() < 1e-12 * extent
         for s in (*gauss, 0.5):
-            own = adhesive_traction(problem, space, u, np.array([[between(ends, cell, s)]]))
+            here = np.array([[between(ends, cell, s)]])
+            own = InterfacePoints(problem, space, here).state(u)
             names = ("gap [L0]", "normal adhesive traction [E0]", "adhesive traction [E0]")
             traction = np.append(own.traction.ravel(), 0.0)
             expected = [own.gap.ravel(), own.normal_traction.ravel(), traction]

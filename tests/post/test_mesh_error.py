@@ -68,7 +68,8 @@ def _changes(text: str) -> tuple[list[MeshChange], Curve]:
     curve = Curve.of(steps, stage.problem.drive)
     fields = {at: step.displacement for at, step in zip(curve.parameter.tolist(), steps, strict=True)}
     kept = {at: fields[at] for at in [*list(fields)[::4], list(fields)[-1]]}
-    run = StoredRun(case.text, curve, kept, {}, "completed")
+    openings = {at: step.openings for at, step in zip(curve.parameter.tolist(), steps, strict=True)}
+    run = StoredRun(case.text, curve, kept, {}, "completed", openings=openings)
     return mesh_changes(stage.problem, case.space(), run), curve
 
 

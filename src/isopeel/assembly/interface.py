@@ -71,24 +71,27 @@ class InterfacePoints:
         part = adhesion.start, adhesion.end
         return cls(problem, space, *side_points(space, adhesion.side, part, count))
 
+    def history(self, displacement: FloatArray, openings: FloatArray | None) -> FloatArray:
+        """Largest openings (n, k) so far of an irreversible joint, `NOT_CLOSED` where it has not closed yet.
+
+        They follow from the largest `openings` (E, Q) so far at the points of the assembly, as a step has
+        them, in a state with coefficients (size, 2). Between these points, what they exceed the present
+        opening by is interpolated linearly along the side; it is constant beyond the first and the last.
+        Whether a point has closed yet is that of the nearest one. Where they are nan, they are not known, and
+        the joint is taken as never opened farther than now. Raises InputError where they are missing, or they
+        or the coefficients are of another space.
+        """
+        return self._largest(self._checked(displacement), openings)
+
     def state(self, displacement: FloatArray, openings: FloatArray | None = None) -> InterfaceState:
         """Evaluate a state with coefficients (size, 2).
 
-        An irreversible joint needs its largest `openings` (E, Q) so far at the points of the assembly, as a
-        step has them. Between these, what they exceed the present opening by is interpolated linearly along
-        the side, and it is constant beyond the first and the last; whether a point has closed yet is that of
-        the nearest one. Where they are nan, they are not known, and the joint is taken as never opened
-        farther than now. Raises InputError where they are missing, or of another space.
+        An irreversible joint needs its largest `openings` (E, Q) so far, as `history` does, and raises as it
+        does.
         """
-        if displacement.shape != (self._space.size, 2):
-            allowed = f"the space has {self._space.size} functions"
-            raise InputError("displacement", displacement.shape, allowed)
+        u = self._checked(displacement)
         adhesion, law = self._problem.adhesion, self._problem.adhesion.law
-        u = np.ascontiguousarray(displacement, dtype=np.float64).view()
-        u.setflags(write=False)
-        history = np.zeros(self.parameters.shape)
-        if adhesion.irreversible:
-            history = self._history(u, openings)
+        history = self._largest(u, openings) if adhesion.irreversible else np.zeros(self.parameters.shape)
         answer = self._respond(u, history, irreversible=adhesion.irreversible)
         area = np.ones(history.size)
         table = self._table
@@ -120,6 +123,15 @@ class InterfacePoints:
             dissipated=(area * answer.dissipated).reshape(shape),
         )
 
+    def _checked(self, displacement: FloatArray) -> FloatArray:
+        """The coefficients as compiled code takes them."""
+        if displacement.shape != (self._space.size, 2):
+            allowed = f"the space has {self._space.size} functions"
+            raise InputError("displacement", displacement.shape, allowed)
+        u = np.ascontiguousarray(displacement, dtype=np.float64).view()
+        u.setflags(write=False)
+        return u
+
     def _respond(self, u: FloatArray, openings: FloatArray, *, irreversible: bool) -> Response:
         adhesion, table = self._problem.adhesion, self._table
         openings.setflags(write=False)
@@ -146,24 +158,23 @@ class InterfacePoints:
         gap = self._respond(u, np.zeros(self.parameters.shape), irreversible=False).gap
         return np.maximum(gap - self._problem.adhesion.law.equilibrium_gap, 0.0)
 
-    def _history(self, u: FloatArray, openings: FloatArray | None) -> FloatArray:
-        """Largest openings (n, k) so far, of those at the points of the assembly."""
+    def _largest(self, u: FloatArray, openings: FloatArray | None) -> FloatArray:
         adhesion = self._problem.adhesion
+        here = self._opening(u)
+        if openings is not None and np.isnan(openings).any():
+            return here.reshape(self.parameters.shape)
         elements = element_ends(self._space, adhesion.side, (adhesion.start, adhesion.end)).size - 1
         if openings is None or openings.ndim != 2 or len(openings) != elements or not openings.size:
             allowed = f"an irreversible joint needs its largest openings so far, on {elements} elements"
             raise InputError("openings", None if openings is None else openings.shape, allowed)
-        here = self._opening(u)
-        if np.isnan(openings).any():
-            return here.reshape(self.parameters.shape)
         if self._contact is None or self._contact.parameters.shape != openings.shape:
             self._contact = InterfacePoints.of_contact(self._problem, self._space, openings.shape[1])
         known = openings.ravel()
         excess = np.where(known < 0, 0.0, np.maximum(known - self._contact._opening(u), 0.0))
         at, places = self.parameters.ravel(), self._contact.parameters.ravel()
         nearest = np.searchsorted((places[1:] + places[:-1]) / 2, at)
-        history = np.where(known[nearest] < 0, NOT_CLOSED, here + np.interp(at, places, excess))
-        return history.reshape(self.parameters.shape)
+        largest = np.where(known[nearest] < 0, NOT_CLOSED, here + np.interp(at, places, excess))
+        return largest.reshape(self.parameters.shape)
 
     def _stretch(self, u: FloatArray) -> FloatArray:
         table = self._table

@@ -156,7 +156,8 @@ def project(
     for i in range(2):
         v[i] = H[0, i] * rest_normal[0] + H[1, i] * rest_normal[1]
         w[i] = H[i, 0] * n_x + H[i, 1] * n_y
-    return -(n_x * v[0] + n_y * v[1])
+    area: float = -(n_x * v[0] + n_y * v[1])
+    return area
 
 
 @compiled_reordered

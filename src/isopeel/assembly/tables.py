@@ -203,6 +203,11 @@ def side_table(
     """
     if points is not None and not 1 <= points <= MOST_CONTACT_POINTS:
         raise InputError("contact_points", points, f"there can be 1 to {MOST_CONTACT_POINTS} on an element")
+    degrees = np.array([row.degree for row in space.rows])
+    # of the functions of each row of elements
+    sizes = {int(degrees[k : k + space.across.degree + 1].sum()) for k in space.across.first_functions}
+    if side in ("left", "right") and len(sizes) > 1:
+        raise InputError("adhesion.side", side, "on this side all rows must have one space")
     parameter, weights = side_points(space, side, part, points)
     return table_at(shape, space, side, parameter, weights)
 
@@ -228,8 +233,8 @@ def table_at(
 ) -> SideTable:
     """Table of points (E, Q) of a side, each row of them on one element, with their lengths of parameter.
 
-    Gradients are nan at a corner where two sides meet tangentially. Raises InputError where a space does not
-    allow for adhesion on this side, or the patch folds.
+    Gradients are nan at a corner where two sides meet tangentially. Elements with fewer functions than others
+    repeat one, which is zero there. Raises InputError where the patch folds.
     """
     elements, quadrature = parameter.shape
     upright = side in ("left", "right")
@@ -242,7 +247,7 @@ def table_at(
     seen = (parameter + corners * _INWARDS * (inside - parameter)).ravel()
     if upright:
         xi, eta = constant, parameter.ravel()
-        basis = _on_upright_side(space, side, xi, parameter, holders)
+        basis = _on_upright_side(space, xi, parameter, holders)
         jacobian = shape.jacobian(xi, seen)
     else:
         xi, eta = parameter.ravel(), constant
@@ -264,21 +269,29 @@ def table_at(
     )
 
 
-def _on_upright_side(
-    space: RowSpace, side: Side, xi: FloatArray, parameter: FloatArray, holders: IntArray
-) -> Basis:
+def _on_upright_side(space: RowSpace, xi: FloatArray, parameter: FloatArray, holders: IntArray) -> Basis:
     """Functions at parameters (E, Q) of the left or right side, whose rows lie on the elements `holders`."""
     order = np.argsort(holders, kind="stable")
     parts = []
     for row in np.unique(holders):
         eta = parameter[holders == row].ravel()
         parts.append(space.basis(xi[: eta.size], eta, int(row)))
-    if len({part.functions.shape[1] for part in parts}) > 1:
-        raise InputError("adhesion.side", side, "on this side all rows must have one space")
+    most = max(part.functions.shape[1] for part in parts)
+    parts = [_padded(part, most) for part in parts]
     # back from the order of the elements
     places = np.empty(parameter.shape, dtype=np.int64)
     places[order] = np.arange(parameter.size).reshape(parameter.shape)
     return Basis(*(np.concatenate(arrays)[places.ravel()] for arrays in zip(*parts, strict=True)))
+
+
+def _padded(basis: Basis, count: int) -> Basis:
+    """The same with so many functions at each point, the last of which repeat the first with the value 0."""
+    more = (0, count - basis.functions.shape[1])
+    return Basis(
+        np.concatenate([basis.functions, np.repeat(basis.functions[:, :1], more[1], axis=1)], axis=1),
+        np.pad(basis.values, ((0, 0), more)),
+        np.pad(basis.derivatives, ((0, 0), (0, 0), more)),
+    )
 
 
 def _gauss_points(breakpoints: FloatArray, count: int) -> tuple[FloatArray, FloatArray]:
@@ -288,9 +301,7 @@ def _gauss_points(breakpoints: FloatArray, count: int) -> tuple[FloatArray, Floa
     return breakpoints[:-1, None] + half * (points + 1), half * weights
 
 
-def _reference_gradients(
-    jacobian: FloatArray, basis: Basis, xi: FloatArray, eta: FloatArray
-) -> FloatArray:
+def _reference_gradients(jacobian: FloatArray, basis: Basis, xi: FloatArray, eta: FloatArray) -> FloatArray:
     """Gradients (n, 2, m) with respect to the reference position, of dX/d(xi, eta) (n, 2, 2)."""
     determinant = np.linalg.det(jacobian)
     flat = np.abs(determinant) <= FLAT * np.abs(determinant).max()

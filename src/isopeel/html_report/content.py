@@ -85,11 +85,11 @@ def stage_content(stored: StoredStage, found: Findings, most_bytes: int) -> Cont
 
 def field_steps(run: StoredRun) -> dict[int, float]:
     """The steps whose displacements are stored, by their numbers from zero, and their parameters."""
-    kept = Fields(run.field_interval)
+    kept: Fields[int] = Fields(run.field_interval)
     for number, parameter in enumerate(run.curve.parameter.tolist()):
         # the rule that chose them says which step it was where a path came to a parameter more than once
-        kept.take(parameter, np.array([number]))
-    chosen = {parameter: int(number[0]) for parameter, number in kept.all().items()}
+        kept.take(parameter, number)
+    chosen = kept.all()
     steps = {}
     for parameter in run.fields:
         (places,) = np.nonzero(run.curve.parameter == parameter)
@@ -120,8 +120,9 @@ def _state(stored: StoredStage, steps: Mapping[int, float], number: int) -> Body
     parameter = steps[number]
     # of a graded mesh small elements get no more of them than large ones, as a page would not hold them all
     cells = [ceil(smooth / count) for smooth, count in zip(SMOOTH, stored.space.elements, strict=True)]
-    displacement = stored.run.fields[parameter]
-    return body_state(stored.stage.problem, stored.space, parameter, displacement, (cells[0], cells[1]))
+    run, problem = stored.run, stored.stage.problem
+    openings = run.openings.get(parameter)
+    return body_state(problem, stored.space, parameter, run.fields[parameter], (cells[0], cells[1]), openings)
 
 
 def _size(stored: StoredStage, state: BodyState) -> int:
@@ -236,11 +237,11 @@ def _traction_points(stored: StoredStage) -> FloatArray:
 
 def _side(stored: StoredStage, state: BodyState) -> Content:
     """Where along the face that adheres the tractions are told."""
-    displacement = stored.run.fields[state.parameter]
+    run, problem, space = stored.run, stored.stage.problem, stored.space
+    displacement, openings = run.fields[state.parameter], run.openings.get(state.parameter)
     points = _traction_points(stored)
-    problem, space = stored.stage.problem, stored.space
-    profile = front_profile(problem, space, displacement, points)
-    rest = body_state(problem, space, 0.0, np.zeros_like(displacement), (1, 1)).adhering
+    profile = front_profile(problem, space, displacement, points, openings)
+    rest = body_state(problem, space, 0.0, np.zeros_like(displacement), (1, 1), openings).adhering
     chords = np.linalg.norm(np.diff(rest, axis=0), axis=1)
     # where the points of the deformed face are on the undeformed one
     places = profile.position[0, 0] + np.append(0.0, np.cumsum(chords))[_along_face(rest)]
@@ -259,7 +260,8 @@ def _along_face(adhering: FloatArray) -> IntArray:
 def _shown_state(stored: StoredStage, number: int, state: BodyState, front: Window, scale: float) -> Content:
     problem, run = stored.stage.problem, stored.run
     displacement = run.fields[state.parameter]
-    profile = front_profile(problem, stored.space, displacement, _traction_points(stored))
+    openings = run.openings.get(state.parameter)
+    profile = front_profile(problem, stored.space, displacement, _traction_points(stored), openings)
     resolution = (front.x[1] - front.x[0]) / _DOTS
     return {
         "step": number,

@@ -6,6 +6,7 @@ from pathlib import Path
 from rich.console import Console
 
 from isopeel.common.errors import InputError
+from isopeel.post.findings import history_notes
 from isopeel.post.grids import body_grids, body_mesh, side_grids, side_mesh
 from isopeel.results.vtk import write_grid, write_series
 from isopeel.running.folder import EXPORTED, check_overwritten, make_folder
@@ -39,6 +40,8 @@ def export_run(
             place = stage.folder / "paraview" if out is None else out
             if out is not None and len(stages) > 1:
                 place = out / stage.folder.name
+            for note in history_notes(stage.stage.problem, run):
+                console.print(f"note: {note.text}", soft_wrap=True)
             known = [path for path in place.glob("*") if EXPORTED.fullmatch(path.name)]
             check_overwritten("--out", known, force)
             removed = _export(stage, place, linear)
@@ -69,9 +72,9 @@ def _export(stage: StoredStage, out: Path, linear: int | None) -> list[Path]:
         "E0": case.units.stress,
         "time": f"{parameter.name} [{parameter.unit}]",
     }
-    states = list(run.fields.values())
+    states, openings = list(run.fields.values()), [run.openings.get(at) for at in run.fields]
     body = body_grids(problem, space, body_mesh(problem, space, linear), states)
-    side = side_grids(problem, space, side_mesh(problem, space, linear), states, run.base)
+    side = side_grids(problem, space, side_mesh(problem, space, linear), states, openings)
     times: dict[str, dict[str, float]] = {_BODY: {}, _SIDE: {}}
     for number, (time, *grids) in enumerate(zip(run.fields, body, side, strict=True)):
         for name, grid in zip(times, grids, strict=True):

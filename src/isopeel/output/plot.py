@@ -19,7 +19,7 @@ from isopeel.post.figures import (
     tractions_figure,
 )
 from isopeel.post.figures.shapes import MOST_SHAPES, spread
-from isopeel.post.findings import Findings, Shown, in_laboratory
+from isopeel.post.findings import Findings, Shown, history_notes, in_laboratory
 from isopeel.post.front import front_profile
 from isopeel.post.laboratory import Laboratory
 from isopeel.post.reading import unreadable
@@ -77,6 +77,8 @@ def plot_run(
             stage.found(),
             stored_parameters(stage, at, console),
         )
+        for note in history_notes(stage.stage.problem, stage.run):
+            console.print(f"note: {note.text}", soft_wrap=True)
         into = stage.folder / FIGURES if out is None else out / stage.folder.relative_to(folder)
         check_overwritten("--out", [into / f"{part}.{suffix}" for part in only or PARTS], force)
         make_folder(into)
@@ -116,20 +118,25 @@ def _plateau(shown: _Shown) -> Figure:
 
 def _shapes(shown: _Shown) -> Figure:
     stored = shown.stored
-    return shapes_figure(stored.stage.problem, stored.space, stored.run.fields, shown.units, shown.at)
+    run, problem = stored.run, stored.stage.problem
+    return shapes_figure(problem, stored.space, run.fields, shown.units, shown.at, run.openings)
 
 
 def _front(shown: _Shown) -> Figure:
     stored = shown.stored
-    last = (shown.at or list(stored.run.fields))[-1]
-    return front_figure(stored.stage.problem, stored.space, last, stored.run.fields[last], shown.units)
+    run, problem = stored.run, stored.stage.problem
+    last = (shown.at or list(run.fields))[-1]
+    return front_figure(problem, stored.space, last, run.fields[last], shown.units, run.openings.get(last))
 
 
 def _tractions(shown: _Shown) -> Figure:
     stored = shown.stored
-    problem, fields = stored.stage.problem, stored.run.fields
+    problem, fields, openings = stored.stage.problem, stored.run.fields, stored.run.openings
     at = shown.at or spread(list(fields), MOST_SHAPES)
-    profiles = {value: front_profile(problem, stored.space, fields[value]) for value in at}
+    profiles = {
+        value: front_profile(problem, stored.space, fields[value], openings=openings.get(value))
+        for value in at
+    }
     return tractions_figure(profiles, problem.drive.parameter_column, shown.units)
 
 

@@ -105,7 +105,7 @@ class Viewer:
         self._column = stage.stage.problem.drive.parameter_column
         problem = stage.stage.problem
         self._stage, self._parameters = stage, list(stage.run.fields)
-        window, scale = common_view(problem, stage.space, stage.run.fields)
+        window, scale = common_view(problem, stage.space, stage.run.fields, stage.run.openings)
         first = self._state(0)
         #: The number, from zero, of the state that is shown.
         self.shown: int = 0
@@ -142,8 +142,9 @@ class Viewer:
         self.plotter.camera.parallel_scale = 0.65 * max(high[1] - low[1], (high[0] - low[0]) / aspect)
 
     def _state(self, number: int) -> BodyState:
-        at, stage = self._parameters[number], self._stage
-        return body_state(stage.stage.problem, stage.space, at, stage.run.fields[at])
+        at, stage, run = self._parameters[number], self._stage, self._stage.run
+        openings = run.openings.get(at)
+        return body_state(stage.stage.problem, stage.space, at, run.fields[at], openings=openings)
 
     def show(self, number: int) -> None:
         """Show a state, by its number from zero; numbers beyond the ends mean the ends."""

@@ -34,10 +34,15 @@ class Release(NamedTuple):
     between: tuple[float, float]  # parameters, in the unit of their column
 
 
-def fronts(problem: Problem, space: RowSpace, fields: Mapping[float, FloatArray]) -> dict[float, Front]:
-    """Find the front in states, as `front_figure` takes them, by parameter; those without are left out."""
+def fronts(
+    problem: Problem,
+    space: RowSpace,
+    fields: Mapping[float, FloatArray],
+    openings: Mapping[float, FloatArray] | None = None,
+) -> dict[float, Front]:
+    """Find the front in states, as `process_zones` takes them, by parameter; those without are left out."""
     origin = load_position(problem)
-    zones = process_zones(problem, space, fields)
+    zones = process_zones(problem, space, fields, openings)
     return {
         parameter: Front(zone, None if origin is None else abs(zone.position - origin))
         for parameter, zone in zones.items()

@@ -81,7 +81,7 @@ def find(
         form = None if slides else replace(form, onset=None)
     period = form.period if form else None
     plateau = read_plateau(curve, window, period) if window else None
-    found = fronts(problem, space, run.fields)
+    found = fronts(problem, space, run.fields, run.openings)
     steady = window if window and plateau_mean(curve, window) is not None else None
     test = drive_test(problem, curve)
     reason = None
@@ -111,10 +111,13 @@ def find(
     # Kendall's force does not depend on how a tape bends; what starts it does
     bends = form is None or test != "tape" or any(one.name == "initiation force" for one in readings)
     doubts = locking_notes(problem, space, laboratory, bends=bends)
-    if not is_only_pressed(problem, curve) and (zones.measured or peels(problem, space, run.fields)):
+    if not is_only_pressed(problem, curve) and (
+        zones.measured or peels(problem, space, run.fields, run.openings)
+    ):
         doubts = zone_notes(problem, space, zones, laboratory) + doubts
     if not doubts:
         doubts = oscillation_notes(problem, curve, plateau, steady)
+    doubts = [*history_notes(problem, run), *doubts]
     return Findings(
         window,
         plateau,
@@ -130,6 +133,17 @@ def find(
         laboratory,
         elements_are_tall(problem, space),
     )
+
+
+def history_notes(problem: Problem, run: StoredRun) -> list[Note]:
+    """Say that tractions are those without damage, where the file of a run does not hold its history."""
+    if not (problem.adhesion.irreversible and run.fields and run.lacks_history):
+        return []
+    text = (
+        "the file of the run is older than this version and holds no history of its stored states: tractions "
+        "of the irreversible joint are those of one never opened farther than in the state shown"
+    )
+    return [Note("history", text)]
 
 
 def _used(problem: Problem, curve: Curve, found: Mapping[float, Front]) -> Mapping[float, Front]:

@@ -6,15 +6,15 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from isopeel.assembly.interface import InterfacePoints
+from isopeel.assembly.tables import element_ends
 from isopeel.common.arrays import FloatArray, frozen
 from isopeel.common.errors import InputError
-from isopeel.physics.batch import evaluate_law, evaluate_substrate
+from isopeel.physics.batch import evaluate_law
 from isopeel.physics.materials.base import plane_strain_modulus
 from isopeel.post.closed_form import beam_peeling
 from isopeel.post.fields import sample_side
-from isopeel.post.traction import projection
 from isopeel.problem import Problem
-from isopeel.splines.nurbs import NurbsCurve
 from isopeel.splines.rows import RowSpace
 
 #: Where an element is looked at, from its start (0) to its end (1): the ends of 20 equal cells.
@@ -37,9 +37,9 @@ class FrontProfile:
     deformed: FloatArray  # x (n, k, 2)
     normal: FloatArray  # n_o there (n, k, 2)
     gap: FloatArray
-    adhesive_traction: FloatArray  # T by the law, on the area that the problem names
+    adhesive_traction: FloatArray  # T, as the assembly has it
     body_traction: FloatArray  # n_o . P N of the field in the elements next to the side
-    softening: NDArray[np.bool_]  # does the attraction weaken as the gap grows?
+    softening: NDArray[np.bool_]  # does the attraction weaken as the gap grows beyond the largest one so far?
 
 
 @dataclass(frozen=True)
@@ -66,71 +66,57 @@ class Decay:
 
 
 def front_profile(
-    problem: Problem, space: RowSpace, displacement: FloatArray, points: FloatArray = POINTS
+    problem: Problem,
+    space: RowSpace,
+    displacement: FloatArray,
+    points: FloatArray = POINTS,
+    openings: FloatArray | None = None,
 ) -> FrontProfile:
     """Tractions of coefficients (size, 2) of a displacement at points (k,), 0 to 1, of every element.
 
-    An element that adheres in part is looked at in that part. Raises InputError for points that do not
-    rise from 0 to 1 at most, or coefficients of another space.
+    An element that adheres in part is looked at in that part. An irreversible joint needs its largest
+    `openings` so far, as `InterfacePoints.state` takes them. Raises InputError for points that do not rise
+    from 0 to 1 at most, coefficients of another space, or missing openings.
     """
     if points.size < 2 or not (points[0] >= 0 and points[-1] <= 1 and np.all(np.diff(points) > 0)):
         raise InputError("points", points.tolist(), "two or more that rise, from 0 to 1 at most")
-    adhesion = problem.adhesion
-    law, substrate, side = adhesion.law, adhesion.substrate, adhesion.side
-    knots, parameters = _adhering(problem, space, points)
-    fields = sample_side(problem, space, displacement, side, parameters)
-    gap, normal, curvature = evaluate_substrate(substrate.kernel, substrate.parameters, fields.position)
-    _, traction, derivative = evaluate_law(law.kernel, law.parameters, gap, curvature)
-    if adhesion.traction == "projected":
-        traction = traction * projection(fields, normal)
+    parameters = _adhering(problem, space, points)
+    state = InterfacePoints(problem, space, parameters).state(displacement, openings)
+    fields = sample_side(problem, space, displacement, problem.adhesion.side, parameters)
     return FrontProfile(
-        position=_distance(problem.body.shape.boundary(side), knots, parameters),
-        deformed=fields.position,
-        normal=normal,
-        gap=gap,
-        adhesive_traction=traction,
-        body_traction=np.einsum("...i,...iJ,...J->...", normal, fields.nominal_stress, fields.normal),
-        softening=derivative > 0,
+        position=_distance(problem, space, parameters),
+        deformed=state.position,
+        normal=state.normal,
+        gap=state.gap,
+        adhesive_traction=state.normal_traction,
+        body_traction=np.einsum("...i,...iJ,...J->...", state.normal, fields.nominal_stress, fields.normal),
+        softening=state.softening,
     )
 
 
-def _adhering(problem: Problem, space: RowSpace, points: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Breakpoints of the side, and parameters (n, k) of points (k,) of the elements where they adhere."""
+def _adhering(problem: Problem, space: RowSpace, points: FloatArray) -> FloatArray:
+    """Parameters (n, k) of points (k,) of the elements of the side where they adhere."""
     adhesion = problem.adhesion
-    along = space.across if adhesion.side in ("left", "right") else space.rows[0]
-    knots = along.breakpoints
-    inside = knots[(knots > adhesion.start) & (knots < adhesion.end)]
-    ends = np.concatenate([[adhesion.start], inside, [adhesion.end]])
-    return knots, ends[:-1, None] + np.diff(ends)[:, None] * points
+    ends = element_ends(space, adhesion.side, (adhesion.start, adhesion.end))
+    return ends[:-1, None] + np.diff(ends)[:, None] * points
 
 
 def process_zones(
-    problem: Problem, space: RowSpace, fields: Mapping[float, FloatArray]
+    problem: Problem,
+    space: RowSpace,
+    fields: Mapping[float, FloatArray],
+    openings: Mapping[float, FloatArray] | None = None,
 ) -> dict[float, ProcessZone]:
     """The zones of `process_zone` in states, by parameter; those without a front are left out.
 
-    On the lower side of the body, where only the first row of functions is not zero, positions are products
-    with one matrix for all states: that takes a hundredth of the time of `front_profile`.
+    An irreversible joint needs the largest `openings` (E, Q) so far in each state.
     """
-    adhesion = problem.adhesion
-    if adhesion.side != "bottom" or adhesion.traction != "reference":
-        profiles = {at: front_profile(problem, space, displacement) for at, displacement in fields.items()}
-        zones = {at: process_zone(profile) for at, profile in profiles.items()}
-        return {at: zone for at, zone in zones.items() if zone is not None}
-    knots, parameters = _adhering(problem, space, POINTS)
-    boundary, row = problem.body.shape.boundary("bottom"), space.rows[0]
-    position, rest = _distance(boundary, knots, parameters), boundary.evaluate(parameters.ravel())
-    values, first = row.basis(parameters.ravel(), 0)
-    weights = space.weighted(problem.body.shape).weights
-    numbers = first[:, None] + np.arange(row.degree + 1)
-    functions = values[0] * (1.0 if weights is None else weights[0][numbers])
-    functions /= functions.sum(axis=1, keepdims=True)
-    substrate, law, found = adhesion.substrate, adhesion.law, {}
+    parameters = _adhering(problem, space, POINTS)
+    position = _distance(problem, space, parameters).ravel()
+    points, history, found = InterfacePoints(problem, space, parameters), openings or {}, {}
     for at, displacement in fields.items():
-        place = rest + np.einsum("kp,kpi->ki", functions, displacement[numbers])
-        gap, _, curvature = evaluate_substrate(substrate.kernel, substrate.parameters, place)
-        _, traction, derivative = evaluate_law(law.kernel, law.parameters, gap, curvature)
-        zone = _zone(position.ravel(), -traction, derivative > 0)
+        state = points.state(displacement, history.get(at))
+        zone = _zone(position, -state.normal_traction.ravel(), state.softening.ravel())
         if zone is not None:
             found[at] = zone
     return found
@@ -218,8 +204,11 @@ def _held_strip(problem: Problem) -> tuple[float, float, float] | None:
     return float((12 * bending / modulus) ** (1 / 3)), modulus, -float(derivative[0])
 
 
-def _distance(curve: NurbsCurve, knots: FloatArray, parameters: FloatArray) -> FloatArray:
-    """Length (n, k) of a curve up to rising parameters, from the first of the knots."""
+def _distance(problem: Problem, space: RowSpace, parameters: FloatArray) -> FloatArray:
+    """Length (n, k) along the reference side up to rising parameters, from where the side begins."""
+    side = problem.adhesion.side
+    curve = problem.body.shape.boundary(side)
+    knots = element_ends(space, side, (0.0, 1.0))
     stops = np.concatenate([knots[knots < parameters[0, 0]], parameters.ravel()])
     nodes, weights = np.polynomial.legendre.leggauss(8)
     half = np.diff(stops)[:, None] / 2

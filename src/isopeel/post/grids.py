@@ -10,13 +10,14 @@ are nan.
 """
 
 from collections.abc import Iterable, Iterator
+from itertools import repeat
 
 import numpy as np
 
+from isopeel.assembly.interface import InterfacePoints, InterfaceState
 from isopeel.common.arrays import FloatArray, IntArray
 from isopeel.post.fields import SampledFields, fields_at
 from isopeel.post.pieces import BezierMesh, Ends, StraightMesh, cell_ends
-from isopeel.post.traction import AdhesiveTraction, adhesive_traction
 from isopeel.problem import Problem
 from isopeel.results import vtk
 from isopeel.splines.rows import RowSpace
@@ -62,30 +63,23 @@ def side_grids(
     space: RowSpace,
     mesh: Mesh,
     displacements: Iterable[FloatArray],
-    before: FloatArray | None = None,
+    openings: Iterable[FloatArray | None] | None = None,
 ) -> Iterator[vtk.Grid]:
-    """Grids of the side that adheres, in states with coefficients (size, 2) in the order of a path.
+    """Grids of the side that adheres, in states with coefficients (size, 2).
 
-    An irreversible joint that closes is on the way back from the largest opening in these states, and in
-    that `before` them: where it opened farther in between, it has a lower traction than is shown. Raises as
-    `body_grids` does.
+    An irreversible joint needs its largest `openings` (E, Q) so far in each state. Raises as `body_grids`
+    does, and InputError where openings are missing.
     """
     kind, cells, centres = _cells(mesh)
     along = 1 if problem.adhesion.side in ("left", "right") else 0
-    openings: list[FloatArray | None] = [None, None]
-    for number, displacement in enumerate(displacements if before is None else [before, *displacements]):
-        at_points, central = (
-            adhesive_traction(problem, space, displacement, at[along], opening)
-            for at, opening in zip((mesh.places, centres), openings, strict=True)
-        )
-        openings = [at_points.opening, central.opening]
-        if before is None or number > 0:
-            shape = mesh.points.shape[:-1]
-            data = {
-                name: mesh.interpolated(values.reshape(*shape, *values.shape[2:]))
-                for name, values in _side_data(at_points).items()
-            }
-            yield _grid(kind, cells, mesh, displacement, data, _side_data(central))
+    at_points, central = (InterfacePoints(problem, space, at[along]) for at in (mesh.places, centres))
+    shape = mesh.points.shape[:-1]
+    for displacement, history in zip(displacements, openings or repeat(None), strict=False):
+        data = {
+            name: mesh.interpolated(values.reshape(*shape, *values.shape[2:]))
+            for name, values in _side_data(at_points.state(displacement, history)).items()
+        }
+        yield _grid(kind, cells, mesh, displacement, data, _side_data(central.state(displacement, history)))
 
 
 def _mesh(problem: Problem, space: RowSpace, pieces: int | None, ends: Ends) -> Mesh:
@@ -158,7 +152,7 @@ def _body_data(fields: SampledFields) -> dict[str, FloatArray]:
     }
 
 
-def _side_data(found: AdhesiveTraction) -> dict[str, FloatArray]:
+def _side_data(found: InterfaceState) -> dict[str, FloatArray]:
     return {
         "gap [L0]": found.gap,
         "normal adhesive traction [E0]": found.normal_traction,

@@ -7,13 +7,13 @@ larger than the process zone: the front then sticks between them, on the finer s
 `post.resolution` shows it.
 """
 
-from collections.abc import Mapping
 from typing import NamedTuple
 
 import numpy as np
 
+from isopeel.assembly.interface import InterfacePoints
 from isopeel.assembly.system import System
-from isopeel.common.arrays import FloatArray
+from isopeel.common.arrays import FloatArray, frozen
 from isopeel.common.errors import InputError
 from isopeel.matrix.factor import SingularError
 from isopeel.post.resolution import elements_are_tall
@@ -60,8 +60,7 @@ def mesh_changes(
 
     To the largest reaction the finer space is traced from the stored state before it. States that carry next
     to nothing are left out, and all where the finer space would be too large, or where a file holds what is
-    no number. The damage of an irreversible joint is that of the state that a stage begins with and of the
-    stored states since; the damage of the stages before it is not in the file.
+    no number. The damage of an irreversible joint is that of each state, at the points of the finer space.
     """
     refined = finer(space, tall=elements_are_tall(problem, space))
     finite = all(np.isfinite(displacement).all() for displacement in run.fields.values())
@@ -75,18 +74,15 @@ def mesh_changes(
     except InputError:
         # the memory does not suffice for it
         return []
-    if base is not None:
-        system.accept(base)
-    openings = system.openings
-    looked_at = _looked_at(run)
-    stored = {
-        at: transferred(weighted, u, target)
-        for at, u in run.fields.items()
-        if problem.adhesion.irreversible or at in looked_at
-    }
+    looked_at, points = _looked_at(run), InterfacePoints.of_contact(problem, refined, contact_points)
+    points = InterfacePoints(problem, space, points.parameters)
     changes = []
     for parameter in looked_at:
-        # each state has its own history, from the first one of the stage on
+        displacement = run.fields[parameter]
+        stored = transferred(weighted, displacement, target)
+        openings = system.openings
+        if problem.adhesion.irreversible:
+            openings = frozen(points.history(displacement, run.openings.get(parameter)))
         system.openings = openings
         largest = None
         if parameter != looked_at[-1]:
@@ -110,7 +106,7 @@ def _looked_at(run: StoredRun) -> list[float]:
 
 
 def _change(
-    system: System, problem: Problem, run: StoredRun, stored: Mapping[float, FloatArray], shown: float
+    system: System, problem: Problem, run: StoredRun, stored: FloatArray, shown: float
 ) -> MeshChange | None:
     curve, drive = run.curve, problem.drive
     (steps,) = np.nonzero(curve.parameter == shown)
@@ -120,11 +116,7 @@ def _change(
     if abs(reaction) <= _LEAST * np.abs(curve.reaction).max():
         return None
     parameter = shown / drive.parameter_column.factor
-    for at, displacement in stored.items():
-        system.accept(displacement)
-        if at == shown:
-            break
-    found = _equilibrium(system, State(parameter, stored[shown]))
+    found = _equilibrium(system, State(parameter, stored))
     if found is None:
         return MeshChange(shown, reaction, None)
     refined = system.reaction(found.equilibrium, found.displacement, found.load, parameter)
@@ -132,7 +124,7 @@ def _change(
 
 
 def _change_of_largest(
-    system: System, problem: Problem, run: StoredRun, stored: Mapping[float, FloatArray], before: float
+    system: System, problem: Problem, run: StoredRun, stored: FloatArray, before: float
 ) -> MeshChange | None:
     """The change of the largest reaction; None where the finer space does not lead on from the state before.
 
@@ -144,11 +136,7 @@ def _change_of_largest(
     if not len(first):
         return None
     way = np.linspace(first[-1] + 1, strongest, min(strongest - first[-1], _MOST_STEPS)).round().astype(int)
-    for at, displacement in stored.items():
-        system.accept(displacement)
-        if at == before:
-            break
-    path = Path(system, NewtonSettings(), [State(before / drive.parameter_column.factor, stored[before])])
+    path = Path(system, NewtonSettings(), [State(before / drive.parameter_column.factor, stored)])
     finer: list[float] = []
     try:
         # the state that is stored is no equilibrium of the finer space

@@ -57,17 +57,27 @@ def estimate_notes(problem: Problem, space: RowSpace, laboratory: Laboratory) ->
     return [_zone_note(problem, space, found, laboratory, "estimated from law, material and thickness")]
 
 
-def peels(problem: Problem, space: RowSpace, fields: Mapping[float, FloatArray]) -> bool:
+def peels(
+    problem: Problem,
+    space: RowSpace,
+    fields: Mapping[float, FloatArray],
+    openings: Mapping[float, FloatArray] | None = None,
+) -> bool:
     """Whether a joint was pulled by half of its strength somewhere in one of the last and largest states.
 
-    One that was not is a support, whose front is nowhere; `fields` are displacements (size, 2) by parameters.
+    One that was not is a support, whose front is nowhere; `fields` are displacements (size, 2) by parameters,
+    and `openings` the largest ones so far.
     """
     try:
         strength = law_character(problem.adhesion.law).strength
     except InputError:
         return False
     states = {max(fields, key=abs), list(fields)[-1]} if fields else set()
-    pulls = (-front_profile(problem, space, fields[at]).adhesive_traction.min() for at in states)
+    history = openings or {}
+    pulls = (
+        -front_profile(problem, space, fields[at], openings=history.get(at)).adhesive_traction.min()
+        for at in states
+    )
     return not fields or any(pull > strength / 2 for pull in pulls)
 
 

@@ -6,9 +6,9 @@ from math import ceil
 
 import numpy as np
 
+from isopeel.assembly.interface import InterfacePoints
 from isopeel.common.arrays import FloatArray
 from isopeel.physics.adhesion.mirrored import Mirrored
-from isopeel.physics.batch import evaluate_law, evaluate_substrate
 from isopeel.post.fields import SampledFields, sample_fields, side_positions
 from isopeel.problem import Problem
 from isopeel.splines.nurbs import Side
@@ -42,6 +42,7 @@ class BodyState:
     parameter: float
     fields: SampledFields
     adhering: FloatArray  # (n, 2) positions along the part of the side that adheres
+    attraction: FloatArray  # (n,) of the substrate there
     opposite: FloatArray  # (n, 2) positions on the other side of the body
     driven: FloatArray  # (3, 2) start, middle and end of the driven side
 
@@ -52,24 +53,28 @@ def body_state(
     parameter: float,
     displacement: FloatArray,
     per_element: tuple[int, int] | None = None,
+    openings: FloatArray | None = None,
 ) -> BodyState:
     """Sample what a picture shows of coefficients (size, 2) of a displacement, as `sample_fields` does.
 
-    Without a number of cells per element there are so many that bends and fields look smooth on coarse and
-    on graded meshes too.
+    An irreversible joint needs its largest `openings` so far (`InterfacePoints.state`). Without a number of
+    cells per element there are so many that bends and fields look smooth on coarse and on graded meshes too.
     """
     adhesion = problem.adhesion
     along = np.linspace(adhesion.start, adhesion.end, 10 * max(space.elements) + 1)
-    adhering, opposite = (
-        side_positions(problem, space, displacement, side, along)
-        for side in (adhesion.side, _OPPOSITE[adhesion.side])
-    )
+    interface = InterfacePoints(problem, space, along[:, None]).state(displacement, openings)
+    opposite = side_positions(problem, space, displacement, _OPPOSITE[adhesion.side], along)
     driven = side_positions(problem, space, displacement, problem.drive.side, np.array([0.0, 0.5, 1.0]))
     largest = (np.diff(axis.breakpoints).max() for axis in (space.rows[0], space.across))
     smooth = [ceil(cells * size) for cells, size in zip(SMOOTH, largest, strict=True)]
     cells = per_element or (smooth[0], smooth[1])
     return BodyState(
-        parameter, sample_fields(problem, space, displacement, cells), adhering, opposite, driven
+        parameter,
+        sample_fields(problem, space, displacement, cells),
+        interface.position[:, 0],
+        -interface.normal_traction[:, 0],
+        opposite,
+        driven,
     )
 
 
@@ -90,14 +95,12 @@ def whole_window(states: Iterable[BodyState]) -> Window:
 
 def front_window(problem: Problem, state: BodyState) -> Window:
     """The body where the substrate pulls most, with a margin."""
-    substrate, law = problem.adhesion.substrate, problem.adhesion.law
-    gap, _, _ = evaluate_substrate(substrate.kernel, substrate.parameters, state.adhering)
-    attraction = -evaluate_law(law.kernel, law.parameters, gap, np.zeros_like(gap))[1]
+    attraction = state.attraction
     # where nothing is pulled yet, a front will start from the end next to the drive
     from_drive = np.linalg.norm(state.adhering - state.driven[1], axis=1)
     pulls = attraction.max() > _NO_PULL * problem.body.material.youngs_modulus
     # of several places that are pulled alike, as the troughs of a wave, the one next to the drive
-    front = attraction > _ALIKE * attraction.max() if pulls else np.full(len(gap), True)
+    front = attraction > _ALIKE * attraction.max() if pulls else np.full(len(attraction), True)
     at = int(np.argmin(np.where(front, from_drive, np.inf)))
     through = state.opposite[at] - state.adhering[at]
     length = float(np.linalg.norm(np.diff(state.adhering, axis=0), axis=1).sum())
@@ -115,16 +118,20 @@ def adheres_to(problem: Problem) -> str:
 
 
 def common_view(
-    problem: Problem, space: RowSpace, fields: Mapping[float, FloatArray]
+    problem: Problem,
+    space: RowSpace,
+    fields: Mapping[float, FloatArray],
+    openings: Mapping[float, FloatArray] | None = None,
 ) -> tuple[Window, float]:
     """A window for all states of a run, and the largest |I1| of them; of one state at a time, to save room.
 
-    `fields` maps parameters to coefficients (size, 2) of displacements. The window holds the body; where that
+    `fields` maps parameters to coefficients (size, 2) of displacements, and `openings` to the largest ones so
+    far of an irreversible joint. The window holds the body; where that
     is thick for what adheres, such as a cylinder, the fronts alone, of which nothing would be seen else.
     """
-    windows, scale = [], 0.0
+    windows, scale, history = [], 0.0, openings or {}
     for value, displacement in fields.items():
-        state = body_state(problem, space, value, displacement)
+        state = body_state(problem, space, value, displacement, openings=history.get(value))
         length = float(np.linalg.norm(np.diff(state.adhering, axis=0), axis=1).sum())
         thickness = float(np.linalg.norm(state.opposite - state.adhering, axis=1).max())
         windows.append(whole_window([state]) if thickness < length else front_window(problem, state))

@@ -6,7 +6,7 @@ from typing import Literal, NamedTuple, TypeAlias
 
 #: What a note is about. All but `reading` and `bifurcation` say that numbers of the run may be wrong.
 Subject: TypeAlias = Literal[
-    "reading", "bifurcation", "resolution", "locking", "stability", "closed form", "penetration"
+    "reading", "bifurcation", "resolution", "locking", "stability", "closed form", "penetration", "history"
 ]
 
 

@@ -385,7 +385,10 @@ def _write_results(
         curve, plateau, closed_form, _ = in_laboratory(run.curve, found)
         for name, figure in (
             ("curve.png", reaction_figure(curve, plateau, closed_form)),
-            ("shapes.png", shapes_figure(stage.problem, space, run.fields, found.laboratory)),
+            (
+                "shapes.png",
+                shapes_figure(stage.problem, space, run.fields, found.laboratory, (), run.openings),
+            ),
         ):
             check()
             with replacing(out / name) as part:

@@ -37,15 +37,17 @@ def front_figure(
     parameter: float,
     displacement: FloatArray,
     units: Laboratory | None = None,
+    openings: FloatArray | None = None,
 ) -> Figure:
     """Draw the front of coefficients (size, 2) of a displacement, at a parameter in its column's unit.
 
     Above, the body with I1 on its elements, and the force of the adhesion on it as arrows; below, along the
     same part of the face, the tension of the adhesion and that in the body, which are equal in equilibrium,
-    and the length of the process zone, if there is a front. Elements are shaded by turns.
+    and the length of the process zone, if there is a front. Elements are shaded by turns. An irreversible
+    joint needs its largest `openings` so far.
     """
-    state = body_state(problem, space, parameter, displacement)
-    profile = front_profile(problem, space, displacement)
+    state = body_state(problem, space, parameter, displacement, openings=openings)
+    profile = front_profile(problem, space, displacement, openings=openings)
     zone = process_zone(profile)
     window = front_window(problem, state)
     if zone is not None:
