@@ -120,6 +120,30 @@ def test_the_width_at_half_maximum_of_a_known_bell() -> None:
     assert found == pytest.approx((0.3, 8.0, 8 - half, 8 + half), abs=1e-5)
 
 
+def test_the_front_is_found_beside_stretches_that_are_pulled_alike() -> None:
+    """As the troughs of a wave that a tape bridges, on both sides of which the law is stiff."""
+    position = np.linspace(0, 40, 4001).reshape(1, -1)
+    trough, front = (np.exp(-((position - at) ** 2)) for at in (10, 30))
+    places = np.zeros((*position.shape, 2))
+    zones = []
+    for share in (1.02, 0.98):
+        tension = -(share * trough + front)
+        profile = FrontProfile(position, places, places, position, tension, tension, position > 30)
+        zones.append(process_zone(profile))
+    for zone in zones:
+        assert zone is not None
+        # a Gaussian is one half at sqrt(log 2); chords over 0.01 are off by 1e-5 at most
+        half = np.sqrt(np.log(2))
+        assert (zone.peak, zone.position) == pytest.approx((1.0, 30.0), abs=1e-12)
+        assert (zone.start, zone.end) == pytest.approx((30 - half, 30 + half), abs=1e-4)
+    # one that is pulled by much more is where the load goes
+    tension = -(1.2 * trough + front)
+    assert (
+        process_zone(FrontProfile(position, places, places, position, tension, tension, position > 30))
+        is None
+    )
+
+
 @pytest.mark.parametrize("direction", [1, -1])
 def test_a_front_may_open_to_either_side(direction: int) -> None:
     """Rotation the other way: the mirror image, in x = 100."""

@@ -20,6 +20,8 @@ from isopeel.splines.rows import RowSpace
 #: Where an element is looked at, from its start (0) to its end (1): the ends of 20 equal cells.
 POINTS = frozen(np.linspace(0.0, 1.0, 21))
 
+_ALIKE = 0.95  # of the largest attraction
+
 # root of sin 2z + 2z = 0, a layer on a rigid base without friction (Fadle, Ingenieur-Archiv 11, 1941)
 _RIGID = 2.1061961 + 1.1253643j
 
@@ -126,14 +128,31 @@ def process_zone(profile: FrontProfile) -> ProcessZone | None:
     """The stretch around the peak where the attraction exceeds half of it, by linear interpolation.
 
     Half the peak lies on the steep flanks: a tenth of it would be a matter of the law's long tail. The peak
-    is that of the points looked at. None where there is no front: the attraction stays above half its peak
-    up to an end of the part that adheres, or the law softens on both sides of the peak, or on none.
+    is that of the points looked at; where several stretches are pulled alike, as all troughs of a wave that a
+    tape bridges, the strongest one that is a front. None where there is no front: the attraction stays above
+    half its peak up to an end of the part that adheres, or the law softens on both sides of the peak, or on
+    none.
     """
     return _zone(profile.position.ravel(), -profile.adhesive_traction.ravel(), profile.softening.ravel())
 
 
 def _zone(position: FloatArray, attraction: FloatArray, softens: NDArray[np.bool_]) -> ProcessZone | None:
-    peak = int(np.argmax(attraction))
+    largest = attraction.max()
+    above = np.flatnonzero(attraction >= largest / 2) if largest > 0 else np.array([], dtype=np.int64)
+    stretches = np.split(above, np.flatnonzero(np.diff(above) > 1) + 1)
+    peaks = [int(one[np.argmax(attraction[one])]) for one in stretches if one.size]
+    for peak in sorted(peaks, key=lambda k: -attraction[k]):
+        if attraction[peak] < _ALIKE * largest:
+            break
+        zone = _zone_around(peak, position, attraction, softens)
+        if zone is not None:
+            return zone
+    return None
+
+
+def _zone_around(
+    peak: int, position: FloatArray, attraction: FloatArray, softens: NDArray[np.bool_]
+) -> ProcessZone | None:
     half = attraction[peak] / 2
     below = np.flatnonzero(attraction < half)
     before, after = below[below < peak], below[below > peak]
