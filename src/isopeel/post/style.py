@@ -76,9 +76,11 @@ def save(figure: Figure, path: Path) -> None:
     dates = {".pdf": {"CreationDate": None}, ".svg": {"Date": None}}  # the same figure, the same file
     # some settings are read only when a figure is drawn
     with style(), _undated_fonts():
-        # `savefig` would arrange it twice: in a pass that draws nothing, and in the one that does
-        figure.draw_without_rendering()
-        figure.set_layout_engine("none")
+        # `savefig` would draw all of it once more to arrange it; without an engine it draws once
+        layout = figure.get_layout_engine()
+        if layout is not None:
+            layout.execute(figure)
+            figure.set_layout_engine(None)
         figure.savefig(path, metadata={"Creator": MAKER, **dates.get(path.suffix.lower(), {})})
 
 
