@@ -1,5 +1,6 @@
 """What a law of adhesion amounts to: strength, stiffness, losses, and the gaps at which it acts."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import lru_cache
 
@@ -16,6 +17,8 @@ SMALLEST, LARGEST = 1e-6, 1e6
 _PER_DECADE = 50
 #: Where the attraction has fallen to this share of its peak, there is no more to be seen of it.
 _SPENT = 0.02
+#: Places that an opening is narrowed down at, and how often: from neighbours on the grid to round-off.
+_PLACES, _ROUNDS = 65, 10
 
 
 @dataclass(frozen=True)
@@ -61,8 +64,6 @@ def law_character(law: AdhesionLaw) -> LawCharacter:
 # a run asks for them at each of its fronts
 @lru_cache(maxsize=8)
 def _character(response: _Response) -> LawCharacter:
-    from scipy.optimize import brentq, minimize_scalar
-
     law = response.law
     decades = np.log10(LARGEST / SMALLEST)
     opening = np.geomspace(SMALLEST, LARGEST, round(_PER_DECADE * decades) + 1)
@@ -72,21 +73,22 @@ def _character(response: _Response) -> LawCharacter:
         allowed = f"it must attract most at an opening between {SMALLEST:g} and {LARGEST:g}"
         raise InputError("adhesion", type(law).__name__, allowed)
 
-    def repulsion(logarithm: float) -> float:
-        gap = np.array([law.equilibrium_gap + np.exp(logarithm)])
-        return float(evaluate_flat(law, gap)[1][0])
+    def attraction_at(openings: FloatArray) -> FloatArray:
+        return -evaluate_flat(law, law.equilibrium_gap + openings)[1]
 
     # the grid's neighbours hold the peak between them
-    bounds = np.log(opening[at - 1]), np.log(opening[at + 1])
-    peak = minimize_scalar(repulsion, bounds=bounds, method="bounded", options={"xatol": 1e-9})
+    strongest = _narrowed(opening[at - 1], opening[at + 1], lambda z: int(np.argmax(attraction_at(z))))
+    strength = float(attraction_at(np.array([strongest]))[0])
 
     def last_above(share: float) -> int:
         # of the peak itself, which is above that on the grid
-        return at + int(np.flatnonzero(attraction[at:-1] >= -share * peak.fun)[-1])
+        return at + int(np.flatnonzero(attraction[at:-1] >= share * strength)[-1])
 
     half = last_above(0.5)
-    softened = law.equilibrium_gap + np.exp(
-        brentq(lambda z: repulsion(z) - 0.5 * peak.fun, *np.log(opening[half : half + 2]), xtol=1e-13)
+    softened = law.equilibrium_gap + _narrowed(
+        opening[half],
+        opening[half + 1],
+        lambda z: int(np.flatnonzero(attraction_at(z) >= 0.5 * strength)[-1]),
     )
     opened = opened_flat(law, np.array([softened]))
     dissipated, stored = float(opened.dissipated[0]), float(opened.stored[0])
@@ -94,11 +96,23 @@ def _character(response: _Response) -> LawCharacter:
     return LawCharacter(
         law.equilibrium_gap,
         law.work_of_adhesion,
-        float(-peak.fun),
-        law.equilibrium_gap + float(np.exp(peak.x)),
+        strength,
+        law.equilibrium_gap + strongest,
         float(stiffness),
         law.equilibrium_gap + float(opening[last_above(_SPENT) + 1]),
-        float(softened),
+        softened,
         dissipated,
         dissipated / (dissipated + stored),
     )
+
+
+def _narrowed(low: float, high: float, nearest: Callable[[FloatArray], int]) -> float:
+    """Find an opening between two: the neighbours of the `nearest` of some places hold it between them.
+
+    The same by `scipy.optimize` would take longer to import than all else of a law.
+    """
+    for _ in range(_ROUNDS):
+        places = np.linspace(low, high, _PLACES)
+        at = nearest(places)
+        low, high = places[max(at - 1, 0)], places[min(at + 1, _PLACES - 1)]
+    return float(places[at])
