@@ -1,3 +1,4 @@
+from dataclasses import replace
 from itertools import islice
 from pathlib import Path
 
@@ -67,6 +68,34 @@ def test_a_path_goes_on_from_its_file_bit_for_bit(tmp_path: Path) -> None:
     for one, other in zip(trace(problem, space, angles[60:], start=[state]), whole[60:], strict=True):
         assert (one.reaction, one.dissipated_energy) == (other.reaction, other.dissipated_energy)
         np.testing.assert_array_equal(one.displacement, other.displacement)
+
+
+@pytest.mark.parametrize("closed", [0.0, -1.0])
+def test_the_journal_of_a_killed_run_holds_the_openings(
+    closed: float, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of each state that is kept, to the last bit; -1 where a point has not closed yet."""
+    monkeypatch.setattr("isopeel.results.run_writer._SAVE_SECONDS", 1e9)
+    random = np.random.default_rng(2)
+    history = np.maximum.accumulate(random.normal(size=(4, 2, 3)), axis=0)
+    history[:2] = closed
+    taken = [
+        replace(step, openings=openings)
+        for step, openings in zip(steps([0, 10, 20, 25]), history, strict=True)
+    ]
+    file = writer(tmp_path / "run.h5")
+    for step in taken:
+        file.append(step)
+    run = read_run(tmp_path / "run.h5")
+    assert run.journaled == 3
+    assert not run.lacks_history
+    for at, openings in zip(run.fields, history, strict=True):
+        np.testing.assert_array_equal(run.openings[at], openings)
+    file.end("completed")
+    file.__exit__(None, None, None)
+    whole = read_run(tmp_path / "run.h5")
+    for at, openings in zip(whole.fields, history, strict=True):
+        np.testing.assert_array_equal(whole.openings[at], openings)
 
 
 def columns(curve: Curve) -> list[list[float]]:

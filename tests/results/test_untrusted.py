@@ -88,6 +88,13 @@ def attribute(name: str, value: object) -> Callable[[h5py.File], None]:
     return change
 
 
+def openings(value: float, *shape: int) -> Callable[[h5py.File], None]:
+    def change(file: h5py.File) -> None:
+        file["fields/openings"] = np.full(shape or (1, *file["last/openings"].shape), value)
+
+    return change
+
+
 LIES: dict[str, Callable[[h5py.File], None]] = {
     "a huge field": huge("fields/displacement"),
     "a huge curve": huge("curve/moment"),
@@ -111,6 +118,9 @@ LIES: dict[str, Callable[[h5py.File], None]] = {
     "counts below zero": replaced("curve/iterations", lambda _: np.array([-1])),
     "counts of others": replaced("curve/iterations", lambda _: np.array([10**9])),
     "fields of others": replaced("fields/displacement", lambda _: np.zeros((1, 3, 2))),
+    "infinite openings": openings(np.inf),
+    "openings of another side": openings(0.1, 1, 3, 3),
+    "openings of more states": openings(0.1, 2, 1, 1),
     "three components": replaced("last/displacement", lambda _: np.zeros((63, 3))),
     "another ending": attribute("ending", "won"),
     "another format": attribute("format", 7),
