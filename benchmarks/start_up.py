@@ -1,9 +1,12 @@
 """How long a command takes from start to end, and how long the first one after an installation."""
 
 import os
+import re
+import resource
 import subprocess
 import sys
 import sysconfig
+from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
 from statistics import median
@@ -27,6 +30,19 @@ class Command(NamedTuple):
     first: bool = False  # as after an installation: with empty caches
 
 
+class Times(NamedTuple):
+    """Seconds of one command."""
+
+    wall: float
+    processor: float  # of the command and of the processes that it starts
+
+
+#: A line of `python -X importtime`: microseconds in a module itself, and its name.
+_IMPORTED = re.compile(r"import time:\s+(\d+) \|\s+\d+ \|\s+(\w+)")
+#: Packages that take less of the imports are summed up.
+_SMALL = 0.03
+
+
 def commands(repeats: int, long: int, case: Sequence[str]) -> list[Command]:
     """All commands, the whole run of a case `long` times each."""
     script = Path(sysconfig.get_path("scripts")) / "isopeel"
@@ -43,7 +59,7 @@ def commands(repeats: int, long: int, case: Sequence[str]) -> list[Command]:
     ]
 
 
-def seconds(command: Command) -> list[float]:
+def timed(command: Command) -> list[Times]:
     """Time a command, each time in an empty folder."""
     times = []
     for number in range(-1, command.repeats):
@@ -51,12 +67,23 @@ def seconds(command: Command) -> list[float]:
         if number < 0 and command.first:
             continue
         with TemporaryDirectory() as folder:
-            environment = os.environ | _empty_caches(folder) if command.first else None
-            began = perf_counter()
+            environment = _environment() | (_empty_caches(folder) if command.first else {})
+            began, before = perf_counter(), _processor_seconds()
             subprocess.run(command.arguments, cwd=folder, env=environment, check=True, capture_output=True)
             if number >= 0:
-                times.append(perf_counter() - began)
+                times.append(Times(perf_counter() - began, _processor_seconds() - before))
     return times
+
+
+def _environment() -> dict[str, str]:
+    """That of this process, but modules are compiled once, as they are where nobody asks for else."""
+    return {name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"}
+
+
+def _processor_seconds() -> float:
+    """User and system time of all processes that have been waited for."""
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return used.ru_utime + used.ru_stime
 
 
 def _empty_caches(folder: str) -> dict[str, str]:
@@ -64,16 +91,48 @@ def _empty_caches(folder: str) -> dict[str, str]:
     return {"NUMBA_CACHE_DIR": f"{folder}/kernels", "MPLCONFIGDIR": f"{folder}/fonts"}
 
 
-def start_up_table(found: Sequence[tuple[Command, list[float]]]) -> Table:
+def start_up_table(found: Sequence[tuple[Command, list[Times]]]) -> Table:
     """Tabulate the seconds of all commands."""
     table = plain_table(
-        "seconds from start to end",
-        *("command", "repeats", "least", "median"),
-        caption="the first: with empty caches, as after an installation",
+        "seconds from start to end, and of processor time",
+        *("command", "repeats", "least", "median", "processor"),
+        caption="the first: with empty caches, as after an installation; processor: the least",
         labels=1,
     )
     for command, times in found:
-        table.add_row(command.label, str(len(times)), f"{min(times):.2f}", f"{median(times):.2f}")
+        wall = [time.wall for time in times]
+        least = min(time.processor for time in times)
+        table.add_row(
+            command.label, str(len(times)), f"{min(wall):.2f}", f"{median(wall):.2f}", f"{least:.2f}"
+        )
+    return table
+
+
+def imports(case: Sequence[str], repeats: int) -> Counter[str]:
+    """Seconds that the modules of each package take to import in a short run, the least of some runs."""
+    least: dict[str, list[float]] = {}
+    for _ in range(repeats):
+        with TemporaryDirectory() as folder:
+            command = [sys.executable, "-X", "importtime", "-m", "isopeel", "run", *case, "--to", "1"]
+            ran = subprocess.run(
+                command, cwd=folder, env=_environment(), check=True, capture_output=True, text=True
+            )
+        totals: Counter[str] = Counter()
+        for microseconds, package in _IMPORTED.findall(ran.stderr):
+            totals[package] += int(microseconds)
+        for package, total in totals.items():
+            least.setdefault(package, []).append(total / 1e6)
+    return Counter({package: min(times) for package, times in least.items()})
+
+
+def imports_table(found: Counter[str]) -> Table:
+    """Tabulate the seconds and shares of packages, the slowest first."""
+    table = plain_table("imports of the short run", "package", "seconds", "share", labels=1)
+    whole = found.total()
+    large = [(package, took) for package, took in found.most_common() if took >= _SMALL * whole]
+    rest = whole - sum(took for _, took in large)
+    for package, took in (*large, ("others", rest), ("all", whole)):
+        table.add_row(package, f"{took:.2f}", f"{100 * took / whole:.0f} %")
     return table
 
 
@@ -83,9 +142,10 @@ def main(
     case: Annotated[str, typer.Option(help="What to run, with options of `isopeel run`.")] = "strip",
 ) -> None:
     """Time the start of isopeel, in a process of its own each time."""
-    found = [(command, seconds(command)) for command in commands(repeats, long, case.split())]
+    found = [(command, timed(command)) for command in commands(repeats, long, case.split())]
     console = wide_console()
     console.print(start_up_table(found))
+    console.print(imports_table(imports(case.split(), repeats)))
     console.print(machine.description(), soft_wrap=True)
 
 

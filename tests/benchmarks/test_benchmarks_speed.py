@@ -1,6 +1,7 @@
 """The benchmarks of speed: what they count is counted by hand here, and each runs on a small case."""
 
 import sys
+from collections import Counter
 from dataclasses import replace
 from functools import partial
 from importlib import import_module
@@ -188,11 +189,11 @@ def test_the_study_is_all_published_runs() -> None:
 
 
 def test_a_first_run_finds_empty_caches() -> None:
-    from start_up import Command, seconds
+    from start_up import Command, timed
 
     empty = "import os; assert not os.path.exists(os.environ['NUMBA_CACHE_DIR'])"
-    assert len(seconds(Command("first", [sys.executable, "-c", empty], 2, first=True))) == 2
-    assert len(seconds(Command("any", [sys.executable, "-c", "pass"], 3))) == 3
+    assert len(timed(Command("first", [sys.executable, "-c", empty], 2, first=True))) == 2
+    assert len(timed(Command("any", [sys.executable, "-c", "pass"], 3))) == 3
 
 
 def test_start_up_prints_a_line_for_each_command(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -203,4 +204,10 @@ def test_start_up_prints_a_line_for_each_command(monkeypatch: pytest.MonkeyPatch
     assert whole.arguments[1:] == ["run", "strip"]
     cheap = [start_up.Command("nothing", [sys.executable, "-c", "pass"], 2)]
     monkeypatch.setattr(start_up, "commands", lambda *_: cheap)
-    assert [line[:2] for line in printed("start_up") if line[:1] == ["nothing"]] == [["nothing", "2"]]
+    took = Counter({"numba": 0.6, "numpy": 0.39, "typer": 0.01})
+    monkeypatch.setattr(start_up, "imports", lambda *_: took)
+    lines = printed("start_up")
+    assert [line[:2] for line in lines if line[:1] == ["nothing"]] == [["nothing", "2"]]
+    # what takes less than 3 % is not named
+    named = [line for line in lines if line[:1] in (["numba"], ["numpy"], ["typer"], ["others"])]
+    assert named == [["numba", "0.60", "60", "%"], ["numpy", "0.39", "39", "%"], ["others", "0.01", "1", "%"]]
