@@ -9,8 +9,8 @@ from paths import as_far_as_it_goes, energies, gained, paths, worth
 from isopeel.common.path_control import Control
 from isopeel.problem import strip
 from isopeel.solve.newton import ConvergenceError, NewtonSettings
-from isopeel.solve.path import Found, Path
-from isopeel.solve.step import Kind, Step
+from isopeel.solve.path import Path
+from isopeel.solve.step import Found, Kind, Step
 from isopeel.solve.trace import trace
 from isopeel.splines.rows import row_space
 

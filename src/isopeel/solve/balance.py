@@ -57,6 +57,17 @@ def released(one: Past, other: Past) -> float:
     return one.energy + (one.rate + other.rate) / 2 * (other.parameter - one.parameter) - other.energy
 
 
+def simpson_misfits(one: Past, half: Past, other: Past) -> tuple[float, float]:
+    """Energy gained without work in both halves of a step, by the parabola through its three rates.
+
+    Over both it is Simpson's rule (Davis and Rabinowitz, Methods of Numerical Integration, Sec. 2.2).
+    """
+    twelfth = (other.parameter - one.parameter) / 24
+    before = twelfth * (5 * one.rate + 8 * half.rate - other.rate)
+    beyond = twelfth * (5 * other.rate + 8 * half.rate - one.rate)
+    return half.energy - one.energy - before, other.energy - half.energy - beyond
+
+
 def gain_allowed(system: System) -> float:
     """Energy that any step of a system may gain without work: a share of what all of the joint is worth."""
     worth = system.problem.adhesion.law.work_of_adhesion * float(system.adhesive.weights.sum())

@@ -15,9 +15,9 @@ from isopeel.common.arrays import FloatArray
 from isopeel.solve.balance import MISFIT, released
 from isopeel.solve.descent import potential_energy
 from isopeel.solve.newton import ConvergenceError, newton
-from isopeel.solve.path import Found, Path
+from isopeel.solve.path import Path
 from isopeel.solve.stability import critical_motion, stability
-from isopeel.solve.step import Past
+from isopeel.solve.step import Found, Past
 
 #: Of the step in which stability is lost, and of the parameter, whichever is less: how well a bifurcation is
 #: located. What is less than a millionth of the step is not told from its start.

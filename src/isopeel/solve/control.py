@@ -11,6 +11,7 @@ from threadpoolctl import ThreadpoolController
 from isopeel.common.interrupts import check, deferred
 from isopeel.matrix.factor import SingularError
 from isopeel.solve.balance import NO_MISFIT, Misfit
+from isopeel.solve.branch import LEAST_REST
 from isopeel.solve.branching import gone_over
 from isopeel.solve.continuation import (
     CALM_COSINE,
@@ -21,8 +22,8 @@ from isopeel.solve.continuation import (
     Point,
 )
 from isopeel.solve.newton import ConvergenceError
-from isopeel.solve.path import LEAST_REST, Found, Path
-from isopeel.solve.step import Kind, Past, Step
+from isopeel.solve.path import Path
+from isopeel.solve.step import Found, Kind, Past, Step
 
 #: Halvings of a step before it counts as one that ends at a limit point.
 _HALVINGS = 4
@@ -117,24 +118,34 @@ def _cut(path: Path, parameters: Iterable[float]) -> Iterator[Found]:
     for parameter, is_last in _with_last(parameters):
         last = path.history[-1].parameter if path.history else parameter
         size = whole = parameter - last
+        path.branch.forget()
         while True:
             whole_rest = abs(size) >= (1 - LEAST_REST) * abs(parameter - last)
             aim = parameter if whole_rest else last + size
-            kind: Kind = "requested" if whole_rest else "between"
+            end = path.branch.end_before(aim)
+            at_end = end is not None and end.last == last
+            if end is not None:
+                # straight to the last known state of the branch, and on from there
+                aim = end.beyond if at_end else end.last
+                size = size if at_end else aim - last
+            kind: Kind = "requested" if aim == parameter else "between"
             cuts = bool(whole) and (size == whole or abs(size) > _shortest(path, whole))
             try:
-                found = _balanced(path, path.equilibrium(aim, kind, soon=cuts), cuts=cuts)
+                if at_end:
+                    found = _fallen(path, aim, kind)
+                else:
+                    found = _balanced(path, path.equilibrium(aim, kind, soon=cuts), cuts=cuts)
             except ConvergenceError as error:
+                if at_end:
+                    path.branch.goes_on()
+                    continue
                 if cuts:
                     size = min(abs(size), abs(parameter - last)) / 2 * np.sign(whole)
                     continue
-                found = _jumped(path, error, aim)
-                if whole and found.kind == "jump" and path.is_smooth(found):
-                    # a search has found what Newton's method did not
-                    found = found._replace(kind=kind)
-                if found.kind == "jump":
-                    # a new branch is begun with whole steps, of the old one little may be left
-                    size = whole / 2
+                found = _fallen(path, aim, kind, error)
+            if found.kind == "jump":
+                # a new branch is begun with whole steps, of the old one little may be left
+                size = whole / 2
             if found.parameter != aim:
                 # a state inside of the step
                 aim, size = found.parameter, found.parameter - last
@@ -156,6 +167,14 @@ def _cut(path: Path, parameters: Iterable[float]) -> Iterator[Found]:
                 last = aim
             if whole_rest:
                 break
+
+
+def _fallen(path: Path, parameter: float, kind: Kind, error: ConvergenceError | None = None) -> Found:
+    """What a path falls to where its branch ends or, by an error, its smallest step fails."""
+    found = path.jumped(parameter) if error is None else _jumped(path, error, parameter)
+    # a search may have found what Newton's method did not
+    smooth = found.kind == "jump" and path.moves_to(parameter) and path.is_smooth(found)
+    return found._replace(kind=kind) if smooth else found
 
 
 def _with_last(parameters: Iterable[float]) -> Iterator[tuple[float, bool]]:
@@ -186,7 +205,7 @@ def _without_gain(path: Path, found: Found) -> Found:
     misfit = path.misfit(found)
     if misfit is NO_MISFIT or not misfit.gains:
         return found._replace(is_balanced=misfit is not NO_MISFIT and misfit.fits)
-    misfit, _ = path.verified(found, by_order=True)
+    misfit, _ = path.branch.verified(found, by_order=True)
     if misfit.gains:
         raise _unbalanced(path, found, misfit)
     return found._replace(is_balanced=True)
@@ -204,7 +223,7 @@ def _balanced(path: Path, found: Found, *, cuts: bool) -> Found:
         return found
     inside: list[Found] = []
     if not misfit.fits and (misfit.is_slight or not cuts):
-        misfit, inside = path.verified(found, by_order=not cuts)
+        misfit, inside = path.branch.verified(found, by_order=not cuts)
     if not misfit.fits:
         raise _unbalanced(path, found, misfit)
     return inside[0] if len(inside) > 1 and not misfit.is_slight else found._replace(is_balanced=True)
@@ -230,7 +249,7 @@ def _jumped(path: Path, error: ConvergenceError, parameter: float) -> Found:
     """
     if not path.has_energy:
         raise _diagnosed(path, error, parameter) from error
-    inside = path.followed(parameter, by_order=True) if path.history else []
+    inside = path.branch.followed(parameter, by_order=True) if path.history else []
     if inside and inside[-1].parameter == parameter:
         return inside[0]
     try:

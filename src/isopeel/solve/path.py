@@ -3,7 +3,6 @@
 from collections.abc import Sequence
 from dataclasses import replace
 from time import perf_counter
-from typing import NamedTuple
 from weakref import ref
 
 import numpy as np
@@ -13,44 +12,23 @@ from isopeel.assembly.system import Equilibrium, System
 from isopeel.common.arrays import FloatArray
 from isopeel.common.errors import InputError
 from isopeel.physics.batch import evaluate_substrate
-from isopeel.solve.balance import CUBIC, MISFIT, NO_MISFIT, ROUND_OFF, Misfit, gain_allowed, misfit, released
+from isopeel.solve.balance import MISFIT, NO_MISFIT, ROUND_OFF, Misfit, gain_allowed, misfit, released
+from isopeel.solve.branch import SOON, Branch
 from isopeel.solve.descent import Descent, descend, potential_energy
 from isopeel.solve.newton import ConvergenceError, NewtonResult, NewtonSettings, newton
 from isopeel.solve.predictor import Predictor, extrapolate
 from isopeel.solve.quasi_newton import QuasiNewton
 from isopeel.solve.stability import stability
-from isopeel.solve.step import PARABOLA_POINTS, Kind, Past, State, Step
+from isopeel.solve.step import PARABOLA_POINTS, Found, Kind, Past, State, Step
 
 #: Of the change of the unknowns in a step: what a parabola may miss them by.
 _FORESEEN = 0.3
-#: Of the change of the unknowns in a step: two states that differ by more are of two branches. The same ones,
-#: found by one step and by many, differed by up to 1.2e-6 in 96 steps of tapes, cylinders, pads and stamps.
-_ELSEWHERE = 0.01
-#: Of what is left of a step: less than this is none.
-LEAST_REST = 1e-9
-#: Halvings of a step by which its branch is followed, where its energy does not seem to come from its work.
-_DEEPEST = 6
-#: Corrections of Newton's method where a shorter step can be taken instead: where it converges it takes some
-#: six. Past a limit point each costs a pivoted factor, and to exhaust them took nine tenths of the time.
-_SOON = 10
 #: Corrections of falling energy, after which the body without its joint is looked at: a jump over some
 #: elements takes 10 to 170, that of a block that comes off a fine mesh many hundreds. After 200 of them a
 #: stamp of 60 x 10 elements came off as a whole, where falling energy comes to rest half open.
 _FAR = 3000
 #: The same under a load that stays, which pulls on: a fall that is longer means that it is too large.
 _FAR_UNDER_LOAD = 700
-
-
-class Found(NamedTuple):
-    """An equilibrium that was found, what it is, and the negative eigenvalues where they were counted."""
-
-    parameter: float
-    result: NewtonResult
-    kind: Kind
-    negative: int | None = None
-    resumes: bool = True
-    is_elsewhere: bool = False  # on another branch than the states before, which would mislead the next guess
-    is_balanced: bool = False  # its energy comes from the work, but for the error of the trapezoidal rule
 
 
 class Path:
@@ -66,6 +44,8 @@ class Path:
         self._number = 0
         self._begins = begins or not start
         self._judged: tuple[NewtonResult | None, Past | None] = None, None
+        #: The branch that it is on.
+        self.branch = Branch(self)
         #: Whether all forces have a potential.
         self.has_energy: bool = system.storage == "symmetric"
         #: Energy that any step may gain without work.
@@ -107,6 +87,7 @@ class Path:
         if found.kind == "jump" or found.is_elsewhere:
             # states of the branch that was left would mislead the next guess
             self._predictor.forget()
+            self.branch.forget()
         past = self.past_of(result, parameter)
         reaction = past.rate if system.load is None else system.reaction(at, u, result.load, parameter)
         self._predictor.remember(past, u)
@@ -123,6 +104,7 @@ class Path:
                 # no jump gains energy: what seems so is the error of the trapezoidal rule
                 released_energy = max(released_energy, 0.0)
         self._begins = False
+        self.branch.step()
         system.accept(u)
         u.setflags(write=False)
         y.setflags(write=False)
@@ -185,61 +167,6 @@ class Path:
             return NO_MISFIT
         return misfit(self.history, past, self.gain_allowed)
 
-    def verified(self, found: Found, *, by_order: bool = False) -> tuple[Misfit, list[Found]]:
-        """The same, by the branch that the path is on, where the ends of the step do not suffice.
-
-        The branch is followed by smaller steps as far as it goes, which are returned too. Where it comes to
-        the same state, all is well. Where it ends before, the body has jumped there, with the work of the
-        drive so far.
-        """
-        whole = self.misfit(found)
-        if whole.fits or not self.history or self.history[-1].parameter == found.parameter:
-            return whole, []
-        one, other = self.history[-1], self.past_of(found.result, found.parameter)
-        inside = self.followed(other.parameter, by_order=by_order)
-        last = self.past_of(inside[-1].result, inside[-1].parameter) if inside else one
-        rest = other.parameter - last.parameter
-        gained = other.energy - last.energy - max(last.rate * rest, other.rate * rest)
-        if rest:
-            work = max(abs(one.rate), abs(other.rate)) * abs(other.parameter - one.parameter)
-            releases = -gained > self.gain_allowed + MISFIT * work
-            return Misfit(gained, gained > self.gain_allowed, releases), inside
-        n = self.system.constraints.count
-        apart, moved = (np.abs(other.unknown_values - past.unknown_values)[:n].max() for past in (last, one))
-        elsewhere = bool(apart > _ELSEWHERE * moved)
-        gains = gained > self.gain_allowed
-        return Misfit(gained, gains, elsewhere and not gains, whole.is_slight), inside
-
-    def followed(self, parameter: float, *, by_order: bool) -> list[Found]:
-        """States towards a parameter on the branch that the path is on, by halved steps, as far as they go.
-
-        Where too few states are known for the error of the trapezoidal rule, its `by_order` tells it.
-        """
-        states, found = [*self.history], []
-        size = whole = parameter - states[-1].parameter
-        longer = np.inf  # what a step of twice the size misses
-        while (rest := parameter - states[-1].parameter) and abs(size) > abs(whole) / 2**_DEEPEST:
-            size = rest if abs(size) >= (1 - LEAST_REST) * abs(rest) else size
-            at = parameter if size == rest else states[-1].parameter + size
-            near = states[-PARABOLA_POINTS:]
-            guess = extrapolate({past.parameter: past.exact for past in near}, at, self.system.count)
-            try:
-                result = newton(self.system, guess, at, self.settings)
-            except ConvergenceError:
-                size, longer = size / 2, np.inf
-                continue
-            past = self.past_of(result, at)
-            # some of these make one step
-            missed = misfit(states, past, self.gain_allowed / 4)
-            smooth = by_order and missed.is_slight and abs(missed.gained) <= CUBIC * longer
-            if missed.fits or smooth:
-                states.append(past)
-                found.append(Found(at, result, "between"))
-                longer = np.inf
-            else:
-                size, longer = size / 2, abs(missed.gained)
-        return found
-
     def negative_eigenvalues(self, found: Found, *, told: bool = False) -> int | None:
         """Count those at what was found, where its tangents tell, or where that is to be `told` for sure."""
         if not self.has_energy:
@@ -268,7 +195,7 @@ class Path:
             return Found(parameter, found, kind)
         settings = self.settings
         if soon:
-            settings = replace(settings, iteration_limit=min(_SOON, settings.iteration_limit))
+            settings = replace(settings, iteration_limit=min(SOON, settings.iteration_limit))
         for polished in (False, True) if self._can_polish() and not soon else (False,):
             if polished:
                 self._polish()
@@ -313,6 +240,10 @@ class Path:
         # off by half of this
         change = abs((other.rate - one.rate) * (other.parameter - one.parameter)) / 3
         return abs(misfits) <= most and -misfits <= self.gain_allowed + change
+
+    def moves_to(self, parameter: float) -> bool:
+        """Whether a step to a parameter changes it."""
+        return bool(self.history) and self.history[-1].parameter != parameter
 
     def is_smooth(self, found: Found) -> bool:
         """Whether what was found lies on the branch of the last state, as its energy tells."""

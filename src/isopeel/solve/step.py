@@ -5,6 +5,7 @@ from typing import Literal, NamedTuple, get_args
 from weakref import ReferenceType
 
 from isopeel.common.arrays import FloatArray
+from isopeel.solve.newton import NewtonResult
 from isopeel.solve.quasi_newton import Memory
 
 #: Converged states that plain Newton's method starts from: three, for a parabola.
@@ -89,3 +90,15 @@ class Step:
         """
         memory = None if self.memory is None else self.memory()
         return State(self.parameter, self.displacement, self.openings, self.past, memory)
+
+
+class Found(NamedTuple):
+    """An equilibrium that was found, what it is, and the negative eigenvalues where they were counted."""
+
+    parameter: float
+    result: NewtonResult
+    kind: Kind
+    negative: int | None = None
+    resumes: bool = True
+    is_elsewhere: bool = False  # on another branch than the states before, which would mislead the next guess
+    is_balanced: bool = False  # its energy comes from the work, but for the error of the trapezoidal rule
