@@ -33,8 +33,10 @@ def test_an_inverted_element_is_told_with_its_place() -> None:
     with pytest.raises(ConvergenceError) as caught:
         newton(system, np.zeros(system.count), 300.0, NewtonSettings())
     assert caught.value.cause == "inverted element"
-    assert "det F = -" in caught.value.reason
-    assert "X = (" in caught.value.reason
+    located = caught.value.located(system)
+    assert located.cause == "inverted element"
+    assert "det F = -" in located.reason
+    assert "X = (" in located.reason
 
 
 def test_a_limit_point_is_told_where_the_curve_turns_back() -> None:

@@ -13,7 +13,7 @@ from isopeel.matrix.bordered import Border, Bordered
 from isopeel.matrix.factor import Factor, NotPositiveDefiniteError, SingularError
 from isopeel.matrix.factorize import factorize
 from isopeel.matrix.ldl import BandLDL
-from isopeel.solve.newton import ConvergenceError, NewtonResult, NewtonSettings
+from isopeel.solve.newton import INVERTED, ConvergenceError, NewtonResult, NewtonSettings
 
 #: Of the parameter's step: over which its derivative is taken. The error is of the square, and of round-off.
 _DIFFERENCE = 1e-3
@@ -224,7 +224,7 @@ class Curve:
             at, values, threshold, last = t.at, t.values, self._threshold, np.inf
             while True:
                 if not np.isfinite(values).all() or at.lowest_determinant <= 0:
-                    raise ConvergenceError("an element is inverted", tuple(measures), parameter)
+                    raise ConvergenceError(INVERTED, tuple(measures), parameter)
                 partial = t.factor.solve(values)
                 change = float(row @ partial) / (corner - float(row @ eliminated))
                 correction = -partial - change * eliminated
@@ -259,7 +259,7 @@ class Curve:
         along = -turning * eliminated
         size = np.sqrt(self._inner(along, turning, along, turning))
         if not np.isfinite(size) or t.at.lowest_determinant <= 0:
-            raise ConvergenceError("an element is inverted", iterations, parameter)
+            raise ConvergenceError(INVERTED, iterations, parameter)
         return Point(
             parameter,
             y,

@@ -59,7 +59,10 @@ def controlled(path: Path, parameters: Iterable[float], passed: Sequence[float])
         # narrow bands and vectors of this length gain nothing from threads, and lose by their start
         with deferred(), libraries.limit(limits=1) if threaded else nullcontext():
             check()
-            one = next(found, None)
+            try:
+                one = next(found, None)
+            except ConvergenceError as error:
+                raise error.located(path.system) from error.__cause__
             if one is None:
                 return
             step = path.step(one, began)
@@ -105,7 +108,9 @@ def _at_limit(path: Path, error: ConvergenceError, parameter: float, limit: floa
         reason = f"the largest load is reached: no equilibrium is near above {at}, a limit point of the load"
         return ConvergenceError(reason, error.iterations, parameter, "limit load")
     reason = f"the path turns back at {at}; {error.reason}"
-    return ConvergenceError(reason, error.iterations, parameter, "limit point")
+    turned = ConvergenceError(reason, error.iterations, parameter, "limit point")
+    turned.displacement = error.displacement
+    return turned
 
 
 def _cut(path: Path, parameters: Iterable[float]) -> Iterator[Found]:

@@ -30,6 +30,8 @@ Cause = Literal[
     "iteration limit",
 ]
 
+#: The reason where det F is not positive.
+INVERTED = "an element is inverted"
 #: Corrections without a smaller energy residual are a stall.
 _STALL = 10
 #: An energy residual that falls to less of the last one is near a solution: a tangent that is kept then lets
@@ -106,7 +108,19 @@ class ConvergenceError(ArithmeticError):
         self.iterations = iterations
         self.parameter = parameter
         self.cause = cause
+        #: Coefficients (size, 2) where an element was inverted: to find the place takes as long as a step.
+        self.displacement: FloatArray | None = None
         super().__init__(f"no equilibrium at {parameter:g}: {reason}")
+
+    def located(self, system: System) -> "ConvergenceError":
+        """The same with the place of the inverted element in its reason, where there is one."""
+        inverted = None if self.displacement is None else system.inverted_point(self.displacement)
+        if inverted is None:
+            return self
+        place, determinant = inverted
+        at = f"det F = {determinant:.3g} at X = ({place[0]:.4g}, {place[1]:.4g})"
+        reason = self.reason.replace(INVERTED, f"{INVERTED}: {at}", 1)
+        return ConvergenceError(reason, self.iterations, self.parameter, self.cause)
 
     @property
     def hint(self) -> str:
@@ -158,7 +172,9 @@ def newton(
                     y, u, load, _accepted(system, u, load), tuple(measures), definite=definite
                 )
     except _StoppedError as error:
-        raise ConvergenceError(str(error), tuple(measures), parameter, error.cause) from error
+        failure = ConvergenceError(str(error), tuple(measures), parameter, error.cause)
+        failure.displacement = error.displacement
+        raise failure from error
     reason = (
         f"the energy residual per unknown is {measures[-1]:.1e} after {len(measures)} iterations,"
         f" not below {threshold:.1e}"
@@ -172,8 +188,9 @@ def newton(
 class _StoppedError(ArithmeticError):
     """The iteration cannot go on; says why."""
 
-    def __init__(self, reason: str, cause: Cause) -> None:
+    def __init__(self, reason: str, cause: Cause, displacement: FloatArray | None = None) -> None:
         self.cause = cause
+        self.displacement = displacement
         super().__init__(reason)
 
 
@@ -185,7 +202,7 @@ def _correction(
     equilibrium, matrix = system.linearize(u, load=load)
     residual = equilibrium.residual
     if not np.isfinite(residual).all():
-        raise _unsound(system, u)
+        raise _unsound(equilibrium, u)
     try:
         if system.load_is_unknown:
             correction, residual, again = _under_control(system, u, load, parameter, residual, matrix)
@@ -228,24 +245,14 @@ def _factorized(system: System, u: FloatArray, load: float, matrix: BandMatrix) 
 def _accepted(system: System, u: FloatArray, load: float) -> Equilibrium:
     equilibrium = system.equilibrium(u, load)
     if not np.isfinite(equilibrium.residual).all():
-        raise _unsound(system, u)
+        raise _unsound(equilibrium, u)
     # a law that stays finite where the body is turned inside out may balance there
     if equilibrium.lowest_determinant <= 0:
-        raise _StoppedError(_inversion(system, u) or "an element is inverted", "inverted element")
+        raise _StoppedError(INVERTED, "inverted element", u)
     return equilibrium
 
 
-def _unsound(system: System, u: FloatArray) -> _StoppedError:
-    inversion = _inversion(system, u)
-    if inversion is None:
-        return _StoppedError("the forces are not finite", "non-finite traction")
-    return _StoppedError(inversion, "inverted element")
-
-
-def _inversion(system: System, u: FloatArray) -> str | None:
-    """Where the body is turned inside out, if it is."""
-    inverted = system.inverted_point(u)
-    if inverted is None:
-        return None
-    place, determinant = inverted
-    return f"an element is inverted: det F = {determinant:.3g} at X = ({place[0]:.4g}, {place[1]:.4g})"
+def _unsound(equilibrium: Equilibrium, u: FloatArray) -> _StoppedError:
+    if equilibrium.lowest_determinant <= 0:
+        return _StoppedError(INVERTED, "inverted element", u)
+    return _StoppedError("the forces are not finite", "non-finite traction")
