@@ -45,12 +45,11 @@ class BandCholesky:
         reach = np.empty(-(-n // COLUMNS), np.int64)
         _find_reach(columns, reach)
         starts = np.append(0, np.cumsum(COLUMNS * (COLUMNS + reach)))
-        # rounded afterwards: for values in single precision all of the method would be compiled once more
-        values = np.empty(starts[-1])
+        values = np.empty(starts[-1], precision)
         pivot = _factorize(columns, reach, values, starts)
         if pivot > 0:
             raise NotPositiveDefiniteError(f"pivot {pivot} is not positive")
-        return cls(values.astype(precision, copy=False), starts, n)
+        return cls(values, starts, n)
 
     def solve(self, right_side: FloatArray) -> FloatArray:
         """Solve A x = right side (n,)."""
@@ -76,7 +75,7 @@ def _find_reach(columns: FloatArray, reach: IntArray) -> None:
 
 
 @compiled_reordered
-def _factorize(columns: FloatArray, reach: IntArray, values: FloatArray, starts: IntArray) -> int:
+def _factorize(columns: FloatArray, reach: IntArray, values: Floats, starts: IntArray) -> int:
     """Set the values of L, of the columns (n, width) of A; the first pivot that is not positive, or 0.
 
     A window on A moves down the band: the blocks that the next one takes something off.
