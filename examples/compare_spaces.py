@@ -3,7 +3,7 @@
 import numpy as np
 
 import isopeel
-from isopeel.post.reading import read_plateau
+from isopeel.post.plateau import read_plateau
 
 
 def main(

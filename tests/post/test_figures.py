@@ -22,7 +22,7 @@ from isopeel.post.closed_form import expected
 from isopeel.post.fields import sample_fields
 from isopeel.post.figures import reaction_figure, save, shapes_figure, space_figure
 from isopeel.post.laboratory import Laboratory
-from isopeel.post.reading import PlateauReading
+from isopeel.post.plateau import PlateauReading
 from isopeel.problem import Column
 
 ANGLES = np.arange(0.0, 31.0, 7.5)

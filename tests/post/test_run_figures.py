@@ -25,7 +25,7 @@ from isopeel.post.figures.moving import MovingFigure
 from isopeel.post.findings import Findings
 from isopeel.post.front import front_profile, process_zone
 from isopeel.post.laboratory import Laboratory
-from isopeel.post.reading import oscillation, read_plateau
+from isopeel.post.plateau import oscillation, read_plateau
 from isopeel.post.style import line_style
 from isopeel.problem import Column
 from isopeel.results.run_file import StoredRun

@@ -10,9 +10,9 @@ from isopeel.assembly.system import System
 from isopeel.common.path_control import Control
 from isopeel.physics.adhesion import Exponential
 from isopeel.problem import MovedSide, Problem, PulledSide, strip
-from isopeel.solve.control import controlled
 from isopeel.solve.newton import ConvergenceError, NewtonSettings
 from isopeel.solve.path import Path
+from isopeel.solve.path_control import controlled
 from isopeel.solve.step import Step
 from isopeel.solve.trace import trace
 from isopeel.splines.rows import row_space

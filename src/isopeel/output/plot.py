@@ -22,7 +22,7 @@ from isopeel.post.figures.shapes import MOST_SHAPES, spread
 from isopeel.post.findings import Findings, Shown, history_notes, in_laboratory
 from isopeel.post.front import front_profile
 from isopeel.post.laboratory import Laboratory
-from isopeel.post.reading import unreadable
+from isopeel.post.plateau import unreadable
 from isopeel.post.style import check_format
 from isopeel.results.files import replacing
 from isopeel.running.folder import FIGURES, check_overwritten, make_folder

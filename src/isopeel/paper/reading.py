@@ -13,7 +13,7 @@ from isopeel.paper.published import MISPRINTS, Figures, published
 from isopeel.paper.record import Record
 from isopeel.paper.study import MESHES, STEP, Run, default_points
 from isopeel.post.closed_form import beam_peeling
-from isopeel.post.reading import read_window, running_mean
+from isopeel.post.plateau import read_window, running_mean
 from isopeel.problem import Traction, strip
 
 Window = tuple[float, float]

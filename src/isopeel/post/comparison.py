@@ -8,7 +8,7 @@ import numpy as np
 
 from isopeel.common.arrays import FloatArray
 from isopeel.post.findings import Findings
-from isopeel.post.reading import onset_angle, plateau_mean, rising
+from isopeel.post.plateau import onset_angle, plateau_mean, rising
 from isopeel.results.curve import Curve
 from isopeel.results.run_file import StoredRun
 

@@ -13,7 +13,7 @@ from isopeel.post.crack import Front, crack_length_at, fronts, joint_ends, jumps
 from isopeel.post.fields import depth_inside
 from isopeel.post.laboratory import Laboratory, kind_of
 from isopeel.post.locking import locking_notes
-from isopeel.post.reading import PlateauReading, plateau_mean, read_plateau
+from isopeel.post.plateau import PlateauReading, plateau_mean, read_plateau
 from isopeel.post.readings import (
     DRIFT,
     LAST,

@@ -16,8 +16,8 @@ import numpy as np
 
 from isopeel.assembly.interface import InterfacePoints, InterfaceState
 from isopeel.common.arrays import FloatArray, IntArray
+from isopeel.post.bezier_cells import BezierMesh, Ends, StraightMesh, cell_ends
 from isopeel.post.fields import SampledFields, fields_at
-from isopeel.post.pieces import BezierMesh, Ends, StraightMesh, cell_ends
 from isopeel.problem import Problem
 from isopeel.results import vtk
 from isopeel.splines.rows import RowSpace

@@ -6,7 +6,7 @@ from math import ceil, log2
 
 from isopeel.post.findings import Findings
 from isopeel.post.mesh_error import MeshChange
-from isopeel.post.reading import plateau_mean, unreadable
+from isopeel.post.plateau import plateau_mean, unreadable
 from isopeel.post.readings import FAR
 from isopeel.post.stability import stability_notes
 from isopeel.results.notes import Note, Remedy

@@ -13,7 +13,7 @@ from isopeel.post.crack import jumps
 from isopeel.post.front import front_profile
 from isopeel.post.laboratory import Laboratory
 from isopeel.post.law import law_character
-from isopeel.post.reading import PlateauReading, read_window, rising
+from isopeel.post.plateau import PlateauReading, read_window, rising
 from isopeel.post.readings import LAST
 from isopeel.post.resolution import (
     EVEN,

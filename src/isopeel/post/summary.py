@@ -12,7 +12,7 @@ from isopeel.post.findings import Findings, all_readings
 from isopeel.post.laboratory import Laboratory
 from isopeel.post.mesh_error import MeshChange
 from isopeel.post.notes import mesh_notes, run_notes
-from isopeel.post.reading import onset_angle, plateau_mean
+from isopeel.post.plateau import onset_angle, plateau_mean
 from isopeel.post.readings import Reading
 from isopeel.problem import Column
 from isopeel.results.curve import Curve

@@ -9,9 +9,9 @@ from isopeel.common.arrays import frozen
 from isopeel.common.errors import InputError
 from isopeel.common.interrupts import deferred
 from isopeel.problem import Problem
-from isopeel.solve.control import controlled
 from isopeel.solve.newton import NewtonSettings
 from isopeel.solve.path import Path
+from isopeel.solve.path_control import controlled
 from isopeel.solve.step import State, Step
 from isopeel.splines.rows import RowSpace
 

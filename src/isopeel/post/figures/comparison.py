@@ -12,7 +12,7 @@ from isopeel.common.errors import InputError
 from isopeel.post.comparison import Compared, difference
 from isopeel.post.figures.labels import axis_label, mathematical, power_of_ten
 from isopeel.post.figures.reaction import draw_branches
-from isopeel.post.reading import oscillation
+from isopeel.post.plateau import oscillation
 from isopeel.post.style import TWO_COLUMNS, line_style, style
 
 _MOST_COLUMNS = 4

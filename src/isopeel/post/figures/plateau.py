@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from isopeel.post.figures.labels import axis_label, mathematical, power_of_ten, scientific
-from isopeel.post.reading import Oscillation, PlateauReading, oscillation
+from isopeel.post.plateau import Oscillation, PlateauReading, oscillation
 from isopeel.post.style import BLUE, DASHES, GREY, SHADE, TWO_COLUMNS, VERMILION, style
 from isopeel.results.curve import Curve
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from isopeel.common.arrays import FloatArray
 from isopeel.post.closed_form import Expected
 from isopeel.post.figures.labels import axis_label, mathematical, power_of_ten, scientific
-from isopeel.post.reading import PlateauReading
+from isopeel.post.plateau import PlateauReading
 from isopeel.post.style import BLUE, DASHES, DOTS, GREY, ONE_COLUMN, SHADE, TWO_COLUMNS, style
 from isopeel.results.curve import Curve
 from isopeel.solve.step import KINDS

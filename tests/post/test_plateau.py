@@ -5,7 +5,7 @@ import pytest
 
 from isopeel import Curve, InputError
 from isopeel.common.arrays import FloatArray
-from isopeel.post.reading import onset_angle, plateau_mean, read_plateau, unreadable
+from isopeel.post.plateau import onset_angle, plateau_mean, read_plateau, unreadable
 from isopeel.problem import RotatedSide
 
 PERIOD = 1.0768

@@ -11,8 +11,8 @@ from threadpoolctl import ThreadpoolController
 from isopeel.common.interrupts import check, deferred
 from isopeel.matrix.factor import SingularError
 from isopeel.solve.balance import NO_MISFIT, Misfit
+from isopeel.solve.bifurcation import gone_over
 from isopeel.solve.branch import LEAST_REST
-from isopeel.solve.branching import gone_over
 from isopeel.solve.continuation import (
     CALM_COSINE,
     LEAST_COSINE,
