@@ -3,91 +3,38 @@
 Index names: a, b functions of an element; i, k components; J, L reference directions; q quadrature points.
 """
 
-from typing import NamedTuple
-
 import numpy as np
-from numba import boolean, float64, int64
 
-from isopeel.assembly.interface_kernel import project, respond
-from isopeel.assembly.loops import PAIR, read_only
+from isopeel.assembly.interface_kernel import InterfaceData, project, read_interface, respond
+from isopeel.assembly.loops import Energies
 from isopeel.common.arrays import FloatArray, IntArray
-from isopeel.physics.batch import of_address
-
-
-class AdhesionArguments(NamedTuple):
-    """The loops over a side, by the address of their compiled code, and what they are told at each call."""
-
-    loops: int
-    law: int  # address
-    law_parameters: FloatArray
-    substrate: int  # address
-    substrate_parameters: FloatArray
-    functions: IntArray  # this and the following as in `SideTable`
-    values: FloatArray
-    gradients: FloatArray
-    weights: FloatArray
-    positions: FloatArray
-    normals: FloatArray
-    unknowns: IntArray  # (E, m, 2)
-    factors: bool
-    projected: bool
-    irreversible: bool
-    sliding_length: float
-    tangents: FloatArray  # (E, Q, 2)
-    equilibrium_gap: float
 
 
 def add_adhesion(
-    law_address: int,
-    law_parameters: FloatArray,
-    substrate_address: int,
-    substrate_parameters: FloatArray,
-    functions: IntArray,
-    values: FloatArray,
-    gradients: FloatArray,
-    weights: FloatArray,
-    positions: FloatArray,
-    normals: FloatArray,
-    unknowns: IntArray,
-    factors: bool,
-    projected: bool,
-    irreversible: bool,
-    sliding_length: float,
-    tangents: FloatArray,
-    equilibrium_gap: float,
+    integers: IntArray,
+    floats: FloatArray,
     openings: FloatArray,
     u: FloatArray,
     forces: FloatArray,
     band: FloatArray,
     diagonal: int,
     with_tangent: bool,
-) -> tuple[float, float]:
-    """Add the forces -int N_a T n phi dA of a substrate and their tangent; return two energies.
+) -> Energies:
+    """Add the forces -int N_a T n phi dA of a substrate and their tangent; the energies of adhesion.
 
-    They are the adhesive energy and the dissipated one, which an `irreversible` law has after the largest
-    `openings` (E, Q) so far. With `factors` the law is told the curvature. A joint with a `sliding_length`,
-    zero for none, also holds along the `tangents` (E, Q, 2).
+    Of the integers and floats of an `InterfaceData`. An `irreversible` law has had the largest `openings`
+    (E Q,) so far.
 
     phi = 1 on the reference area, or -n . F^-T N_o when `projected`. The normal turns along a substrate of
     curvature k: dn/dx = k/(1 + k r) t t (Sadhana 46:3, 2021, Eqs. 19, 26, 27; with v = F^-T N_o, w = F^-1 n,
-    d phi/dF_kL = v_k w_L). Shapes as in `SideTable`.
+    d phi/dF_kL = v_k w_L).
     """
-    answer = respond(
-        law_address,
-        law_parameters,
-        substrate_address,
-        substrate_parameters,
-        functions,
-        values,
-        positions,
-        factors,
-        irreversible,
-        sliding_length,
-        tangents,
-        equilibrium_gap,
-        openings,
-        u,
-    )
+    interface: InterfaceData = read_interface(integers, floats)
+    answer = respond(interface, openings, u)
+    functions, values, gradients = interface.functions, interface.values, interface.gradients
+    weights, normals, unknowns = interface.weights, interface.normals, interface.unknowns
+    projected, tangents = interface.projected, interface.tangents
+    sliding_length = interface.sliding_length
     gap, n, curvature, potential = answer.gap, answer.normal, answer.curvature, answer.potential
     T, dT, lost, shear = answer.traction, answer.derivative, answer.dissipated, answer.shear
     elements, m = functions.shape
@@ -152,35 +99,4 @@ def add_adhesion(
                             column = unknowns[e, b, k]
                             if row >= 0 and column >= 0 and (diagonal > 0 or row >= column):
                                 band[column, diagonal + row - column] += K[i, a, k, b]
-    return energy, dissipated
-
-
-#: Of `add_adhesion`.
-SIDE_SIGNATURE = PAIR(
-    int64,
-    float64[::1],
-    int64,
-    float64[::1],
-    read_only(int64, 2),
-    read_only(float64, 3),
-    read_only(float64, 4),
-    read_only(float64, 2),
-    read_only(float64, 3),
-    read_only(float64, 3),
-    read_only(int64, 3),
-    boolean,
-    boolean,
-    boolean,
-    float64,
-    read_only(float64, 3),
-    float64,
-    read_only(float64, 2),
-    read_only(float64, 2),
-    float64[:, ::1],
-    float64[:, ::1],
-    int64,
-    boolean,
-)
-
-#: Those loops, of their address, within compiled code.
-adhesion_at = of_address(SIDE_SIGNATURE)
+    return 0.0, energy, dissipated, np.inf

@@ -15,7 +15,6 @@ along xi, r across.
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import boolean, float64, int64
 
 from isopeel.assembly.body_tangent import (
     add_rectangles_to_pairs,
@@ -37,9 +36,20 @@ from isopeel.assembly.element_batch import (
     sum_of_products,
     take,
 )
-from isopeel.assembly.loops import PAIR, read_only
-from isopeel.common.arrays import BoolArray, FloatArray, IntArray
-from isopeel.physics.batch import material_at, of_address
+from isopeel.assembly.loops import Energies
+from isopeel.assembly.packing import (
+    Flags2,
+    Floats1,
+    Floats3,
+    Floats4,
+    Floats5,
+    Integers1,
+    Integers2,
+    Integers4,
+    reader,
+)
+from isopeel.common.arrays import FloatArray, IntArray
+from isopeel.physics.batch import material_at
 
 #: Elements that are treated together, at most: enough that the test for overlapping arrays, made before each
 #: innermost loop, costs little, and few enough that what is kept of them fits the processor's cache.
@@ -47,53 +57,48 @@ _BATCH = 256
 # Numba takes seconds to compile an assignment to a part of an array, but not its fill.
 
 
-class BodyArguments(NamedTuple):
-    """The loops over a body, by the address of their compiled code, and what they are told at each call."""
+class BodyData(NamedTuple):
+    """What the loops over a body are told."""
 
-    loops: int
     material: int  # address
-    parameters: FloatArray
-    kinds: IntArray  # this and the following as in `BodyTable`
-    sizes: IntArray
-    along: FloatArray
-    first: IntArray
-    across: FloatArray
-    first_rows: IntArray
-    map_kinds: IntArray
-    maps: FloatArray
-    weight_kinds: IntArray
-    weights: FloatArray
-    rectangles: BoolArray
-    unknowns: IntArray  # (rows, 2, largest size, X)
+    parameters: Floats1
+    kinds: Integers1  # this and the following as in `BodyTable`
+    sizes: Integers1
+    along: Floats5
+    first: Integers2
+    across: Floats4
+    first_rows: Integers1
+    map_kinds: Integers2
+    maps: Floats5
+    weight_kinds: Integers2
+    weights: Floats3
+    rectangles: Flags2
+    unknowns: Integers4  # (rows, 2, largest size, X)
+
+
+read_body = reader(BodyData)
 
 
 def add_body(
-    material_address: int,
-    parameters: FloatArray,
-    kinds: IntArray,
-    sizes: IntArray,
-    along: FloatArray,
-    first: IntArray,
-    across: FloatArray,
-    first_rows: IntArray,
-    map_kinds: IntArray,
-    maps: FloatArray,
-    weight_kinds: IntArray,
-    weights: FloatArray,
-    rectangles: BoolArray,
-    unknowns: IntArray,
+    integers: IntArray,
+    floats: FloatArray,
+    _history: FloatArray,
     u: FloatArray,
     forces: FloatArray,
     band: FloatArray,
     diagonal: int,
     with_tangent: bool,
-) -> tuple[float, float]:
-    """Add internal forces int P_iJ dN_a/dX_J dV and their tangent; return the stored energy and least det F.
+) -> Energies:
+    """Add internal forces int P_iJ dN_a/dX_J dV and their tangent; the stored energy and least det F.
 
-    Tables as in `BodyTable`; unknowns (rows, 2, largest size, X); u, forces (size, 2); band (unknowns + 1,
-    width), whose last row takes what no unknown wants, untouched without `with_tangent`.
+    Of the integers and floats of a `BodyData`; u, forces (size, 2); band (unknowns + 1, width), whose last
+    row takes what no unknown wants, untouched without `with_tangent`.
     """
-    material = material_at(material_address)
+    body: BodyData = read_body(integers, floats)
+    material, parameters = material_at(body.material), body.parameters
+    kinds, sizes, along, first = body.kinds, body.sizes, body.along, body.first
+    across, first_rows, rectangles, unknowns = body.across, body.first_rows, body.rectangles, body.unknowns
+    map_kinds, maps, weight_kinds, weights = body.map_kinds, body.maps, body.weight_kinds, body.weights
     rows, X = first.shape
     Y, _, R, C = across.shape
     P, largest = along.shape[2], along.shape[3]
@@ -221,7 +226,7 @@ def add_body(
     lowest = np.inf
     for e in range(block):
         lowest = min(lowest, least[e])
-    return energy, lowest
+    return energy, 0.0, 0.0, lowest
 
 
 @inlined
@@ -310,30 +315,3 @@ def _load_rectangles(
             add_scaled_to_both(one, scale * factors[0], two, scale * factors[1], stress[i, J], n)
             for c in range(2, C):
                 add_scaled(loads[(row + c) % C, order, i, p], scale * factors[c], stress[i, J], n)
-
-
-#: Of `add_body`.
-BODY_SIGNATURE = PAIR(
-    int64,
-    float64[::1],
-    read_only(int64, 1),
-    read_only(int64, 1),
-    read_only(float64, 5),
-    read_only(int64, 2),
-    read_only(float64, 4),
-    read_only(int64, 1),
-    read_only(int64, 2),
-    read_only(float64, 5),
-    read_only(int64, 2),
-    read_only(float64, 3),
-    read_only(boolean, 2),
-    read_only(int64, 4),
-    read_only(float64, 2),
-    float64[:, ::1],
-    float64[:, ::1],
-    int64,
-    boolean,
-)
-
-#: Those loops, of their address, within compiled code.
-body_at = of_address(BODY_SIGNATURE)

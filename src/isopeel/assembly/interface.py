@@ -5,7 +5,9 @@ from typing import Self
 
 import numpy as np
 
-from isopeel.assembly.interface_kernel import Response, projected_areas, respond
+from isopeel.assembly.interface_kernel import Response, projected_areas, read_interface, respond
+from isopeel.assembly.interface_term import interface_data
+from isopeel.assembly.packing import packed
 from isopeel.assembly.tables import element_ends, side_points, table_at
 from isopeel.common.arrays import BoolArray, FloatArray
 from isopeel.common.errors import InputError
@@ -59,9 +61,10 @@ class InterfacePoints:
         substrate = adhesion.substrate
         _, normal, _ = evaluate_substrate(substrate.kernel, substrate.parameters, table.positions)
         self._tangents = np.stack([-normal[..., 1], normal[..., 0]], axis=-1)
-        # as compiled code is told them by the assembly
-        for array in (self._table.functions, self._table.values, self._table.positions, self._tangents):
-            array.setflags(write=False)
+        no_unknowns = np.zeros((space.size, 2), dtype=np.int64)
+        data = interface_data(adhesion, self._table, self._tangents, no_unknowns)
+        # of the types that the assembly has them in
+        self._interface = read_interface.py_func(*packed(data))
         self._contact: InterfacePoints | None = None
 
     @classmethod
@@ -133,24 +136,12 @@ class InterfacePoints:
         return u
 
     def _respond(self, u: FloatArray, openings: FloatArray, *, irreversible: bool) -> Response:
-        adhesion, table = self._problem.adhesion, self._table
-        openings.setflags(write=False)
-        answer: Response = respond(
-            adhesion.law.kernel.address,
-            adhesion.law.parameters,
-            adhesion.substrate.kernel.address,
-            adhesion.substrate.parameters,
-            table.functions,
-            table.values,
-            table.positions,
-            adhesion.substrate.constant_curvature,
-            irreversible,
-            float(adhesion.sliding_length or 0.0),
-            self._tangents,
-            float(adhesion.law.equilibrium_gap),
-            openings,
-            u,
-        )
+        history = openings.ravel()
+        history.setflags(write=False)
+        interface = self._interface
+        if not irreversible:
+            interface = interface._replace(irreversible=np.int64(0))
+        answer: Response = respond(interface, history, u)
         return answer
 
     def _opening(self, u: FloatArray) -> FloatArray:

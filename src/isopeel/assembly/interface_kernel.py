@@ -8,11 +8,37 @@ from typing import NamedTuple
 
 import numpy as np
 
+from isopeel.assembly.packing import Floats1, Floats2, Floats3, Floats4, Integers2, Integers3, reader
 from isopeel.common.arrays import FloatArray, IntArray
 from isopeel.common.compilation import compiled_reordered
 from isopeel.physics.adhesion.irreversible import with_history
 from isopeel.physics.adhesion.sliding import with_slip
 from isopeel.physics.batch import law_at, substrate_at
+
+
+class InterfaceData(NamedTuple):
+    """What the loops over an interface are told: of E elements of Q points each."""
+
+    law: int  # address
+    parameters: Floats1
+    equilibrium_gap: float
+    substrate: int  # address
+    substrate_parameters: Floats1
+    functions: Integers2  # this and the following as in `SideTable`
+    values: Floats3
+    gradients: Floats4
+    weights: Floats2
+    positions: Floats3
+    normals: Floats3
+    tangents: Floats3  # of the substrate at the points' first positions, (E, Q, 2)
+    unknowns: Integers3  # (E, m, 2)
+    factors: bool  # whether the law is told the curvature
+    projected: bool
+    irreversible: bool
+    sliding_length: float  # zero for none
+
+
+read_interface = reader(InterfaceData)
 
 
 class Response(NamedTuple):
@@ -30,30 +56,16 @@ class Response(NamedTuple):
 
 
 @compiled_reordered
-def respond(
-    law_address: int,
-    law_parameters: FloatArray,
-    substrate_address: int,
-    substrate_parameters: FloatArray,
-    functions: IntArray,
-    values: FloatArray,
-    positions: FloatArray,
-    factors: bool,
-    irreversible: bool,
-    sliding_length: float,
-    tangents: FloatArray,
-    equilibrium_gap: float,
-    openings: FloatArray,
-    u: FloatArray,
-) -> Response:
+def respond(interface: InterfaceData, openings: FloatArray, u: FloatArray) -> Response:
     """Evaluate the interface of a body with coefficients u (size, 2).
 
-    Points are those of a `SideTable`, E elements of Q points each, with the substrate's `tangents` (E, Q, 2)
-    at their first positions. With `factors` the law is told the curvature. An `irreversible` law follows the
-    largest `openings` (E, Q) so far; a joint with a `sliding_length`, zero for none, also holds along the
-    tangents.
+    An `irreversible` law follows the largest `openings` (E Q,) so far; a joint with a `sliding_length` also
+    holds along the tangents.
     """
-    law, substrate = law_at(law_address), substrate_at(substrate_address)
+    law, substrate = law_at(interface.law), substrate_at(interface.substrate)
+    parameters, equilibrium_gap = interface.parameters, interface.equilibrium_gap
+    functions, values, positions = interface.functions, interface.values, interface.positions
+    tangents, sliding_length = interface.tangents, interface.sliding_length
     elements, m = functions.shape
     Q = positions.shape[1]
     # of all points at once, for the loops of law and substrate
@@ -79,18 +91,18 @@ def respond(
                 for a in range(m):
                     place += values[e, q, a] * local[i, a]
                 x[i, e * Q + q] = place
-    substrate(x, substrate_parameters, points, gap, n, curvature)
-    if factors:
+    substrate(x, interface.substrate_parameters, points, gap, n, curvature)
+    if interface.factors:
         for p in range(points):
             seen[p] = curvature[p]
-    if irreversible:
+    if interface.irreversible:
         with_history(
             law,
             gap,
             seen,
-            openings.ravel(),
+            openings,
             equilibrium_gap,
-            law_parameters,
+            parameters,
             points,
             potential,
             T,
@@ -98,7 +110,7 @@ def respond(
             lost,
         )
     else:
-        law(gap, seen, law_parameters, points, potential, T, dT)
+        law(gap, seen, parameters, points, potential, T, dT)
     if sliding_length > 0.0:
         closed = np.full(points, equilibrium_gap)
         bottom = np.empty((3, points))
@@ -107,7 +119,7 @@ def respond(
             for q in range(Q):
                 for i in range(2):
                     slip[e * Q + q] += tangents[e, q, i] * (x[i, e * Q + q] - positions[e, q, i])
-        law(closed, seen, law_parameters, points, bottom[0], bottom[1], bottom[2])
+        law(closed, seen, parameters, points, bottom[0], bottom[1], bottom[2])
         with_slip(
             gap,
             slip,

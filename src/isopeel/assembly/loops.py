@@ -1,27 +1,112 @@
-"""Compiled loops that are called by address: what calls them need not compile them again."""
+"""Compiled loops of terms, called by address: what calls them need not compile them again.
 
-from collections.abc import Callable
+The loops of all terms have one signature, and so have lists of terms of any number and kind: code that is
+compiled for one list serves all. A term's loops are told its data (see `packing`), its part of the history,
+the coefficients u (size, 2) of the displacement, and what they add to: forces (size, 2) and, if asked for, a
+tangent in a band, whose rows have their diagonal at some place. They return what they add to the energies.
+"""
+
+from collections.abc import Callable, Sequence
 from functools import cache
-from typing import Any, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
-from numba import float64, types
+import numpy as np
+from numba import boolean, float64, int64, types
 
-from isopeel.common.compilation import REORDERED, compiled_now
+from isopeel.assembly.packing import Packed
+from isopeel.common.arrays import FloatArray, IntArray
+from isopeel.common.compilation import REORDERED, compiled, compiled_now
+from isopeel.physics.batch import of_address
 
-#: What loops return.
-PAIR: Any = types.UniTuple(float64, 2)  # type: ignore[no-untyped-call]
+#: Stored, adhesive and dissipated energy, and the lowest determinant of F at the quadrature points.
+Energies: TypeAlias = tuple[float, float, float, float]
 
 
-def read_only(kind: Any, dimensions: int) -> Any:
+def _read_only(kind: Any, dimensions: int) -> Any:
     """Type of an array that loops only read: one that could be written to will do, too."""
     return types.Array(kind, dimensions, "C", readonly=True)
 
 
-#: They return two energies, or one and the lowest determinant of F.
-Loops: TypeAlias = Callable[..., tuple[float, float]]
+# of floats that could be written to, as laws are compiled for such parameters
+#: (integers, floats, history, u, forces, band, diagonal, whether a tangent is asked for)
+LOOPS_SIGNATURE = types.UniTuple(float64, 4)(  # type: ignore[no-untyped-call]
+    _read_only(int64, 1),
+    float64[::1],
+    _read_only(float64, 1),
+    _read_only(float64, 2),
+    float64[:, ::1],
+    float64[:, ::1],
+    int64,
+    boolean,
+)
+
+Loops: TypeAlias = Callable[
+    [IntArray, FloatArray, FloatArray, FloatArray, FloatArray, FloatArray, int, bool], Energies
+]
+
+_loops_at = of_address(LOOPS_SIGNATURE)
 
 
 @cache
-def compile_loops(signature: Any, loops: Loops) -> Any:
+def compile_loops(loops: Loops) -> Any:
     """The loops in compiled form, with their `address`."""
-    return compiled_now(signature, loops, REORDERED)
+    return compiled_now(LOOPS_SIGNATURE, loops, REORDERED)
+
+
+class TermList(NamedTuple):
+    """Terms for compiled code: addresses of their loops, and their data, one after another."""
+
+    addresses: IntArray  # (terms,)
+    places: IntArray  # (terms, 2, 3) where a term begins and ends: in the integers, the floats, the history
+    integers: IntArray
+    floats: FloatArray
+
+    def only(self, kept: Sequence[int]) -> "TermList":
+        """Some of the terms, with the same history."""
+        chosen = np.array(kept, dtype=np.int64)
+        return self._replace(addresses=self.addresses[chosen], places=self.places[chosen])
+
+
+def term_list(terms: Sequence[tuple[Loops, Packed, int]]) -> TermList:
+    """Join terms, each of its loops, their data and the size of its history."""
+    sizes = [(data.integers.size, data.floats.size, history) for _, data, history in terms]
+    ends = np.cumsum(np.array(sizes, dtype=np.int64), axis=0)
+    return TermList(
+        np.array([compile_loops(loops).address for loops, _, _ in terms], dtype=np.int64),
+        np.ascontiguousarray(np.stack([ends - sizes, ends], axis=1)),
+        np.concatenate([data.integers for _, data, _ in terms]),
+        np.concatenate([data.floats for _, data, _ in terms]),
+    )
+
+
+class Sums(NamedTuple):
+    """What the loops add to."""
+
+    forces: FloatArray  # (size, 2)
+    band: FloatArray  # workspace of a tangent
+    diagonal: int  # where a row of it has its diagonal
+    with_tangent: bool  # whether to add to it
+
+
+@compiled
+def add_terms(terms: TermList, history: FloatArray, u: FloatArray, sums: Sums) -> Energies:
+    """Add forces and tangents of all terms, after a history, of coefficients u (size, 2)."""
+    stored, adhesive, dissipated, lowest = 0.0, 0.0, 0.0, np.inf
+    for t in range(len(terms.addresses)):
+        start, end = terms.places[t, 0], terms.places[t, 1]
+        loops = _loops_at(terms.addresses[t])
+        energies = loops(
+            terms.integers[start[0] : end[0]],
+            terms.floats[start[1] : end[1]],
+            history[start[2] : end[2]],
+            u,
+            sums.forces,
+            sums.band,
+            sums.diagonal,
+            sums.with_tangent,
+        )
+        stored += energies[0]
+        adhesive += energies[1]
+        dissipated += energies[2]
+        lowest = min(lowest, energies[3])
+    return stored, adhesive, dissipated, lowest

@@ -7,19 +7,19 @@ from typing import ClassVar, Self
 import numpy as np
 from psutil import virtual_memory
 
-from isopeel.assembly.adhesion_kernel import SIDE_SIGNATURE, AdhesionArguments, add_adhesion
-from isopeel.assembly.body_kernel import BODY_SIGNATURE, BodyArguments, add_body
+from isopeel.assembly.body_kernel import add_body
+from isopeel.assembly.body_term import BodyTerm
 from isopeel.assembly.constraints import Constraints, constrain, half_bandwidth
-from isopeel.assembly.equations import Equations, Sums, add_forces
+from isopeel.assembly.equations import Equations
+from isopeel.assembly.interface_term import InterfaceTerm
 from isopeel.assembly.loads import AssembledLoad
-from isopeel.assembly.loops import Loops, compile_loops
+from isopeel.assembly.loops import Loops, Sums, add_terms, term_list
 from isopeel.assembly.start import ROUND_OFF, check_start, extent
 from isopeel.assembly.tables import BodyTable, SideTable, body_table, side_table
-from isopeel.common.arrays import FloatArray, frozen
+from isopeel.assembly.terms import Term
+from isopeel.common.arrays import FloatArray
 from isopeel.common.errors import InputError
 from isopeel.matrix.band import BandMatrix, Storage
-from isopeel.physics.adhesion.irreversible import NOT_CLOSED
-from isopeel.physics.batch import evaluate_substrate
 from isopeel.problem import Problem
 from isopeel.splines.rows import RowSpace
 
@@ -44,7 +44,8 @@ def bytes_needed(space: RowSpace) -> int:
     tables = elements[1] * along * across * 7 + elements[0] * rows * along * (2 * along + 2)
     # unknowns are numbered along the shorter side first, and degree + 1 functions of a row overlap
     half_bandwidth = 2 * min(along * rows, across * space.rows[0].size)
-    return 8 * (tables + 2 * space.size * (3 * half_bandwidth + 1))
+    # compiled code has tables of its own
+    return 8 * (2 * tables + 2 * space.size * (3 * half_bandwidth + 1))
 
 
 class System:
@@ -59,7 +60,7 @@ class System:
     """
 
     #: What the forces of the body are made by.
-    body_loops: ClassVar[Loops] = staticmethod(add_body)
+    body_loops: ClassVar[tuple[Loops]] = (add_body,)
 
     def __init__(
         self,
@@ -79,84 +80,38 @@ class System:
         self.problem = problem
         self.space = space.weighted(shape)
         self.body: BodyTable = body_table(shape, self.space)
-        functions = self.body.functions()
+        of_body = BodyTerm(problem.body.material, self.body, *self.body_loops)
+        functions = of_body.couplings()
         self.constraints: Constraints = constrain(problem, self.space, functions, base)
         self.half_bandwidth: int = half_bandwidth(self.constraints.unknowns, functions)
         part = adhesion.start, adhesion.end
         side = side_table(shape, self.space, adhesion.side, part, contact_points)
         # only the projected force asks for the deformation gradient
         self.adhesive: SideTable = side if adhesion.traction == "projected" else side.of_values()
-        #: Largest openings so far at the points of the adhesive force, (E, Q), for irreversible adhesion;
-        #: `NOT_CLOSED` at those that have not closed yet.
-        self.openings: FloatArray = frozen(np.zeros(self.adhesive.weights.shape))
         self.load: AssembledLoad | None = AssembledLoad.of(
             problem.drive, shape, self.space, self.constraints, base
         )
-        #: Substrate's tangents at the points' first positions, (E, Q, 2), along which a joint may hold.
-        self.tangents: FloatArray = check_start(
-            problem, self.space, self.adhesive, self.constraints, self.load, base
-        )
+        tangents = check_start(problem, self.space, self.adhesive, self.constraints, self.load, base)
         # gaps are known to the round-off of positions
-        self._closed: float = ROUND_OFF * extent(problem)
-        if adhesion.irreversible:
-            # the body as it is made: a base that comes with a history brings its openings
-            never = frozen(np.full(self.adhesive.weights.shape, NOT_CLOSED))
-            self.openings = self._opened(self._opening(np.zeros((space.size, 2))), never)
+        of_side = InterfaceTerm(adhesion, self.adhesive, tangents, ROUND_OFF * extent(problem))
+        #: What forces and tangent are the sum of.
+        self.terms: tuple[Term, ...] = of_body, of_side
+        #: Largest openings so far at the points of the adhesive force, (E, Q), for irreversible adhesion:
+        #: those of the body as it is made, as a base that comes with a history brings its openings.
+        self.openings: FloatArray = of_side.initial().reshape(self.adhesive.weights.shape)
         #: Young's modulus times the area of the body: what energies are measured against.
         self.energy_scale: float = problem.body.material.youngs_modulus * self.body.area
         self._workspaces: dict[Storage, FloatArray] = {}
-        # kept alive, as compiled code is told their addresses only
-        self._kernels = problem.body.material.kernel, adhesion.law.kernel, adhesion.substrate.kernel
-        material, law, substrate = (kernel.address for kernel in self._kernels)
-        table, side = self.body, self.adhesive
-        of_body = BodyArguments(
-            compile_loops(BODY_SIGNATURE, self.body_loops).address,
-            material,
-            problem.body.material.parameters,
-            table.kinds,
-            table.sizes,
-            table.along,
-            table.first,
-            table.across,
-            table.first_rows,
-            table.map_kinds,
-            table.maps,
-            table.weight_kinds,
-            table.weights,
-            table.rectangles,
-            table.unknowns(self.constraints),
-        )
-        of_side = AdhesionArguments(
-            compile_loops(SIDE_SIGNATURE, add_adhesion).address,
-            law,
-            adhesion.law.parameters,
-            substrate,
-            adhesion.substrate.parameters,
-            side.functions,
-            side.values,
-            side.gradients,
-            side.weights,
-            side.positions,
-            side.normals,
-            self.constraints.unknowns[side.functions],
-            adhesion.substrate.constant_curvature,
-            adhesion.traction == "projected",
-            adhesion.irreversible,
-            float(adhesion.sliding_length or 0.0),
-            self.tangents,
-            float(adhesion.law.equilibrium_gap),
-        )
         self._no_forces = np.zeros(self.constraints.count)
         held = self.constraints
-        self.equations = Equations(of_body, of_side, held.unknowns, held.offset, held.driven)
+        listed = [(term.loops, term.data(held.unknowns), term.initial().size) for term in self.terms]
+        self.equations = Equations(term_list(listed), held.unknowns, held.offset, held.driven)
 
     def without_joint(self) -> Self:
-        """The same body with an adhesive side that exerts no force. It shares the arrays of tangents."""
+        """The same body without what a substrate does to it. It shares the arrays of tangents."""
         loose = copy(self)
-        joint = self.equations.adhesion
-        loose.equations = self.equations._replace(
-            adhesion=joint._replace(weights=np.zeros_like(joint.weights))
-        )
+        kept = [k for k, term in enumerate(self.terms) if not isinstance(term, InterfaceTerm)]
+        loose.equations = self.equations._replace(terms=self.equations.terms.only(kept))
         return loose
 
     @property
@@ -217,7 +172,8 @@ class System:
     def storage(self) -> Storage:
         """Symmetric where all forces have a potential."""
         turning = self.load is not None and self.load.load.follows
-        return "general" if turning or self.problem.adhesion.traction == "projected" else "symmetric"
+        symmetric = not turning and all(term.has_potential for term in self.terms)
+        return "symmetric" if symmetric else "general"
 
     def inverted_point(self, displacement: FloatArray) -> tuple[FloatArray, float] | None:
         """Reference position (2,) and determinant of F at the most inverted quadrature point, if any is."""
@@ -239,20 +195,8 @@ class System:
 
     def accept(self, displacement: FloatArray) -> None:
         """Take note of the openings of an equilibrium, coefficients (size, 2), for the next one."""
-        if self.problem.adhesion.irreversible:
-            self.openings = self._opened(self._opening(displacement), self.openings)
-
-    def _opening(self, displacement: FloatArray) -> FloatArray:
-        """Gap beyond the equilibrium gap (E, Q) at the points of the adhesive force."""
-        adhesion, side = self.problem.adhesion, self.adhesive
-        position = side.positions + np.einsum("eqm,emi->eqi", side.values, displacement[side.functions])
-        gap, _, _ = evaluate_substrate(adhesion.substrate.kernel, adhesion.substrate.parameters, position)
-        return gap - adhesion.law.equilibrium_gap
-
-    def _opened(self, opening: FloatArray, before: FloatArray) -> FloatArray:
-        """Largest openings (E, Q) with one more, after those before; see `physics.adhesion.irreversible`."""
-        waits = (before < 0) & (opening > self._closed)
-        return frozen(np.where(waits, NOT_CLOSED, np.maximum(np.maximum(before, 0.0), opening)))
+        of_side = self.terms[1]
+        self.openings = of_side.commit(displacement, self.openings.ravel()).reshape(self.openings.shape)
 
     def equilibrium(self, displacement: FloatArray, load: float = 0.0) -> Equilibrium:
         """Energies, forces and residual of coefficients u (size, 2) under a load of a size."""
@@ -292,7 +236,7 @@ class System:
         sums = Sums(forces, band, diagonal, matrix is not None)
         noted = self.openings if openings is None else openings
         # loops are compiled for contiguous arrays alone
-        energies = add_forces(self.equations, noted, np.ascontiguousarray(displacement), sums)
+        energies = add_terms(self.equations.terms, noted.ravel(), np.ascontiguousarray(displacement), sums)
         unbalanced = forces
         if self.load is not None:
             unbalanced = forces - load * self.load.forces(displacement)

@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from isopeel.assembly.constraints import HELD, Constraints
+from isopeel.assembly.constraints import HELD
 from isopeel.common.arrays import BoolArray, FloatArray, IntArray
 from isopeel.common.errors import InputError
 from isopeel.splines.nurbs import NurbsSurface, Side
@@ -62,12 +62,12 @@ class BodyTable:
         count = self.across.shape[3]
         return tuple(np.concatenate(rows[start : start + count], axis=1) for start in self.first_rows)
 
-    def unknowns(self, constraints: Constraints) -> IntArray:
+    def unknowns(self, unknowns: IntArray) -> IntArray:
         """Unknowns (rows, 2, largest size, X) of the functions of each row; HELD beyond its own."""
         largest = self.along.shape[3]
         numbers = np.full((*self.first.shape, largest, 2), HELD)
         for j, size in enumerate(self.sizes[self.kinds]):
-            numbers[j, :, :size] = constraints.unknowns[self.first[j][:, None] + np.arange(size)]
+            numbers[j, :, :size] = unknowns[self.first[j][:, None] + np.arange(size)]
         return np.ascontiguousarray(numbers.transpose(0, 3, 2, 1))
 
 

@@ -13,9 +13,10 @@ from time import perf_counter
 
 import numpy as np
 
-from isopeel.assembly.body_kernel import add_body
+from isopeel.assembly.body_kernel import BodyData, add_body, read_body
+from isopeel.assembly.loops import Energies
 from isopeel.assembly.system import System
-from isopeel.common.arrays import BoolArray, FloatArray, IntArray
+from isopeel.common.arrays import FloatArray, IntArray
 from isopeel.common.compilation import is_kept, keeps
 from isopeel.common.interrupts import cleared_up
 from isopeel.common.processes import cores
@@ -62,30 +63,21 @@ def warm_up() -> None:
 
 
 def _springs(
-    _material: int,
-    _parameters: FloatArray,
-    kinds: IntArray,
-    sizes: IntArray,
-    _along: FloatArray,
-    first: IntArray,
-    _across: FloatArray,
-    _first_rows: IntArray,
-    _map_kinds: IntArray,
-    _maps: FloatArray,
-    _weight_kinds: IntArray,
-    _weights: FloatArray,
-    _rectangles: BoolArray,
-    unknowns: IntArray,
+    integers: IntArray,
+    floats: FloatArray,
+    _history: FloatArray,
     u: FloatArray,
     forces: FloatArray,
     band: FloatArray,
     diagonal: int,
     with_tangent: bool,
-) -> tuple[float, float]:
+) -> Energies:
     """As `add_body`: a spring to the place of each function of each element."""
+    body: BodyData = read_body(integers, floats)
+    first, unknowns = body.first, body.unknowns
     energy = 0.0
     for j in range(len(first)):
-        for a in range(sizes[kinds[j]]):
+        for a in range(body.sizes[body.kinds[j]]):
             for e in range(first.shape[1]):
                 f = first[j, e] + a
                 for i in range(2):
@@ -93,13 +85,13 @@ def _springs(
                     forces[f, i] += _STIFFNESS * u[f, i]
                     if with_tangent:
                         band[unknowns[j, i, a, e], diagonal] += _STIFFNESS
-    return energy, 1.0
+    return energy, 0.0, 0.0, 1.0
 
 
 class _OnSprings(System):
     """A system whose elements are held by springs, far stiffer than the adhesion."""
 
-    body_loops = staticmethod(_springs)
+    body_loops = (_springs,)
 
 
 if __name__ == "__main__":

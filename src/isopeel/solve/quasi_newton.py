@@ -5,7 +5,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from isopeel.assembly.constraints import displace
-from isopeel.assembly.equations import Energies, Equations, Iterate, evaluate
+from isopeel.assembly.equations import Equations, Iterate, evaluate
+from isopeel.assembly.loops import Energies
 from isopeel.assembly.start import extent
 from isopeel.assembly.system import Equilibrium, System
 from isopeel.common.arrays import FloatArray, IntArray
@@ -184,7 +185,7 @@ class QuasiNewton:
             pairs = memory.pairs.with_room(_MOST_CORRECTIONS)
             outcome, made, first, end, threshold, energies = corrected(
                 system.equations,
-                system.openings,
+                system.openings.ravel(),
                 moved,
                 external,
                 factor.values,
@@ -241,7 +242,7 @@ class QuasiNewton:
 @compiled_reordered
 def corrected(
     equations: Equations,
-    openings: FloatArray,
+    history: FloatArray,
     moved: FloatArray,
     external: FloatArray,
     values: Floats,
@@ -271,7 +272,7 @@ def corrected(
     correction, change = np.empty(count), np.empty(count)
     energies = (0.0, 0.0, 0.0, 0.0)
     if made == 0:
-        energies = evaluate(equations, openings, moved, external, at)
+        energies = evaluate(equations, history, moved, external, at)
     poor, before = 0, made
     while made < len(measures):
         correct(values, starts, rows, products, first, end, residual, correction)
@@ -293,7 +294,7 @@ def corrected(
         if measure <= trifle * threshold and (before == 0 or made > before + 1):
             displace(equations.unknowns, y, equations.offset, equations.driven, moved, at.displacement)
             return _CONVERGED, made, first, end, threshold, energies
-        energies = evaluate(equations, openings, moved, external, at)
+        energies = evaluate(equations, history, moved, external, at)
         finite = True
         for i in range(count):
             change[i] += residual[i]

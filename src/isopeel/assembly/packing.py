@@ -1,0 +1,96 @@
+"""The data of a term as one array of integers and one of floats: so loops of all terms have one signature.
+
+A `NamedTuple` states once what loops are told: arrays of some dimensions, and single numbers. `packed` makes
+the two arrays of it; `reader` makes the function by which compiled loops get it back, as views.
+"""
+
+from typing import Annotated, Any, NamedTuple, TypeAlias, get_args, get_type_hints
+
+import numpy as np
+from numba import njit
+
+from isopeel.common.arrays import BoolArray, FloatArray, IntArray
+
+Integers1: TypeAlias = Annotated[IntArray, 1]
+Integers2: TypeAlias = Annotated[IntArray, 2]
+Integers3: TypeAlias = Annotated[IntArray, 3]
+Integers4: TypeAlias = Annotated[IntArray, 4]
+Floats1: TypeAlias = Annotated[FloatArray, 1]
+Floats2: TypeAlias = Annotated[FloatArray, 2]
+Floats3: TypeAlias = Annotated[FloatArray, 3]
+Floats4: TypeAlias = Annotated[FloatArray, 4]
+Floats5: TypeAlias = Annotated[FloatArray, 5]
+#: Yes or no; loops get them as integers.
+Flags2: TypeAlias = Annotated[BoolArray, 2]
+
+#: Arrays begin at multiples of so many numbers: at cache lines of their own.
+_LINE = 8
+
+
+class Packed(NamedTuple):
+    """Data of a term: where each field begins, and shapes of arrays, are the first of the integers."""
+
+    integers: IntArray
+    floats: FloatArray
+
+
+def packed(data: Any) -> Packed:
+    """Pack a `NamedTuple` of arrays and numbers."""
+    fields = _fields(type(data))
+    header: list[int] = []
+    parts: dict[bool, list[Any]] = {False: [], True: []}
+    ends = {False: _rounded(sum(1 + dimensions for _, dimensions in fields.values())), True: 0}
+    start = ends[False]
+    for (is_float, dimensions), value in zip(fields.values(), data, strict=True):
+        array = np.asarray(value, dtype=np.float64 if is_float else np.int64)
+        if array.ndim != dimensions:
+            raise TypeError(f"{type(data).__name__}: an array of {array.ndim} dimensions, not {dimensions}")
+        header += [ends[is_float], *array.shape]
+        parts[is_float].append((ends[is_float], array.ravel()))
+        ends[is_float] += _rounded(array.size)
+    integers, floats = np.zeros(ends[False], dtype=np.int64), np.zeros(ends[True])
+    integers[: len(header)] = header
+    assert len(header) <= start
+    for whole, filled in ((integers, parts[False]), (floats, parts[True])):
+        for begin, flat in filled:
+            whole[begin : begin + flat.size] = flat
+    integers.setflags(write=False)
+    return Packed(integers, floats)
+
+
+def reader(kind: type) -> Any:
+    """Compiled function that returns the `NamedTuple` of some integers and floats.
+
+    Numba compiles no loop over fields of several types: so its source is written here, an expression a field.
+    """
+    views, place = [], 0
+    for is_float, dimensions in _fields(kind).values():
+        whole = "floats" if is_float else "integers"
+        begin = f"integers[{place}]"
+        shape = [f"integers[{place + 1 + d}]" for d in range(dimensions)]
+        if dimensions:
+            flat = f"{whole}[{begin} : {begin} + {' * '.join(shape)}]"
+            views.append(flat if dimensions == 1 else f"{flat}.reshape(({', '.join(shape)}))")
+        else:
+            views.append(f"{whole}[{begin}]")
+        place += 1 + dimensions
+    source = f"def read(integers, floats):\n    return Kind({', '.join(views)})\n"
+    names: dict[str, Any] = {"Kind": kind}
+    exec(source, names)
+    return njit(names["read"])
+
+
+def _fields(kind: type) -> dict[str, tuple[bool, int]]:
+    """Whether a field holds floats, and the dimensions of its array, zero for a number."""
+    found = {}
+    for name, hint in get_type_hints(kind, include_extras=True).items():
+        if hint in (int, bool, float):
+            found[name] = hint is float, 0
+        else:
+            array, dimensions = get_args(hint)
+            found[name] = array == FloatArray, dimensions
+    return found
+
+
+def _rounded(size: int) -> int:
+    return -(-size // _LINE) * _LINE

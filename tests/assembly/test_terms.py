@@ -1,0 +1,103 @@
+"""Data of terms: packed as two arrays, it is read back as it was, and serves any list of terms."""
+
+import sys
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+from numba.core.dispatcher import Dispatcher
+
+from isopeel.assembly.equations import Iterate, evaluate
+from isopeel.assembly.loops import Sums, TermList, add_terms
+from isopeel.assembly.packing import Flags2, Floats1, Floats3, Integers2, packed, reader
+from isopeel.assembly.system import System
+from isopeel.common.arrays import FloatArray
+from isopeel.physics.adhesion import Exponential
+from isopeel.physics.materials import SaintVenantKirchhoff
+from isopeel.problem import Problem, strip
+from isopeel.solve.newton import NewtonSettings
+from isopeel.solve.path import Path
+from isopeel.splines.rows import row_space
+
+
+class Sample(NamedTuple):
+    number: int
+    numbers: Integers2
+    size: float
+    values: Floats3
+    empty: Floats1
+    chosen: Flags2
+    known: bool
+
+
+def test_data_is_read_back_bit_for_bit() -> None:
+    rng = np.random.default_rng(0)
+    data = Sample(
+        7,
+        rng.integers(-9, 9, (3, 5)),
+        np.pi,
+        rng.random((2, 3, 4)).transpose(1, 0, 2),
+        np.empty(0),
+        rng.random((4, 3)) > 0.5,
+        True,
+    )
+    read = reader(Sample)
+    for found in (read(*packed(data)), read.py_func(*packed(data))):
+        for one, other in zip(found, data, strict=True):
+            np.testing.assert_array_equal(np.asarray(one), np.asarray(other))
+            assert np.asarray(one).shape == np.asarray(other).shape
+
+
+def test_an_array_of_other_dimensions_is_refused() -> None:
+    values, chosen = np.zeros((1, 1, 1)), np.zeros((1, 1), bool)
+    data = Sample(7, np.zeros(3, np.int64), 0.0, values, np.zeros(1), chosen, True)
+    with pytest.raises(TypeError, match="Sample: an array of 1 dimensions, not 2"):
+        packed(data)
+
+
+def test_terms_of_a_list_add_up() -> None:
+    system = System(strip(irreversible=True), row_space("N2", (12, 2)))
+    terms, u = system.equations.terms, system.state(np.full(system.count, 0.01), 0.1)[0]
+    history = system.openings.ravel()
+
+    def forces(listed: TermList) -> tuple[FloatArray, tuple[float, ...]]:
+        found = np.zeros(u.shape)
+        return found, add_terms(listed, history, u, Sums(found, np.empty((0, 0)), 0, False))
+
+    body, stored = forces(terms.only([0]))
+    side, adhesive = forces(terms.only([1]))
+    found, energies = forces(terms.only([1, 0, 1]))
+    # sums in another order
+    np.testing.assert_allclose(found, body + 2 * side, rtol=0, atol=1e-14 * np.abs(found).max())
+    assert energies == (stored[0], 2 * adhesive[1], 2 * adhesive[2], stored[3])
+    assert np.abs(side).max() > 0
+
+
+def test_no_solver_function_is_compiled_anew_for_other_terms() -> None:
+    def signatures() -> dict[tuple[str, str], int]:
+        return {
+            (value.py_func.__module__, value.py_func.__name__): len(value.signatures)
+            for name, module in list(sys.modules.items())
+            if name.startswith(("isopeel.solve", "isopeel.matrix", "isopeel.assembly"))
+            for value in vars(module).values()
+            if isinstance(value, Dispatcher)
+        }
+
+    def go(problem: Problem, name: str) -> None:
+        path = Path(System(problem, row_space(name, (40, 2))), NewtonSettings(), ())
+        for degrees in (0.0, 0.1, 0.2, 0.3):
+            path.step(path.equilibrium(np.radians(degrees)), 0.0)
+        system = path.system
+        y, (u, _) = np.zeros(system.count), system.state(np.zeros(system.count), 0.1)
+        at = Iterate(y, u, np.zeros(u.shape), np.zeros(system.count))
+        moved, external = system.constraints.moved(0.1), system.external(0.0)
+        for kept in ([], [0], [1, 1, 0]):
+            some = system.equations._replace(terms=system.equations.terms.only(kept))
+            evaluate(some, system.openings.ravel(), moved, external, at)
+
+    go(strip(), "N2.1")
+    known = signatures()
+    assert known["isopeel.solve.quasi_newton", "corrected"] == 1
+    material, law = SaintVenantKirchhoff(1.0, 0.3), Exponential(0.06, 0.015, 0.25)
+    go(strip(material=material, law=law, irreversible=True), "N2.1")
+    assert signatures() == known
