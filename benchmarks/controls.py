@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 import isopeel
-from isopeel.common.path_control import Control
+from isopeel.common.path_control import PathControl
 from isopeel.paper.study import MESHES, SPACES, Run
 
 #: What continuation may cost of a step of plain Newton, where that works.
@@ -26,11 +26,11 @@ class Outcome(NamedTuple):
     ending: str
 
 
-def followed(run: Run, control: Control, to: float) -> Outcome:
+def followed(run: Run, path_control: PathControl, to: float) -> Outcome:
     """Trace a run up to an angle in degrees; compilation and the first step are not timed."""
     case = run.case
     angles = run.angles_deg[run.angles_deg <= to + 1e-9]
-    settings = isopeel.NewtonSettings(control=control)
+    settings = isopeel.NewtonSettings(path_control=path_control)
     moments: defaultdict[float, list[float]] = defaultdict(list)
     steps, limit_points, ending, began, reached = 0, 0, "complete", process_time(), 0.0
     try:
@@ -54,13 +54,13 @@ def main() -> None:
     parser.add_argument("--space", nargs="+", choices=SPACES, default=[*SPACES])
     parser.add_argument("--to", type=float, default=150.0, help="degrees")
     chosen = parser.parse_args()
-    controls: tuple[Control, ...] = ("newton", "continuation", "jump")
+    path_controls: tuple[PathControl, ...] = ("newton", "continuation", "jump")
     print("run          control       reached  steps  limits  seconds  ms/step  ratio  difference  ending")
     for mesh in chosen.mesh:
         for space in chosen.space:
             plain: Outcome | None = None
-            for control in controls:
-                found = followed(Run(space, mesh), control, chosen.to)
+            for path_control in path_controls:
+                found = followed(Run(space, mesh), path_control, chosen.to)
                 plain = plain or found
                 each = found.seconds / max(found.steps - 1, 1)
                 ratio = each * max(plain.steps - 1, 1) / plain.seconds
@@ -69,7 +69,7 @@ def main() -> None:
                     min(abs(moment - plain.moments[a][0]) for moment in found.moments[a]) for a in common
                 )
                 print(
-                    f"{space + ' ' + mesh:12} {control:12} {found.reached:8.1f} {found.steps:6d}"
+                    f"{space + ' ' + mesh:12} {path_control:12} {found.reached:8.1f} {found.steps:6d}"
                     f" {found.limit_points:7d} {found.seconds:8.1f} {1e3 * each:8.2f} {ratio:6.2f}"
                     f"{' ' if ratio <= ALLOWED else '!'} {difference:10.1e}  {found.ending}",
                     flush=True,

@@ -53,7 +53,7 @@ def plateau(case: Case, space: RowSpace) -> float:
     (stage,) = case.stages()
     theory = beam_peeling(stage.problem)
     assert theory is not None
-    path = trace(stage.problem, space, stage.parameters, NewtonSettings(control="auto"))
+    path = trace(stage.problem, space, stage.parameters, NewtonSettings(path_control="auto"))
     try:
         moments = [step.reaction for step in path if step.parameter > stage.parameters[-11]]
     except ConvergenceError:

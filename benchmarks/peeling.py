@@ -43,7 +43,7 @@ def peel(strip: Strip, reach: float, coarse: float, steps: int) -> Iterator[isop
     Coarse steps that fail are cut. What came before is not kept: a step holds what the solver learned in it.
     """
     angles = np.radians(angles_deg(reach, coarse, steps))
-    settings = isopeel.NewtonSettings(control="auto")
+    settings = isopeel.NewtonSettings(path_control="auto")
     path = isopeel.trace(strip.problem, strip.row_space, angles, settings)
     last = angles[len(angles) - steps - 1]
     while next(path).parameter != last:

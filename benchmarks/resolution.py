@@ -62,7 +62,7 @@ def peeled(case: Case) -> tuple[float, float | None]:
     theory = beam_peeling(stage.problem)
     assert theory is not None
     *_, last = steps = list(
-        trace(stage.problem, case.space(), stage.parameters, NewtonSettings(control="auto"))
+        trace(stage.problem, case.space(), stage.parameters, NewtonSettings(path_control="auto"))
     )
     zone = process_zone(front_profile(stage.problem, case.space(), last.displacement))
     mean = np.mean([step.reaction for step in steps[-20:]])

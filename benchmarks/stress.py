@@ -1,4 +1,4 @@
-"""How far random strips get, far from those of the literature: automatic control beside plain Newton."""
+"""How far random strips get, far from those of the literature: automatic path control beside plain Newton."""
 
 import csv
 from collections.abc import Callable, Iterator, Sequence
@@ -15,7 +15,7 @@ from rich.table import Table
 import isopeel
 import machine
 from isopeel.case import Case
-from isopeel.common.path_control import Control
+from isopeel.common.path_control import PathControl
 from isopeel.common.processes import compute_all, cores
 from isopeel.paper.study import SPACES
 from printing import plain_table, wide_console
@@ -32,7 +32,7 @@ MOST_ACROSS = 12
 #: Largest attraction, of Young's modulus; stronger draws are drawn again.
 STRONGEST = 0.25
 
-CONTROLS: tuple[Control, ...] = ("newton", "auto")
+CONTROLS: tuple[PathControl, ...] = ("newton", "auto")
 
 
 @dataclass(frozen=True)
@@ -54,11 +54,11 @@ class Draw:
         stress = np.sqrt(5) / (9 * np.pi) * self.hamaker_j / (self.distance_nm * 1e-9) ** 3
         return float(stress / (self.youngs_modulus_gpa * 1e9))
 
-    def case(self, to_deg: float, step_deg: float, control: Control) -> Case:
+    def case(self, to_deg: float, step_deg: float, path_control: PathControl) -> Case:
         """As a case, which `isopeel run` takes too."""
-        return Case.parse(self.toml(to_deg, step_deg, control))
+        return Case.parse(self.toml(to_deg, step_deg, path_control))
 
-    def toml(self, to_deg: float, step_deg: float, control: Control) -> str:
+    def toml(self, to_deg: float, step_deg: float, path_control: PathControl) -> str:
         """The text of the case."""
         return f"""\
 name = "stress-{self.number}"
@@ -86,15 +86,15 @@ across_degree = 1
 [drive]
 to = "{to_deg!r} deg"
 step = "{step_deg!r} deg"
-path_control = "{control}"
+path_control = "{path_control}"
 """
 
 
 @dataclass(frozen=True)
 class Outcome:
-    """How far a strip got under a control."""
+    """How far a strip got under a path control."""
 
-    control: Control
+    path_control: PathControl
     reached_deg: float
     steps: int
     jumps: int
@@ -105,19 +105,19 @@ class Outcome:
 
 @dataclass(frozen=True)
 class Attempt:
-    """The task of a draw: its path under each control."""
+    """The task of a draw: its path under each path control."""
 
     draw: Draw
     to_deg: float
     step_deg: float
 
     def __call__(self) -> tuple[Outcome, ...]:
-        return tuple(self._under(control) for control in CONTROLS)
+        return tuple(self._under(path_control) for path_control in CONTROLS)
 
-    def _under(self, control: Control) -> Outcome:
-        case = self.draw.case(self.to_deg, self.step_deg, control)
+    def _under(self, path_control: PathControl) -> Outcome:
+        case = self.draw.case(self.to_deg, self.step_deg, path_control)
         (stage,) = case.stages()
-        settings = isopeel.NewtonSettings(control=control)
+        settings = isopeel.NewtonSettings(path_control=path_control)
         reached, steps, jumps, seconds, cause, reason = 0.0, 0, 0, 0.0, "", ""
         try:
             for step in isopeel.trace(stage.problem, case.space(), stage.parameters, settings):
@@ -125,7 +125,7 @@ class Attempt:
                 jumps, seconds = jumps + (step.kind == "jump"), seconds + step.seconds
         except isopeel.ConvergenceError as error:
             cause, reason = error.cause, error.reason
-        return Outcome(control, reached, steps, jumps, cause, reason, seconds)
+        return Outcome(path_control, reached, steps, jumps, cause, reason, seconds)
 
 
 def draws(seed: int, count: int) -> list[Draw]:
@@ -168,7 +168,7 @@ def shares(found: Sequence[tuple[Draw, tuple[Outcome, ...]]]) -> Table:
         "to",
         "strips",
         *CONTROLS,
-        *(f"{control}\nmedian" for control in CONTROLS),
+        *(f"{path_control}\nmedian" for path_control in CONTROLS),
         caption="thirds of the strips by each parameter; median: of the angles reached, in degrees",
         labels=1,
     )
@@ -203,9 +203,9 @@ def shares(found: Sequence[tuple[Draw, tuple[Outcome, ...]]]) -> Table:
 
 
 def failures(found: Sequence[tuple[Draw, tuple[Outcome, ...]]]) -> Table:
-    """Tabulate the strips that automatic control does not bring to the last angle, each with its cause."""
+    """Tabulate the strips that stop before the last angle under automatic control, each with its cause."""
     table = plain_table(
-        "strips that do not come to the last angle under automatic control",
+        "strips that do not come to the last angle under automatic path control",
         "",
         "space",
         *("mesh", "E, GPa", "nu", "r0, nm", "A_H, J", "height, nm", "strength/E", "reached", "cause"),
@@ -231,7 +231,7 @@ def failures(found: Sequence[tuple[Draw, tuple[Outcome, ...]]]) -> Table:
 
 
 def write(path: Path, found: Sequence[tuple[Draw, tuple[Outcome, ...]]]) -> None:
-    """Write one line per strip and control."""
+    """Write one line per strip and path control."""
     path.parent.mkdir(parents=True, exist_ok=True)
     with path.open("w", newline="", encoding="utf-8") as file:
         rows = [
@@ -254,7 +254,7 @@ def main(
     out: Annotated[Path, typer.Option(help="Table of every strip.")] = Path("out/stress.csv"),
     case: Annotated[bool, typer.Option("--case", help="Print the cases instead of running them.")] = False,
 ) -> None:
-    """Draw strips at random, and tell how far each gets under automatic control and by plain Newton."""
+    """Draw strips at random, and tell how far each gets under automatic path control and by plain Newton."""
     chosen = [draw for draw in draws(seed, count) if not only or draw.number in only]
     if case:
         print("\n".join(draw.toml(to, step, "auto") for draw in chosen))

@@ -48,7 +48,7 @@ def test_the_strength_is_that_of_the_law() -> None:
 def test_a_strip_is_traced_under_each_control_and_its_failure_told() -> None:
     draw = next(draw for draw in stress.draws(0, 200) if draw.mesh == "13x2")
     plain, automatic = stress.Attempt(draw, 60.0, 2.0)()
-    assert (plain.control, automatic.control) == stress.CONTROLS
+    assert (plain.path_control, automatic.path_control) == stress.CONTROLS
     assert automatic.reached_deg == pytest.approx(60.0)
     assert (automatic.cause, automatic.reason) == ("", "")
     assert plain.reached_deg < 60

@@ -26,7 +26,7 @@ def test_a_value_is_that_of_a_file_with_it() -> None:
 
 def test_values_of_a_stage_are_those_of_its_number() -> None:
     first, second, *_ = STAGES.with_values({"drive.2.path_control": "jump"}).stages()
-    assert (first.control, second.control) == ("auto", "jump")
+    assert (first.path_control, second.path_control) == ("auto", "jump")
 
 
 def test_tables_and_keys_that_were_not_there_are_made() -> None:

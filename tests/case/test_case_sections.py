@@ -99,10 +99,10 @@ def test_the_lower_face_may_adhere_to_its_mirror_image_or_hold_along_it() -> Non
 
 def test_a_stage_may_jump_and_a_case_says_what_it_is() -> None:
     case = Case.parse(case_with(head='about = "A test."', drive='path_control = "jump"'))
-    assert [stage.control for stage in case.stages()] == ["jump"]
+    assert [stage.path_control for stage in case.stages()] == ["jump"]
     assert case.about == "A test."
     plain = Case.parse(case_with())
-    assert [stage.control for stage in plain.stages()] == ["auto"]
+    assert [stage.path_control for stage in plain.stages()] == ["auto"]
     assert plain.about == ""
     with pytest.raises(
         InputError, match=r"drive\.path_control: 1 cannot be used; 'newton', 'auto', 'jump' or"

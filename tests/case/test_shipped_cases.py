@@ -49,7 +49,7 @@ def test_each_starts(name: str) -> None:
     """The first steps of the first stage, on the mesh of the case."""
     case = load_case(name)
     stage = case.stages()[0]
-    settings = NewtonSettings(control=stage.control)
+    settings = NewtonSettings(path_control=stage.path_control)
     steps = list(islice(trace(stage.problem, case.space(), stage.parameters, settings), 3))
     energies = [s.stored_energy + s.adhesive_energy + s.dissipated_energy for s in steps]
     assert [s.parameter for s in steps] == stage.parameters[:3].tolist()

@@ -9,26 +9,28 @@ from isopeel.solve.step import Step
 from isopeel.solve.trace import trace
 
 
-def paths(text: str, control: str | None = None) -> list[list[Step]]:
+def paths(text: str, path_control: str | None = None) -> list[list[Step]]:
     """The steps of each stage of a case; raises ConvergenceError."""
     case = Case.parse(text, "test")
-    if control is not None:
-        case = case.overridden(control=control)
+    if path_control is not None:
+        case = case.overridden(path_control=path_control)
     space, stages, base = case.space(), [], None
     for stage in case.stages():
-        settings = NewtonSettings(control=stage.control)
+        settings = NewtonSettings(path_control=stage.path_control)
         stages.append(list(trace(stage.problem, space, stage.parameters, settings, base=base)))
         base = stages[-1][-1].state
     return stages
 
 
-def as_far_as_it_goes(text: str, control: str | None = None) -> tuple[list[Step], ConvergenceError | None]:
+def as_far_as_it_goes(
+    text: str, path_control: str | None = None
+) -> tuple[list[Step], ConvergenceError | None]:
     """The steps of the one stage of a case, and why there are no more."""
-    case = Case.parse(text, "test").overridden(control=control)
+    case = Case.parse(text, "test").overridden(path_control=path_control)
     (stage,) = case.stages()
     steps: list[Step] = []
     try:
-        settings = NewtonSettings(control=stage.control)
+        settings = NewtonSettings(path_control=stage.path_control)
         for step in trace(stage.problem, case.space(), stage.parameters, settings):
             steps.append(step)  # noqa: PERF402 (what came before the failure is wanted)
     except ConvergenceError as error:

@@ -51,7 +51,7 @@ def told_by(text: str) -> Told:
     for stage in case.stages():
         fields: Fields[Field] = Fields(stage.fields_every)
         steps = []
-        settings = NewtonSettings(control=stage.control)
+        settings = NewtonSettings(path_control=stage.path_control)
         for step in trace(stage.problem, space, stage.parameters, settings, base=base):
             steps.append(step)
             at = stage.problem.drive.parameter_column.shown(step.parameter)

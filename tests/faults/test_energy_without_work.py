@@ -1,4 +1,4 @@
-"""No step gains energy without work of its drive, whatever the law, the shape and the control."""
+"""No step gains energy without work of its drive, whatever the law, the shape and the path control."""
 
 from dataclasses import replace
 
@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from paths import as_far_as_it_goes, energies, gained, paths, worth
 
-from isopeel.common.path_control import Control
+from isopeel.common.path_control import PathControl
 from isopeel.problem import strip
 from isopeel.solve.newton import ConvergenceError, NewtonSettings
 from isopeel.solve.path import Path
@@ -122,9 +122,9 @@ def test_newton_ends_before_it_with_the_cause() -> None:
     assert "-0.104239" in error.reason  # where its curve turns back
 
 
-@pytest.mark.parametrize("control", ["newton", "auto"])
+@pytest.mark.parametrize("path_control", ["newton", "auto"])
 def test_a_state_of_more_energy_than_the_work_is_refused(
-    control: Control, monkeypatch: pytest.MonkeyPatch
+    path_control: PathControl, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """As if Newton's method had met another branch, at all steps but the first few."""
     worth, space = 0.015 * 150, row_space("N2", (20, 2))
@@ -140,8 +140,8 @@ def test_a_state_of_more_energy_than_the_work_is_refused(
 
     monkeypatch.setattr(Path, "equilibrium", elsewhere)
     steps: list[Step] = []
-    going = trace(strip(), space, np.linspace(0, 0.02, 5), NewtonSettings(control=control))
-    if control == "newton":
+    going = trace(strip(), space, np.linspace(0, 0.02, 5), NewtonSettings(path_control=path_control))
+    if path_control == "newton":
         with pytest.raises(ConvergenceError, match="without work of the drive") as caught:
             steps.extend(iter(lambda: next(going), None))
         assert caught.value.cause == "energy without work"
@@ -153,11 +153,11 @@ def test_a_state_of_more_energy_than_the_work_is_refused(
         assert max(gained(steps)) <= 1e-6 * worth
 
 
-@pytest.mark.parametrize("control", ["auto", "newton", "jump", "continuation"])
+@pytest.mark.parametrize("path_control", ["auto", "newton", "jump", "continuation"])
 @pytest.mark.parametrize("irreversible", ["false", "true"])
-def test_cantilevers_on_a_hopeless_mesh(control: Control, irreversible: str) -> None:
+def test_cantilevers_on_a_hopeless_mesh(path_control: PathControl, irreversible: str) -> None:
     text = CANTILEVERS.format(strength=30, irreversible=irreversible, space="N2", mesh="20x1")
-    steps, _ = as_far_as_it_goes(text, control)
+    steps, _ = as_far_as_it_goes(text, path_control)
     assert len(steps) > 3
     check(text, steps)
 

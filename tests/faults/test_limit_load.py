@@ -9,7 +9,7 @@ import pytest
 from paths import paths
 
 from isopeel.cli import main
-from isopeel.common.path_control import Control
+from isopeel.common.path_control import PathControl
 from isopeel.common.units import UnitSystem
 from isopeel.post.laboratory import Laboratory
 from isopeel.solve.newton import ConvergenceError
@@ -42,7 +42,7 @@ angle = "{angle} deg"
 control = "force"
 to = "{to} N/mm"
 step = "{step} N/mm"
-path_control = "{control}"
+path_control = "{path_control}"
 """
 
 BLOCK = """
@@ -95,15 +95,15 @@ def kendall(angle: float) -> float:
 def test_a_weight_that_peels_a_tape_off(angle: float, to: float, step: float) -> None:
     """It used to end with a stalled residual, and advice to take smaller steps."""
     with pytest.raises(ConvergenceError) as caught:
-        paths(TAPE.format(angle=angle, to=to, step=step, control="auto"))
+        paths(TAPE.format(angle=angle, to=to, step=step, path_control="auto"))
     # the joint is ten process zones long, of which the front takes one: some tenths of a percent
     assert largest(caught.value) == pytest.approx(kendall(angle), rel=0.005)
 
 
-@pytest.mark.parametrize("control", ["newton", "auto"])
-def test_the_cause_does_not_hang_on_the_control(control: Control) -> None:
+@pytest.mark.parametrize("path_control", ["newton", "auto"])
+def test_the_cause_does_not_hang_on_the_control(path_control: PathControl) -> None:
     with pytest.raises(ConvergenceError) as caught:
-        paths(BLOCK.replace("[drive]", f'[drive]\npath_control = "{control}"'))
+        paths(BLOCK.replace("[drive]", f'[drive]\npath_control = "{path_control}"'))
     # the whole block comes off at once, at its strength times its length
     assert largest(caught.value) == pytest.approx(0.05 * 2, rel=1e-4)
 

@@ -45,7 +45,7 @@ step = "1 deg"
 def plateau(case: Case) -> float:
     """Mean moment in the last 10 degrees over that of beam theory."""
     (stage,) = case.stages()
-    steps = list(trace(stage.problem, case.space(), stage.parameters, NewtonSettings(control="auto")))
+    steps = list(trace(stage.problem, case.space(), stage.parameters, NewtonSettings(path_control="auto")))
     theory = expected(stage.problem, case.space())
     assert theory is not None
     last = [step.reaction for step in steps if step.parameter > stage.parameters[-11]]
@@ -226,7 +226,7 @@ def test_the_tension_of_the_body_at_its_face_is_that_of_the_adhesion() -> None:
     """The given figure: 82.8 MPa in the body beside 1.07 MPa of the adhesion where it is linear across."""
     case = Case.parse(TAPE.replace("ACROSS", ""))
     (stage,) = case.stages()
-    *_, last = trace(stage.problem, case.space(), stage.parameters, NewtonSettings(control="auto"))
+    *_, last = trace(stage.problem, case.space(), stage.parameters, NewtonSettings(path_control="auto"))
     profile = front_profile(stage.problem, case.space(), last.displacement)
     pull, body = -profile.adhesive_traction, -profile.body_traction
     at = pull > 0.2 * pull.max()

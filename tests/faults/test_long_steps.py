@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from paths import as_far_as_it_goes, energies, gained, paths, worth
 
-from isopeel.common.path_control import Control
+from isopeel.common.path_control import PathControl
 from isopeel.solve.balance import SLIGHT
 from isopeel.solve.step import Step
 
@@ -187,13 +187,13 @@ def test_the_largest_force_does_not_hang_on_the_step(coarse: str, fine: str) -> 
     assert largest[0] == pytest.approx(largest[1], rel=0.03)
 
 
-@pytest.mark.parametrize("control", ["newton", "auto", "jump", "continuation"])
+@pytest.mark.parametrize("path_control", ["newton", "auto", "jump", "continuation"])
 @pytest.mark.parametrize("step", [0.3, 3, 6])
-def test_no_control_reports_energy_from_nothing(control: Control, step: float) -> None:
+def test_no_control_reports_energy_from_nothing(path_control: PathControl, step: float) -> None:
     """One step of cantilevers under plain Newton's method told of a gain of nine tenths of W A."""
     text = CANTILEVERS.format(step=step, irreversible="true")
-    steps, _ = as_far_as_it_goes(text, control)
+    steps, _ = as_far_as_it_goes(text, path_control)
     # of third order in the step, which is no more than that of the smallest work of one
     assert min(one.released_energy for one in steps) >= -3e-3 * worth(text)
-    if control != "newton":
+    if path_control != "newton":
         assert steps[-1].parameter == 6.0

@@ -228,7 +228,7 @@ def test_the_summary_says_it_too(tmp_path: Path) -> None:
 def test_the_estimate_is_right_within_a_quarter(law: str, keys: str) -> None:
     case = Case.parse(STRIP.format(law=law, keys=keys, space="N2.1", mesh="200x2"))
     (stage,) = case.stages()
-    *_, last = trace(stage.problem, case.space(), stage.parameters, NewtonSettings(control="auto"))
+    *_, last = trace(stage.problem, case.space(), stage.parameters, NewtonSettings(path_control="auto"))
     zone = process_zone(front_profile(stage.problem, case.space(), last.displacement))
     found = estimated(stage.problem, case.space())
     assert zone is not None
@@ -277,5 +277,5 @@ def test_notes_are_few_where_the_plateau_is_right() -> None:
 def moments(case: Case) -> list[float]:
     """Those of the last 20 degrees, in which the front passes several elements."""
     (stage,) = case.stages()
-    path = trace(stage.problem, case.space(), stage.parameters, NewtonSettings(control="auto"))
+    path = trace(stage.problem, case.space(), stage.parameters, NewtonSettings(path_control="auto"))
     return [step.reaction for step in path][-10:]

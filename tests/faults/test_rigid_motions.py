@@ -86,7 +86,7 @@ def energy_of_a_turn(case: Case) -> float:
 
 def largest_force(case: Case) -> float:
     (stage,) = case.stages()
-    path = trace(stage.problem, case.space(), stage.parameters, NewtonSettings(control="auto"))
+    path = trace(stage.problem, case.space(), stage.parameters, NewtonSettings(path_control="auto"))
     return max(step.reaction for step in path)
 
 

@@ -27,7 +27,7 @@ def staged(folder: Path) -> Path:
 def failed(folder: Path) -> Path:
     """The folder of a strip whose elements are so large that a step finds no equilibrium."""
     case = isopeel.load_case("strip").overridden(
-        mesh="10x1", space="L1", to="80", step="20", control="newton"
+        mesh="10x1", space="L1", to="80", step="20", path_control="newton"
     )
     run_case(case, folder, _QUIET)
     return folder

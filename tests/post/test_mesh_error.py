@@ -64,7 +64,9 @@ def test_a_finer_space_keeps_lines_of_reduced_continuity() -> None:
 def _changes(text: str) -> tuple[list[MeshChange], Curve]:
     case = Case.parse(text)
     stage = case.stages()[0]
-    steps = list(trace(stage.problem, case.space(), stage.parameters, NewtonSettings(control=stage.control)))
+    steps = list(
+        trace(stage.problem, case.space(), stage.parameters, NewtonSettings(path_control=stage.path_control))
+    )
     curve = Curve.of(steps, stage.problem.drive)
     fields = {at: step.displacement for at, step in zip(curve.parameter.tolist(), steps, strict=True)}
     kept = {at: fields[at] for at in [*list(fields)[::4], list(fields)[-1]]}

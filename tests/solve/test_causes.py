@@ -43,7 +43,7 @@ def test_a_limit_point_is_told_where_the_curve_turns_back() -> None:
     found = failure(strip(), np.radians(np.arange(0.0, 150.0)).tolist(), NewtonSettings(plain=True))
     assert found.cause == "limit point"
     # the curve itself does turn back, before the parameter that has no equilibrium near
-    settings = NewtonSettings(control="continuation")
+    settings = NewtonSettings(path_control="continuation")
     steps = trace(strip(), SPACE, np.radians(np.arange(0.0, 150.0)), settings)
     limit = next(step for step in steps if step.kind == "limit point")
     assert found.parameter - np.radians(1.0) < limit.parameter < found.parameter
@@ -82,7 +82,7 @@ def test_a_singular_tangent_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_a_search_at_its_floor_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
     """Round-off ends a search: it is handed such an end here, far from any equilibrium."""
     system = System(strip(), SPACE)
-    path = Path(system, NewtonSettings(iteration_limit=1, control="auto"), ())
+    path = Path(system, NewtonSettings(iteration_limit=1, path_control="auto"), ())
     monkeypatch.setattr(path_module, "descend", lambda _system, start, *_rest: Descent(start, at_floor=True))
     with pytest.raises(ConvergenceError) as caught:
         path.landed([np.zeros(system.count)], 0.02)
@@ -93,6 +93,6 @@ def test_a_search_at_its_floor_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_a_force_beyond_the_joints_strength_finds_no_equilibrium() -> None:
     """Raised, a dead force passes the largest that the joint can bear: there is none beyond, and no jump."""
     problem = replace(strip(), drive=PulledSide("top", np.pi / 2, control="force"))
-    found = failure(problem, [0.0, 0.1, 100.0], NewtonSettings(control="auto"))
+    found = failure(problem, [0.0, 0.1, 100.0], NewtonSettings(path_control="auto"))
     assert found.cause == "limit load"
     assert "no equilibrium is near above 0.214788 E0 L0" in found.reason

@@ -7,12 +7,12 @@ import pytest
 from scipy.optimize import brentq, minimize_scalar
 
 from isopeel.assembly.system import System
-from isopeel.common.path_control import Control
+from isopeel.common.path_control import PathControl
 from isopeel.physics.adhesion import Exponential
 from isopeel.problem import MovedSide, Problem, PulledSide, strip
 from isopeel.solve.newton import ConvergenceError, NewtonSettings
 from isopeel.solve.path import Path
-from isopeel.solve.path_control import controlled
+from isopeel.solve.path_control import follow_path
 from isopeel.solve.step import Step
 from isopeel.solve.trace import trace
 from isopeel.splines.rows import row_space
@@ -60,8 +60,8 @@ def gap_of(step: Step) -> float:
     return REST + float(step.displacement[bottom, 1].mean())
 
 
-def path(control: Control) -> list[Step]:
-    return list(trace(block(), SPACE, PULL, NewtonSettings(control=control)))
+def path(path_control: PathControl) -> list[Step]:
+    return list(trace(block(), SPACE, PULL, NewtonSettings(path_control=path_control)))
 
 
 @pytest.fixture(scope="module")
@@ -84,7 +84,7 @@ def test_the_curve_is_that_of_the_closed_form(curve: list[Step]) -> None:
 def test_a_force_that_is_found_leads_along_the_same_curve() -> None:
     """The force is the unknown, and the displacement where it acts the parameter."""
     problem = replace(block(), drive=PulledSide("top", np.pi / 2))
-    steps = list(trace(problem, SPACE, PULL, NewtonSettings(control="continuation")))
+    steps = list(trace(problem, SPACE, PULL, NewtonSettings(path_control="continuation")))
     gaps = [gap_of(step) for step in steps]
     np.testing.assert_allclose([s.parameter for s in steps], [pull(gap) for gap in gaps], rtol=0, atol=1e-9)
     np.testing.assert_allclose([s.reaction for s in steps], [tension(gap) for gap in gaps], rtol=0, atol=1e-9)
@@ -102,7 +102,7 @@ def test_a_joint_that_only_opens_snaps_back_as_if_it_could_heal() -> None:
         replace(body, drive=MovedSide("top", np.pi / 2), adhesion=replace(body.adhesion, irreversible=kept))
         for kept in (False, True)
     ]
-    settings = NewtonSettings(control="continuation")
+    settings = NewtonSettings(path_control="continuation")
     ours, theirs = (list(trace(problem, SPACE, PULL, settings)) for problem in problems)
     # the steps between are others: the tangent that a stretch starts with may be that of closing
     for kind, count in (("limit point", 2), ("requested", 0)):
@@ -120,7 +120,7 @@ def test_a_curve_is_not_left_for_a_stretch_that_passes_nearby() -> None:
     """Projected forces have no energy to tell; on a coarse mesh the curve runs back and forth."""
     degrees = np.arange(0.0, 96.0)
     problem, space = strip(traction="projected"), row_space("N4", (60, 2))
-    settings = NewtonSettings(control="continuation")
+    settings = NewtonSettings(path_control="continuation")
     steps = list(trace(problem, space, np.radians(degrees), settings))
     limits = np.degrees([step.parameter for step in steps if step.kind == "limit point"])
     # each peak lies beyond the last one, by what the front moves along an element, and each dip likewise
@@ -171,7 +171,7 @@ def test_a_jump_begins_at_the_limit_point_and_releases_its_energy(curve: list[St
 
 
 def test_controls_agree_where_they_end() -> None:
-    ends = [path(control)[-1] for control in ("auto", "jump", "continuation")]
+    ends = [path(path_control)[-1] for path_control in ("auto", "jump", "continuation")]
     for end in ends:
         assert end.parameter == PULL[-1]
         assert end.reaction == pytest.approx(ends[0].reaction, rel=1e-8)
@@ -180,7 +180,7 @@ def test_controls_agree_where_they_end() -> None:
 def test_a_failed_attempt_leaves_the_last_state_bit_for_bit() -> None:
     problem = replace(strip(), drive=MovedSide("right", np.pi, "held"))
     space, settings = row_space("N2", (40, 2)), NewtonSettings(plain=True)
-    going = controlled(Path(System(problem, space), settings, ()), [0.0, 0.5, 300.0], ())
+    going = follow_path(Path(System(problem, space), settings, ()), [0.0, 0.5, 300.0], ())
     steps = [next(going), next(going)]
     last = steps[-1].unknown_values.copy()
     with pytest.raises(ConvergenceError) as failed:
@@ -192,9 +192,9 @@ def test_a_failed_attempt_leaves_the_last_state_bit_for_bit() -> None:
     np.testing.assert_array_equal(on.unknown_values, never_failed.unknown_values)
 
 
-@pytest.mark.parametrize("control", ["auto", "jump", "continuation"])
-def test_a_path_goes_on_bit_for_bit_from_each_step_that_says_so(control: Control) -> None:
-    settings = NewtonSettings(control=control)
+@pytest.mark.parametrize("path_control", ["auto", "jump", "continuation"])
+def test_a_path_goes_on_bit_for_bit_from_each_step_that_says_so(path_control: PathControl) -> None:
+    settings = NewtonSettings(path_control=path_control)
     steps, states = [], []
     for step in trace(block(), SPACE, PULL, settings):
         steps.append(step)

@@ -22,7 +22,7 @@ ANGLES = np.radians(np.arange(0.0, 74.05, 0.1))
 
 @pytest.fixture(scope="module")
 def path() -> list[Step]:
-    return list(trace(strip(), SPACE, ANGLES, NewtonSettings(control="auto", plain=True)))
+    return list(trace(strip(), SPACE, ANGLES, NewtonSettings(path_control="auto", plain=True)))
 
 
 def energy(step: Step) -> float:
@@ -109,7 +109,7 @@ def test_a_jump_that_cannot_begin_says_so() -> None:
     """A side pushed through the body in one step: there is no start whose elements are all sound."""
     pushed = replace(strip(), drive=MovedSide("right", np.pi, "held"))
     with pytest.raises(ConvergenceError, match="an element is inverted"):
-        list(trace(pushed, row_space("N2", (40, 2)), [300.0], NewtonSettings(control="auto")))
+        list(trace(pushed, row_space("N2", (40, 2)), [300.0], NewtonSettings(path_control="auto")))
 
 
 def test_a_load_at_rest_converges_at_once() -> None:
@@ -130,5 +130,5 @@ def test_forces_without_an_energy_cannot_jump() -> None:
     following = replace(strip(), drive=PulledSide("right", 1.0, follows=True))
     for problem in (projected, following):
         with pytest.raises(InputError, match=r"drive.path_control"):
-            trace(problem, row_space("L1", (20, 2)), [0.0], NewtonSettings(control="jump"))
-    trace(replace(strip(), drive=MovedSide("right", 0.0)), SPACE, [0.0], NewtonSettings(control="auto"))
+            trace(problem, row_space("L1", (20, 2)), [0.0], NewtonSettings(path_control="jump"))
+    trace(replace(strip(), drive=MovedSide("right", 0.0)), SPACE, [0.0], NewtonSettings(path_control="auto"))

@@ -210,7 +210,7 @@ def test_the_front_of_a_finer_mesh_needs_few_corrections(monkeypatch: pytest.Mon
     for blind in (False, True):
         if blind:
             monkeypatch.setattr(TranslationPredictor, "of", lambda _: None)
-        steps = [*trace(strip(), row_space("N2.1", (100, 5)), angles, NewtonSettings(control="auto"))]
+        steps = [*trace(strip(), row_space("N2.1", (100, 5)), angles, NewtonSettings(path_control="auto"))]
         last = [step for step in steps if step.kind == "requested"][-20:]
         corrections.append(np.mean([len(step.iterations) for step in last]))
         moments.append([step.reaction for step in last])

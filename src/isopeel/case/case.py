@@ -174,12 +174,12 @@ class Case(Section):
         step: str | float | None = None,
         traction: str | None = None,
         contact_points: int | None = None,
-        control: str | None = None,
+        path_control: str | None = None,
         fields_every: str | float | None = None,
     ) -> Self:
         """Return the case with other values, `to`, `step` and `fields_every` those of the last stage.
 
-        `control` is that of all stages.
+        `path_control` is that of all stages.
 
         They are texts with units; plain numbers are degrees of an angle, and refused elsewhere. Raises
         InputError whose field is the option of the command line, such as --mesh.
@@ -191,7 +191,7 @@ class Case(Section):
             ("drive", "step"): step,
             ("adhesion", "traction"): traction,
             ("discretization", "contact_points"): contact_points,
-            ("drive", "path_control"): control,
+            ("drive", "path_control"): path_control,
             ("output", "fields_every"): fields_every,
         }
         changes = {path: value for path, value in given.items() if value is not None}
@@ -275,7 +275,7 @@ class Case(Section):
                 name=stage.label,
                 problem=Problem(self.name, body, adhesion, fixed, stage.drive()),
                 parameters=stage.parameters(),
-                control=stage.path_control,
+                path_control=stage.path_control,
                 fields_every=self.output.fields_every if stage is last else stage.usual_fields_every,
                 window=self.reading.window if self.reading and stage is last else None,
             )

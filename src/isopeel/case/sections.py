@@ -21,7 +21,7 @@ from isopeel.case.values import (
 )
 from isopeel.common.arrays import FloatArray
 from isopeel.common.errors import InputError
-from isopeel.common.path_control import Control
+from isopeel.common.path_control import PathControl
 from isopeel.common.quantities import LENGTH, NUMBER, STRESS, Dimension
 from isopeel.common.units import E0, L0, UnitSystem
 from isopeel.physics.adhesion import AdhesionLaw
@@ -190,7 +190,7 @@ class DriveSection(KindSection):
     to: Any = "120 deg"
     step: Any = "0.1 deg"
     path_control: Annotated[
-        Control, Field(description="'newton', 'auto', 'jump' or 'continuation' is needed")
+        PathControl, Field(description="'newton', 'auto', 'jump' or 'continuation' is needed")
     ] = "auto"
 
     @model_validator(mode="after")

@@ -11,7 +11,7 @@ import numpy as np
 from isopeel.case.values import read_quantity
 from isopeel.common.arrays import FloatArray
 from isopeel.common.errors import InputError
-from isopeel.common.path_control import Control
+from isopeel.common.path_control import PathControl
 from isopeel.common.quantities import Dimension
 from isopeel.common.units import UnitSystem, parse_quantity, shown
 from isopeel.problem import Problem
@@ -29,14 +29,14 @@ MOST_STAGES = 100
 class Stage:
     """A problem, whose drive is that of the stage, and the parameters (n,) of its steps, from 0 on.
 
-    Its `control` says how the path goes on where a step finds no equilibrium. The plateau is read in the
+    Its `path_control` says how the path goes on where a step finds no equilibrium. The plateau is read in the
     `window`, and fields are kept at multiples of `fields_every`: in degrees, or in L0 and E0.
     """
 
     name: str
     problem: Problem
     parameters: FloatArray
-    control: Control
+    path_control: PathControl
     fields_every: float
     window: tuple[float, float] | None
 

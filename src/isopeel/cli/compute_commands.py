@@ -101,7 +101,7 @@ def run(
                 step=step,
                 traction=traction,
                 contact_points=contact_points,
-                control=control,
+                path_control=control,
                 fields_every=fields_every,
             )
         )

@@ -4,4 +4,4 @@ from typing import Literal
 
 #: `newton` ends; `auto` cuts the step, and jumps where the smallest one fails; `jump` does so from the limit
 #: point, as a test that prescribes the parameter; `continuation` follows the curve through limit points.
-Control = Literal["newton", "auto", "jump", "continuation"]
+PathControl = Literal["newton", "auto", "jump", "continuation"]

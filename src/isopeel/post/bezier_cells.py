@@ -1,4 +1,4 @@
-"""A body cut into cells: rational Bezier cells that hold shape and displacement exactly, or straight cells."""
+"""Cells of a body: rational Bezier cells that hold shape and displacement exactly, or straight cells."""
 
 from dataclasses import dataclass
 from typing import Self

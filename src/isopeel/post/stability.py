@@ -20,7 +20,7 @@ def stability_notes(curve: Curve, laboratory: Laboratory) -> list[Note]:
         at = float(curve.parameter[k])
         text = (
             f"stability is lost at {shown(at)}, a bifurcation: the path goes over to the stable branch; the"
-            " other one is followed by control = continuation"
+            " other one is followed by path_control = continuation"
         )
         late = 0
         # a path that finds out late has gone beyond, and comes back to it
@@ -36,7 +36,8 @@ def stability_notes(curve: Curve, laboratory: Laboratory) -> list[Note]:
             Note(
                 "stability",
                 f"{len(unstable)} steps between {shown(float(ends.min()))} and {shown(float(ends.max()))} are"
-                " unstable equilibria, which a body leaves at the least disturbance; control = auto does too",
+                " unstable equilibria, which a body leaves at the least disturbance; path_control = auto also"
+                " leaves them",
             )
         )
     return notes

@@ -1,4 +1,4 @@
-"""Going on with a run that was interrupted, from its folder."""
+"""Continue a run that was interrupted, from its folder."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -15,44 +15,46 @@ from isopeel.running.run import Result, check_later_stages, go_through, let_go_w
 from isopeel.solve.step import KINDS
 
 
-def resume_case(folder: Path, console: Console, to: str | None = None, control: str | None = None) -> Result:
-    """Go on with the run in a folder, as it was asked for, or to another end, or by another control.
+def resume_case(
+    folder: Path, console: Console, to: str | None = None, path_control: str | None = None
+) -> Result:
+    """Continue the run in a folder, with another end `to` or another path control where one is given.
 
-    What is complete is said so, and gets the files that it lacks. A run that found no equilibrium stays as it
-    is, unless a control is given that may find one. The steps are those of the uninterrupted run, to the last
-    bit. Raises as `run_case` does, and InputError where there is no run in the folder.
+    A complete run is reported as complete, and the files that it lacks are written. A run that found no
+    equilibrium stays as it is unless a path control is given. The steps equal those of the uninterrupted run
+    to the last bit. Raises the errors of `run_case`, and InputError where the folder holds no run.
     """
     run_files(folder)  # nothing is written to a folder of something else
     with alone_in(folder, "DIR"):
-        case, stored = _found(folder, to, control)
+        case, stored = _found(folder, to, path_control)
         check_later_stages(case)
         where = places(case.name, [stage.name for stage in case.stages()], folder)
         written = [place.folder / name for place in where for name in FILES[1:]]
         check_overwritten("DIR", written, way="move it to another folder")
-        if control is not None:
+        if path_control is not None:
             stored = {number: replace(run, failure=None) for number, run in stored.items()}
         return let_go_when_finished(go_through(case, folder, console, stored), case, folder, console)
 
 
-def _found(folder: Path, to: str | None, control: str | None) -> tuple[Case, dict[int, StoredRun]]:
-    """The case of the run in a folder, and what is stored of its stages, by their numbers."""
+def _found(folder: Path, to: str | None, path_control: str | None) -> tuple[Case, dict[int, StoredRun]]:
+    """Return the case of the run in a folder, and the stored runs of its stages by number."""
     files = run_files(folder)
-    # the stage that was begun last has the case as it was asked for last
+    # the newest stage holds the case as it was last requested
     newest = files[-1]
     run = read_run(newest)
     try:
         case = Case.of_run(run.case_text, str(newest), run.attributes.get("dofs"))
     except InputError as error:
         raise InputError("DIR", str(folder), f"the case in it cannot be run any more: {error}") from error
-    case = case.overridden(to=to, control=control)
+    case = case.overridden(to=to, path_control=path_control)
     stages = case.stages()
     where = places(case.name, [stage.name for stage in stages], folder)
     stored = {}
     for number, (stage, place) in enumerate(zip(stages, where, strict=True)):
         if place.run_file in files:
-            # a later stage goes on from the end of this one, whatever has been lost before
+            # a later stage continues from the end of this one, even if files of earlier stages are lost
             stored[number] = read_run(place.run_file, journal=False)
-            _check_way(case, stored[number], stage, folder, to)
+            _check_steps(case, stored[number], stage, folder, to)
         elif stored:
             break
     if not stored:
@@ -60,12 +62,12 @@ def _found(folder: Path, to: str | None, control: str | None) -> tuple[Case, dic
     return case, stored
 
 
-def _check_way(case: Case, run: StoredRun, stage: Stage, folder: Path, to: str | None) -> None:
-    """Raise InputError where the steps of a stored run are not the first ones of a stage."""
+def _check_steps(case: Case, run: StoredRun, stage: Stage, folder: Path, to: str | None) -> None:
+    """Raise InputError where the steps of a stored run are not the first steps of a stage."""
     column = run.curve.parameter_column
     steps = [column.shown(parameter) for parameter in stage.parameters]
-    asked_for = run.curve.parameter[run.curve.kind == KINDS.index("requested")]
-    if not np.isin(asked_for, steps).all():
+    requested = run.curve.parameter[run.curve.kind == KINDS.index("requested")]
+    if not np.isin(requested, steps).all():
         field, value = ("DIR", str(folder)) if to is None else ("--to", to)
         laboratory = Laboratory.of(case.units.system(), stage.problem)
         reached = f"{len(run.curve)} to {laboratory.parameter(column, float(run.curve.parameter[-1]))}"

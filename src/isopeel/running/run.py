@@ -131,7 +131,7 @@ def check_later_stages(case: Case) -> None:
     space = case.space()
     for number, stage in enumerate(case.stages()[1:], start=2):
         try:
-            check_stage(stage.problem, space, NewtonSettings(control=stage.control))
+            check_stage(stage.problem, space, NewtonSettings(path_control=stage.path_control))
         except InputError as error:
             field = error.field.replace("drive.", f"drive.{number}.", 1)
             raise InputError(field, error.value, f"in stage {number}, {error.allowed}") from error
@@ -205,7 +205,7 @@ def _steps(
             stage.problem,
             space,
             rest,
-            NewtonSettings(control=stage.control),
+            NewtonSettings(path_control=stage.path_control),
             start=() if last is None else [last],
             passed=passed.tolist(),
             base=base,

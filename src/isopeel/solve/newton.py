@@ -9,7 +9,7 @@ import numpy as np
 from isopeel.assembly.system import Equilibrium, System
 from isopeel.common.arrays import FloatArray
 from isopeel.common.interrupts import check
-from isopeel.common.path_control import Control
+from isopeel.common.path_control import PathControl
 from isopeel.matrix.band import BandMatrix
 from isopeel.matrix.bordered import Border, Bordered
 from isopeel.matrix.factor import Factor, NotPositiveDefiniteError, SingularError
@@ -41,16 +41,18 @@ _NEAR = 0.03
 #: What to try.
 HINTS: dict[Cause, str] = {
     "inverted element": "take smaller steps, or a mesh that is finer where the element is",
-    "limit point": "go beyond it with control = continuation, or jump where forces have an energy, or refine",
+    "limit point": (
+        "go beyond it with path_control = continuation, or with jump where forces have an energy, or refine"
+    ),
     "limit load": "stay below it, or prescribe the displacement where the load acts (control = displacement)",
-    "energy without work": "take control = auto, which looks for the stable branch, or smaller steps",
-    "instability": "follow the unstable branch by control = continuation, or refine the mesh",
+    "energy without work": "take path_control = auto, which looks for the stable branch, or smaller steps",
+    "instability": "follow the unstable branch by path_control = continuation, or refine the mesh",
     "long fall": "refine the mesh where the joint opens, or stop before, where the body begins to come off",
-    "stalled residual": "take smaller steps, or control = continuation",
+    "stalled residual": "take smaller steps, or path_control = continuation",
     "line search": "take smaller steps, or a finer mesh",
     "non-finite traction": "take smaller steps, or see whether the body meets the substrate",
-    "singular tangent": "hold the body so that it cannot move freely, or take control = continuation",
-    "iteration limit": "take smaller steps, or control = auto, which cuts them",
+    "singular tangent": "hold the body so that it cannot move freely, or take path_control = continuation",
+    "iteration limit": "take smaller steps, or path_control = auto, which cuts them",
 }
 
 
@@ -76,7 +78,7 @@ class NewtonSettings:
 
     tolerance: float = 1e-20
     iteration_limit: int = 25
-    control: Control = "newton"
+    path_control: PathControl = "newton"
     plain: bool = False
 
 

@@ -39,19 +39,19 @@ _REGULAR = 0.5
 _PUSHES = (0.25, 1.0, 4.0)
 
 
-def controlled(path: Path, parameters: Iterable[float], passed: Sequence[float]) -> Iterator[Step]:
-    """Yield the steps of a path through parameters, under the control of its settings.
+def follow_path(path: Path, parameters: Iterable[float], passed: Sequence[float]) -> Iterator[Step]:
+    """Yield the steps of a path through parameters, under the path control of its settings.
 
     `passed` are values that the path has met before.
     """
-    control = path.settings.control
+    path_control = path.settings.path_control
     found: Iterator[Found]
-    if control == "newton":
+    if path_control == "newton":
         found = _plain(path, parameters)
-    elif control == "auto":
+    elif path_control == "auto":
         found = _cut(path, parameters)
     else:
-        found = _along_the_curve(path, [*passed, *parameters], len(passed), jumps=control == "jump")
+        found = _along_the_curve(path, [*passed, *parameters], len(passed), jumps=path_control == "jump")
     libraries = ThreadpoolController().select(user_api="blas")
     threaded = any(library["num_threads"] > 1 for library in libraries.info())
     while True:
@@ -279,7 +279,7 @@ def _along_the_curve(path: Path, values: Sequence[float], index: int, *, jumps: 
             try:
                 yield _without_gain(path, path.equilibrium(values[index]))
             except ConvergenceError:
-                # a stage that lets go of what was held begins with a jump, whatever the control
+                # a stage that lets go of what was held begins with a jump, whatever the path control
                 if not path.has_energy:
                     raise
                 yield path.landed(path.guesses(values[index]), values[index])

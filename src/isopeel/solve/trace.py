@@ -1,4 +1,4 @@
-"""The equilibrium path: one immutable step after the other, at the requested values of the parameter."""
+"""The equilibrium path: a sequence of immutable steps at the requested values of the parameter."""
 
 from collections.abc import Iterable, Iterator, Sequence
 
@@ -11,7 +11,7 @@ from isopeel.common.interrupts import deferred
 from isopeel.problem import Problem
 from isopeel.solve.newton import NewtonSettings
 from isopeel.solve.path import Path
-from isopeel.solve.path_control import controlled
+from isopeel.solve.path_control import follow_path
 from isopeel.solve.step import State, Step
 from isopeel.splines.rows import RowSpace
 
@@ -30,22 +30,23 @@ def trace(
 ) -> Iterator[Step]:
     """Trace the equilibria of a problem on a space through the given values of the drive's parameter.
 
-    Each step starts from where the last states lead to (see `Predictor`), those of `start` among them, of
-    which the last is the newest; without any, from the body as it is. A kept tangent is tried first, where
-    forces have a potential (see `QuasiNewton`), then Newton's method from the parabola through the last
-    three.
-    Where the path is a stage after another, `base` is the state that the latter ended in: there the drive
-    begins, with the parameter zero, and what is held stays where it is. Values that the path has `passed`
-    before its start are met again where its curve turns back, under a control that follows it. The adhesive
-    force has `contact_points` Gauss points on each element, by default one more than the highest degree
-    along it.
+    Each step starts from an extrapolation of the accepted states (see `Predictor`). The states of `start` are
+    accepted states too, the newest last; without any, the first step starts from the undeformed body. Where
+    forces have a potential, the chord tangent is tried first (see `QuasiNewton`), then Newton's method from
+    the parabola through the last three states.
 
-    What is done where a step finds no equilibrium, the `control` of the settings says. Each requested value
-    is met exactly; under controls other than `newton` there are steps of other kinds between.
+    Where the path is a stage that follows another stage, `base` is the last state of the earlier stage. The
+    drive begins there with the parameter zero, and held sides stay where they are. The values `passed` are
+    those that the path met before its start: a path control that follows the curve meets them again where
+    the curve turns back. The adhesive force has `contact_points` Gauss points on each element, by default one
+    more than the highest degree along it.
+
+    The `path_control` of the settings defines what happens where a step finds no equilibrium. Each requested
+    value is met exactly; with path controls other than `newton` there are steps of other kinds between.
 
     To stop early, break. Raises ConvergenceError where a step finds no equilibrium; all steps before it
-    have been yielded. Raises InputError where problem, space, start and points do not fit together, or the
-    memory does not suffice.
+    have been yielded. Raises InputError where problem, space, start and points do not fit together, or where
+    the system needs more memory than there is.
     """
     given = [*start] if base is None else [base, *start]
     for state in given:
@@ -61,25 +62,25 @@ def trace(
     if base is not None and not start:
         start = [base._replace(parameter=0.0, past=(), memory=None)]
     settings = settings or NewtonSettings()
-    _check_control(problem, settings)
-    return controlled(Path(system, settings, start, begins=begins), parameters, passed)
+    _check_path_control(problem, settings)
+    return follow_path(Path(system, settings, start, begins=begins), parameters, passed)
 
 
 def check_stage(problem: Problem, space: RowSpace, settings: NewtonSettings) -> None:
-    """Check what can be known of a stage before the state that it begins with: a stage after another.
+    """Check a stage that follows another stage, as far as possible without its initial state.
 
-    Raises InputError where what is held meets what the drive moves or loads, nothing is left to move, or the
-    path control needs an energy that the forces do not have. Whether adhesion holds the body, and where the
-    substrate is, depends on that state.
+    Raises InputError where a held side meets the side that the drive moves or loads, where no unknown is
+    left, or where the path control needs an energy that the forces do not have. What depends on the initial
+    state is not checked: whether adhesion holds the body, and where the substrate is.
     """
     constraints = constrain(problem, space, [])
     AssembledLoad.of(problem.drive, problem.body.shape, space, constraints)
-    _check_control(problem, settings)
+    _check_path_control(problem, settings)
 
 
-def _check_control(problem: Problem, settings: NewtonSettings) -> None:
+def _check_path_control(problem: Problem, settings: NewtonSettings) -> None:
     load = problem.drive.load
-    if settings.control == "jump" and (
+    if settings.path_control == "jump" and (
         problem.adhesion.traction == "projected" or (load is not None and load.follows)
     ):
         allowed = "projected and following forces have no energy that could fall; take continuation"

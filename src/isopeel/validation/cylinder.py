@@ -86,7 +86,7 @@ def pull_off(strength: float, elements: tuple[int, int] = _ELEMENTS) -> PulledOf
         cylinder(law, end),
         row_space("N2", elements, 2, (_GRADING, _GRADING)),
         path,
-        NewtonSettings(control="auto"),
+        NewtonSettings(path_control="auto"),
         _fallen,
     )
     return PulledOff(

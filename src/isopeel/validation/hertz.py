@@ -56,7 +56,7 @@ def press(displacement: float, elements: tuple[int, int] = _ELEMENTS) -> Pressed
     law = Exponential(sqrt(_STIFFNESS * _WORK) / np.e, _WORK)
     problem, space = cylinder(law, _END), row_space("N2", elements, 2, _GRADING)
     path = -np.geomspace(displacement / 400, displacement, _STEPS)
-    found = traced(problem, space, path, NewtonSettings(control="auto"))
+    found = traced(problem, space, path, NewtonSettings(path_control="auto"))
     if found.failure or found.displacement is None:
         nothing = np.zeros(0)
         return Pressed(np.nan, nothing, nothing, HertzLine(np.nan, np.nan), np.nan, np.nan, found.failure)

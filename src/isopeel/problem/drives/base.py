@@ -14,7 +14,7 @@ from isopeel.splines.nurbs import Side
 Freedom: TypeAlias = Literal["free", "common", "prescribed", "held"]
 
 #: What is raised and what is found, under a load: either its displacement or its force.
-Control: TypeAlias = Literal["displacement", "force"]
+LoadControl: TypeAlias = Literal["displacement", "force"]
 
 
 @dataclass(frozen=True)
@@ -49,7 +49,7 @@ class Load:
     end: float
     angle: float
     follows: bool
-    control: Control
+    control: LoadControl
 
     @property
     def direction(self) -> FloatArray:
@@ -105,6 +105,6 @@ def unit_vector(angle: float) -> FloatArray:
     return np.round(np.array([np.cos(angle), np.sin(angle)]), 15)
 
 
-def dimension_of(control: Control) -> Dimension:
+def dimension_of(control: LoadControl) -> Dimension:
     """Dimension of the parameter of a load under a control."""
     return LENGTH if control == "displacement" else FORCE_PER_WIDTH

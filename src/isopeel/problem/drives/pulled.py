@@ -8,7 +8,7 @@ import numpy as np
 from isopeel.common.arrays import FloatArray
 from isopeel.common.errors import InputError
 from isopeel.common.quantities import Angle, Dimension, Number
-from isopeel.problem.drives.base import DISPLACEMENT, FORCE, Column, Control, Freedom, Load, dimension_of
+from isopeel.problem.drives.base import DISPLACEMENT, FORCE, Column, Freedom, Load, LoadControl, dimension_of
 from isopeel.splines.nurbs import Side, check_side
 
 
@@ -27,7 +27,7 @@ class PulledSide:
     side: Side
     angle: Angle
     follows: bool = False
-    control: Control = "displacement"
+    control: LoadControl = "displacement"
     start: Number = 0.0
     end: Number = 1.0
 
@@ -36,8 +36,8 @@ class PulledSide:
         check_side("drive.side", self.side)
         if not np.isfinite(self.angle):
             raise InputError("drive.angle", self.angle, "it must be finite")
-        if self.control not in get_args(Control):
-            raise InputError("drive.control", self.control, f"it is {' or '.join(get_args(Control))}")
+        if self.control not in get_args(LoadControl):
+            raise InputError("drive.control", self.control, f"it is {' or '.join(get_args(LoadControl))}")
         if not 0 <= self.start < self.end <= 1:
             raise InputError("drive", (self.start, self.end), "need 0 <= start < end <= 1 along the side")
 
