@@ -45,18 +45,20 @@ class Clock:
             self.seconds[part] += perf_counter() - began
             self.calls[part] += 1
             if part == "corrections":
-                before, measures, trifle = (
-                    arguments[_PLACES[name]] for name in ("made", "measures", "trifle")
+                before, measures, skip_share = (
+                    arguments[_PLACES[name]] for name in ("made", "measures", "skip_share")
                 )
                 made, threshold = found[1], found[4]
-                self._count(before, made, spared=made > before and measures[made - 1] <= trifle * threshold)
+                self._count(
+                    before, made, spared=made > before and measures[made - 1] <= skip_share * threshold
+                )
             return found
 
         return call
 
     def _count(self, before: int, made: int, *, spared: bool) -> None:
         """What corrections have asked for, that are made after those before."""
-        # the forces of the start, and those after each one, but for a last one that is a trifle
+        # the forces of the start, and those after each one, but for a last one that is skipped
         self.calls["forces"] += made - before + (before == 0) - bool(spared)
         for part in ("solve", "update"):
             self.calls[part] += made - before

@@ -69,9 +69,11 @@ def profile(strip: Strip, reach: float, coarse: float, steps: int) -> Profile:
         for step in path:
             timed.append(step)
             # only the last step has its memory
-            memory = step.state.memory
-            if memory is not None and len(memory.pairs.corrections) >= len(pairs.corrections):
-                pairs = memory.pairs
+            solver_state = step.state.solver_state
+            if solver_state is not None and len(solver_state.lbfgs_pairs.corrections) >= len(
+                pairs.corrections
+            ):
+                pairs = solver_state.lbfgs_pairs
     system = System(strip.problem, strip.row_space)
     u, load = system.state(timed[-1].unknown_values, timed[-1].parameter)
     residual = system.equilibrium(u, load).residual

@@ -119,7 +119,7 @@ def test_families_grow() -> None:
         family("thicker", "L1", (200, 10))
 
 
-@pytest.mark.kept_tangent
+@pytest.mark.chord_tangent
 def test_a_step_is_what_its_parts_are() -> None:
     from peeling import Strip
     from profile_step import profile

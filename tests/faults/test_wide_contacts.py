@@ -110,7 +110,7 @@ def test_a_fine_mesh_comes_to_rest_by_itself(
 
 def test_a_fall_that_does_not_come_to_rest_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(
-        path_module, "descend", lambda _system, start, *_rest: Descent(start, is_on_its_way=True)
+        path_module, "descend", lambda _system, start, *_rest: Descent(start, is_unfinished=True)
     )
     steps, error = as_far_as_it_goes(stamp())
     assert steps[-1].reaction > 30.0

@@ -130,7 +130,7 @@ LIES: dict[str, Callable[[h5py.File], None]] = {
 
 
 # only a kept tangent has a memory
-MARKS = {"a huge memory": pytest.mark.kept_tangent}
+MARKS = {"a huge memory": pytest.mark.chord_tangent}
 
 
 @pytest.mark.parametrize("lie", [pytest.param(lie, marks=MARKS.get(lie, ())) for lie in LIES])

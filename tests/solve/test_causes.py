@@ -27,7 +27,7 @@ def failure(problem: Problem, parameters: list[float], settings: NewtonSettings)
     return caught.value
 
 
-def test_an_inverted_element_is_told_with_its_place() -> None:
+def test_an_inverted_element_is_reported_with_its_place() -> None:
     """The right face is pushed through the body, which starts at rest."""
     system = System(replace(strip(), drive=MovedSide("right", np.pi, "held")), SPACE)
     with pytest.raises(ConvergenceError) as caught:
@@ -39,7 +39,7 @@ def test_an_inverted_element_is_told_with_its_place() -> None:
     assert "X = (" in located.reason
 
 
-def test_a_limit_point_is_told_where_the_curve_turns_back() -> None:
+def test_a_limit_point_is_reported_where_the_curve_turns_back() -> None:
     found = failure(strip(), np.radians(np.arange(0.0, 150.0)).tolist(), NewtonSettings(plain=True))
     assert found.cause == "limit point"
     # the curve itself does turn back, before the parameter that has no equilibrium near
@@ -49,13 +49,13 @@ def test_a_limit_point_is_told_where_the_curve_turns_back() -> None:
     assert found.parameter - np.radians(1.0) < limit.parameter < found.parameter
 
 
-def test_too_few_iterations_are_told() -> None:
+def test_too_few_iterations_are_reported() -> None:
     found = failure(strip(), [0.0, 0.02], NewtonSettings(plain=True, iteration_limit=2))
     assert found.cause == "iteration limit"
     assert len(found.iterations) == 2
 
 
-def test_a_force_that_is_not_finite_is_told() -> None:
+def test_a_force_that_is_not_finite_is_reported() -> None:
     """A law with a pole at the substrate has no value below it."""
     law = FormulaAdhesion("W*((s/r)**8/3 - 4/3*(s/r)**2)", {"W": 0.03, "s": 0.25})
     system = System(strip(law=law), SPACE)
@@ -67,7 +67,7 @@ def test_a_force_that_is_not_finite_is_told() -> None:
     assert caught.value.reason == "the forces are not finite"
 
 
-def test_a_singular_tangent_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_singular_tangent_is_reported(monkeypatch: pytest.MonkeyPatch) -> None:
     """A pivot that vanishes to the last bit needs a tangent made for it: the factorization says so here."""
 
     def singular(_matrix: object) -> None:
@@ -79,13 +79,15 @@ def test_a_singular_tangent_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
     assert "pivot 7" in found.reason
 
 
-def test_a_search_at_its_floor_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_failed_line_search_is_reported(monkeypatch: pytest.MonkeyPatch) -> None:
     """Round-off ends a search: it is handed such an end here, far from any equilibrium."""
     system = System(strip(), SPACE)
     path = Path(system, NewtonSettings(iteration_limit=1, path_control="auto"), ())
-    monkeypatch.setattr(path_module, "descend", lambda _system, start, *_rest: Descent(start, at_floor=True))
+    monkeypatch.setattr(
+        path_module, "descend", lambda _system, start, *_rest: Descent(start, line_search_failed=True)
+    )
     with pytest.raises(ConvergenceError) as caught:
-        path.landed([np.zeros(system.count)], 0.02)
+        path.jump_from([np.zeros(system.count)], 0.02)
     assert caught.value.cause == "line search"
     assert "no shorter step" in caught.value.reason
 

@@ -156,9 +156,9 @@ def test_the_branch_between_them_is_unstable(curve: list[Step]) -> None:
 
 
 def test_a_jump_begins_at_the_limit_point_and_releases_its_energy(curve: list[Step]) -> None:
-    jumped = path("jump")
-    k = next(k for k, step in enumerate(jumped) if step.kind == "jump")
-    before, after = jumped[k - 1], jumped[k]
+    jump = path("jump")
+    k = next(k for k, step in enumerate(jump) if step.kind == "jump")
+    before, after = jump[k - 1], jump[k]
     assert before.kind == "limit point"
     assert after.parameter == before.parameter
     limit = next(step for step in curve if step.kind == "limit point")

@@ -76,9 +76,9 @@ def test_letting_go_releases_what_the_side_was_held_with() -> None:
 
 
 def test_what_a_jump_lands_on_is_stable(path: list[Step]) -> None:
-    landed = next(step for step in path if step.released_energy)
+    jump = next(step for step in path if step.released_energy)
     system = System(strip(), SPACE)
-    _, matrix = system.linearize(landed.displacement)
+    _, matrix = system.linearize(jump.displacement)
     factorize(matrix)  # Cholesky: the tangent is positive definite
     assert matrix.storage == "symmetric"
 

@@ -1,4 +1,4 @@
-"""Where a path leads to: polynomials, and what the front did on the element before."""
+"""Extrapolation of a path: polynomials, and translation of the states one element before."""
 
 import numpy as np
 import pytest
@@ -8,7 +8,7 @@ from isopeel.problem import strip
 from isopeel.solve.extrapolation import MOST_STATES, select_predictor, slope
 from isopeel.solve.newton import NewtonSettings
 from isopeel.solve.predictor import Predictor
-from isopeel.solve.step import Past
+from isopeel.solve.step import AcceptedState
 from isopeel.solve.trace import trace
 from isopeel.solve.translation_predictor import TranslationPredictor
 from isopeel.splines.rows import row_space
@@ -19,7 +19,7 @@ def unknown(states: int) -> np.ndarray:
     return np.full((states, 2, MOST_STATES), np.nan)
 
 
-def _led(parameters: np.ndarray, energies: np.ndarray, values: np.ndarray, target: float) -> float:
+def _extrapolated(parameters: np.ndarray, energies: np.ndarray, values: np.ndarray, target: float) -> float:
     nothing = np.full(len(values), np.nan)  # is translated
     samples = np.stack([values, nothing], axis=1)[..., None]
     weights, _ = select_predictor(parameters, nothing, energies, samples, unknown(len(values)), target)
@@ -29,27 +29,27 @@ def _led(parameters: np.ndarray, energies: np.ndarray, values: np.ndarray, targe
 
 def test_the_polynomial_is_the_one_that_did_best() -> None:
     x = np.arange(12.0)
-    none = np.zeros(12)  # an energy that does not change is no measure of the way
-    assert _led(x, none, x**2 + 1, 12.0) == pytest.approx(145, rel=1e-12)
-    assert _led(x[:1], none[:1], x[:1] + 7, 1.0) == 7
+    none = np.zeros(12)  # an energy that does not change is no path measure
+    assert _extrapolated(x, none, x**2 + 1, 12.0) == pytest.approx(145, rel=1e-12)
+    assert _extrapolated(x[:1], none[:1], x[:1] + 7, 1.0) == 7
     # a cubic, as far as its states go: one more is tried
-    assert _led(x[:3], none[:3], x[:3] ** 3, 3.0) == pytest.approx(21, rel=1e-12)
-    assert _led(x, none, np.where(x < 10, 0.0, 1.0), 12.0) == 1
+    assert _extrapolated(x[:3], none[:3], x[:3] ** 3, 3.0) == pytest.approx(21, rel=1e-12)
+    assert _extrapolated(x, none, np.where(x < 10, 0.0, 1.0), 12.0) == 1
 
 
-def test_the_energy_leads_where_the_parameter_hesitates() -> None:
+def test_the_adhesive_energy_is_selected_where_the_parameter_hesitates() -> None:
     # near the limit point of p = s - s^2/2 at s = 1: the state's slope by p grows without end
     parameters = 0.49 + 0.0009 * np.arange(11)
-    way = 1 - np.sqrt(1 - 2 * parameters)
+    measure = 1 - np.sqrt(1 - 2 * parameters)
     target = parameters[-1] + 0.0009
     exact = 1 - np.sqrt(1 - 2 * target)
-    cubed = _led(parameters, 5 * way - 3, way**3, target)
+    cubed = _extrapolated(parameters, 5 * measure - 3, measure**3, target)
     assert cubed == pytest.approx(exact**3, rel=1e-9)  # 11 digits of the states, less what weights cost
     # without a measure but the parameter, a hundredth of the last step is missed at least
-    blind = _led(parameters, np.zeros(11), way**3, target)
-    assert abs(blind - exact**3) > 0.01 * (way[-1] ** 3 - way[-2] ** 3)
-    # beyond the limit point there is nothing to lead to; some state comes back all the same
-    assert np.isfinite(_led(parameters, 5 * way - 3, way**3, 0.52))
+    blind = _extrapolated(parameters, np.zeros(11), measure**3, target)
+    assert abs(blind - exact**3) > 0.01 * (measure[-1] ** 3 - measure[-2] ** 3)
+    # beyond the limit point there is no state; one is returned all the same
+    assert np.isfinite(_extrapolated(parameters, 5 * measure - 3, measure**3, 0.52))
 
 
 def test_slope_is_that_of_the_polynomial() -> None:
@@ -70,44 +70,46 @@ def test_slope_follows_the_adhesive_energy_past_a_limit_point() -> None:
     assert slope(3 * s - 1, s - s**2, s**3) == 0.0
 
 
-def _recurrent(way: np.ndarray, hesitation: float = 0.1) -> tuple[np.ndarray, np.ndarray]:
+def _periodic(measure: np.ndarray, hesitation: float = 0.1) -> tuple[np.ndarray, np.ndarray]:
     """Parameter and state of a path that repeats itself after 2.3, but for what changes slowly."""
-    phase = 2 * np.pi * way / 2.3
-    parameter = way + hesitation * np.sin(phase) + 0.01 * way**2
-    state = np.stack([np.cos(phase) + np.sin(2 * phase), np.sin(phase + 1) + 0.01 * way], axis=1)
+    phase = 2 * np.pi * measure / 2.3
+    parameter = measure + hesitation * np.sin(phase) + 0.01 * measure**2
+    state = np.stack([np.cos(phase) + np.sin(2 * phase), np.sin(phase + 1) + 0.01 * measure], axis=1)
     return parameter, state
 
 
-def _way(parameters: np.ndarray, hesitation: float = 0.1) -> np.ndarray:
-    """Where a recurrent path has its parameter at some values."""
+def _measure(parameters: np.ndarray, hesitation: float = 0.1) -> np.ndarray:
+    """The path measure at which a periodic path has some values of the parameter."""
     fine = np.linspace(0, 20, 200001)
-    way: np.ndarray = np.interp(parameters, _recurrent(fine, hesitation)[0], fine)
-    for _ in range(3):  # Newton's method for p(way) = parameter
-        rate = (_recurrent(way + 1e-6, hesitation)[0] - _recurrent(way - 1e-6, hesitation)[0]) / 2e-6
-        way -= (_recurrent(way, hesitation)[0] - parameters) / rate
-    return way
+    measure: np.ndarray = np.interp(parameters, _periodic(fine, hesitation)[0], fine)
+    for _ in range(3):  # Newton's method for p(s) = parameter
+        rate = (_periodic(measure + 1e-6, hesitation)[0] - _periodic(measure - 1e-6, hesitation)[0]) / 2e-6
+        measure -= (_periodic(measure, hesitation)[0] - parameters) / rate
+    return measure
 
 
-def test_a_recurrence_leads_on_where_polynomials_cannot() -> None:
+def test_translation_extrapolates_where_polynomials_cannot() -> None:
     parameters = np.arange(0.5, 8.0, 0.2)
-    way = _way(parameters)
-    values = _recurrent(way)[1]
+    measure = _measure(parameters)
+    values = _periodic(measure)[1]
     past = slice(0, -1)
     known, samples = parameters[past], np.stack([values, values], axis=1)[past]
     weights, by_energy = select_predictor(
-        known, known, 3 * way[past] - 1, samples, unknown(len(known)), parameters[-1]
+        known, known, 3 * measure[past] - 1, samples, unknown(len(known)), parameters[-1]
     )
     assert by_energy
     assert weights[1].any()
     missed = np.abs(weights[0] @ values[past] + weights[1] @ values[past] - values[-1]).max()
     samples[:, 1] = np.nan
-    alone, _ = select_predictor(known, known, 3 * way[past] - 1, samples, unknown(len(known)), parameters[-1])
+    alone, _ = select_predictor(
+        known, known, 3 * measure[past] - 1, samples, unknown(len(known)), parameters[-1]
+    )
     assert not alone[1].any()
     # states around a place, of eleven in a period, against those before it
     assert missed < 0.3 * np.abs(alone[0] @ values[past] - values[-1]).max()
 
 
-def test_what_was_missed_is_not_asked_for_again() -> None:
+def test_stored_errors_of_polynomials_are_reused() -> None:
     parameters = np.linspace(0.0, 2.0, 30)
     samples = np.stack([np.sin(parameters)] * 2, axis=1)[..., None]
     kept, every = unknown(30), []
@@ -133,10 +135,10 @@ def test_notes_are_those_of_states_that_are_looked_at_anew() -> None:
         y = 0.1 * (np.sin(parameter) * shape[0] + np.cos(2 * parameter) * shape[1])
         u, _ = system.state(y, parameter)
         for one in (kept, fresh):
-            one.remember(Past(parameter, y, 0.0, 0.0, parameter**2 - 1), u)
+            one.remember(AcceptedState(parameter, y, 0.0, 0.0, parameter**2 - 1), u)
             if k == 130:
                 one.forget()
-                one.remember(Past(parameter, y, 0.0, 0.0, parameter**2 - 1), u)
+                one.remember(AcceptedState(parameter, y, 0.0, 0.0, parameter**2 - 1), u)
         fresh._misses.fill(np.nan)
         ahead = parameter + (0.02 if k < 119 else -0.02)
         np.testing.assert_array_equal(kept.guess(ahead), fresh.guess(ahead))
@@ -148,15 +150,15 @@ def test_notes_are_those_of_states_that_are_looked_at_anew() -> None:
 def test_a_recurrence_does_not_lead_through_what_may_have_been_a_jump() -> None:
     # once a period the parameter nearly halts: there the way grows by four times its usual pace
     parameters = np.arange(0.5, 12.0, 0.2)
-    way = _way(parameters, 0.28)
-    values = _recurrent(way, 0.28)[1]
+    measure = _measure(parameters, 0.28)
+    values = _periodic(measure, 0.28)[1]
     steep: list[bool] = []
     calm: list[bool] = []
-    for n in range(36, len(way)):
+    for n in range(36, len(measure)):
         past = slice(n - 36, n)
         known, samples = parameters[past], np.stack([values, values], axis=1)[past]
-        weights, _ = select_predictor(known, known, way[past], samples, unknown(36), parameters[n])
-        steps = np.diff(way[n - 4 : n + 1])
+        weights, _ = select_predictor(known, known, measure[past], samples, unknown(36), parameters[n])
+        steps = np.diff(measure[n - 4 : n + 1])
         (steep if steps[-1] > 2.6 * steps[:-1].min() else calm).append(bool(weights[1].any()))
     assert len(steep) > 1
     assert not any(steep)
@@ -203,7 +205,7 @@ def test_a_single_element_has_no_next_one() -> None:
     assert TranslationPredictor.of(System(strip(), row_space("L1", (1, 1)))) is None
 
 
-@pytest.mark.kept_tangent
+@pytest.mark.chord_tangent
 def test_the_front_of_a_finer_mesh_needs_few_corrections(monkeypatch: pytest.MonkeyPatch) -> None:
     angles = np.radians(np.concatenate([np.arange(0, 76, 1.0), np.arange(76, 82.05, 0.1)]))
     corrections, moments = [], []

@@ -108,10 +108,10 @@ def test_it_gives_up_where_it_does_not_converge_well() -> None:
     system = System(strip(), row_space("N2", (60, 3)))
     method = QuasiNewton(system, NewtonSettings())
     assert method.equilibrium(np.zeros(system.count), 0.0) is not None
-    assert method.memory is not None
+    assert method.solver_state is not None
     # a turn of a radian at once turns elements inside out
     assert method.equilibrium(np.zeros(system.count), 1.0) is None
-    assert method.memory is None
+    assert method.solver_state is None
 
 
 def test_it_finds_what_newton_finds() -> None:
@@ -138,7 +138,7 @@ def test_it_ends_what_newton_has_begun(tangents: list[float]) -> None:
     np.testing.assert_allclose(ended.unknown_values, exact.unknown_values, rtol=0, atol=1e-11 * largest)
     # its last tangent is kept
     made = len(tangents)
-    assert method.memory is not None
+    assert method.solver_state is not None
     assert method.equilibrium(ended.unknown_values, 0.1) is not None
     assert len(tangents) == made
 
@@ -149,51 +149,51 @@ def test_the_step_after_a_new_tangent_ends_at_a_thousandth_of_the_tolerance() ->
     settings, far = NewtonSettings(tolerance=limit / system.energy_scale), guess - 1e3
     method = QuasiNewton(system, settings)
     assert method.equilibrium(guess, 0.002, far) is not None
-    memory = method.memory
-    assert memory is not None
-    assert memory.steps == 1
-    after = QuasiNewton(system, settings, memory).equilibrium(guess, 0.003, far)
-    later = QuasiNewton(system, settings, replace(memory, steps=2)).equilibrium(guess, 0.003, far)
+    solver_state = method.solver_state
+    assert solver_state is not None
+    assert solver_state.steps == 1
+    after = QuasiNewton(system, settings, solver_state).equilibrium(guess, 0.003, far)
+    later = QuasiNewton(system, settings, replace(solver_state, steps=2)).equilibrium(guess, 0.003, far)
     assert after is not None
     assert later is not None
     assert after.iterations[-1] <= 1e-3 * limit < later.iterations[-1] <= limit
     assert later.iterations == after.iterations[: len(later.iterations)]
 
 
-def test_newton_goes_on_where_its_end_fails() -> None:
+def test_newton_continues_where_finishing_fails() -> None:
     system, settings = System(strip(), row_space("N2", (60, 3))), NewtonSettings()
     start = np.zeros(system.count)
     exact = newton(system, start, 0.1, settings)
-    asked: list[float] = []
+    called: list[float] = []
 
     def fails(_made_at: object, _matrix: object, _start: object, parameter: float) -> None:
-        asked.append(parameter)
+        called.append(parameter)
 
     found = newton(system, start, 0.1, settings, fails)
-    assert asked == [0.1]
+    assert called == [0.1]
     np.testing.assert_array_equal(found.unknown_values, exact.unknown_values)
     assert found.iterations == exact.iterations
 
 
-def test_forces_are_not_asked_for_after_a_trifle(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_last_evaluation_of_forces_is_skipped(monkeypatch: pytest.MonkeyPatch) -> None:
     system = System(strip(), row_space("N2", (60, 3)))
     settings = NewtonSettings(tolerance=1e-16)
     exact = newton(system, np.zeros(system.count), 0.002, NewtonSettings()).unknown_values
     near = exact + 1e-9 * np.sin(np.arange(system.count))
     last = exact - 1e3
-    spared = QuasiNewton(system, settings).equilibrium(near, 0.002, last)
-    monkeypatch.setattr(quasi_newton, "_TRIFLE", 0.0)
-    asked = QuasiNewton(system, settings).equilibrium(near, 0.002, last)
-    assert spared is not None
-    assert asked is not None
-    assert spared.iterations == asked.iterations
-    assert len(spared.iterations) == 1
+    skipped = QuasiNewton(system, settings).equilibrium(near, 0.002, last)
+    monkeypatch.setattr(quasi_newton, "_SKIP_SHARE", 0.0)
+    evaluated = QuasiNewton(system, settings).equilibrium(near, 0.002, last)
+    assert skipped is not None
+    assert evaluated is not None
+    assert skipped.iterations == evaluated.iterations
+    assert len(skipped.iterations) == 1
     # the same state, whose forces are those from before the correction
-    np.testing.assert_array_equal(spared.unknown_values, asked.unknown_values)
-    np.testing.assert_array_equal(spared.displacement, system.state(spared.unknown_values, 0.002)[0])
-    residuals = [np.abs(found.equilibrium.residual).max() for found in (spared, asked)]
+    np.testing.assert_array_equal(skipped.unknown_values, evaluated.unknown_values)
+    np.testing.assert_array_equal(skipped.displacement, system.state(skipped.unknown_values, 0.002)[0])
+    residuals = [np.abs(found.equilibrium.residual).max() for found in (skipped, evaluated)]
     assert residuals[0] > 10 * residuals[1]
-    assert spared.equilibrium.stored_energy == pytest.approx(asked.equilibrium.stored_energy, rel=1e-6)
+    assert skipped.equilibrium.stored_energy == pytest.approx(evaluated.equilibrium.stored_energy, rel=1e-6)
 
 
 @pytest.mark.parametrize(
@@ -204,8 +204,8 @@ def test_forces_are_not_asked_for_after_a_trifle(monkeypatch: pytest.MonkeyPatch
     ],
     ids=["irreversible", "load"],
 )
-def test_forces_are_asked_for_where_more_hangs_on_them(problem: Problem) -> None:
-    """Openings that are noted, or the displacement of a load."""
+def test_the_last_evaluation_is_kept_for_loads_and_irreversible_joints(problem: Problem) -> None:
+    """The maximum openings, and the displacement of a load, are known to first order only."""
     system = System(problem, row_space("N2", (60, 3)))
     settings = NewtonSettings(tolerance=1e-12)
     found = QuasiNewton(system, settings).equilibrium(
@@ -217,12 +217,12 @@ def test_forces_are_asked_for_where_more_hangs_on_them(problem: Problem) -> None
     np.testing.assert_allclose(found.equilibrium.residual, expected, rtol=0, atol=1e-14)
 
 
-def test_a_step_that_was_not_foreseen_ends_at_a_thousandth_of_the_tolerance() -> None:
+def test_a_poorly_predicted_step_ends_at_a_thousandth_of_the_tolerance() -> None:
     system = System(strip(), row_space("N2", (60, 3)))
     guess, limit = np.zeros(system.count), 1e-15
     settings = NewtonSettings(tolerance=limit / system.energy_scale)
     blind = QuasiNewton(system, settings).equilibrium(guess, 0.002)
-    # from a last state that far away, all of the way is foreseen but for a trifle
+    # from a last state that far away, the guess is well predicted
     near = QuasiNewton(system, settings).equilibrium(guess, 0.002, guess - 1e3)
     assert blind is not None
     assert near is not None
@@ -231,13 +231,13 @@ def test_a_step_that_was_not_foreseen_ends_at_a_thousandth_of_the_tolerance() ->
     assert near.iterations == blind.iterations[:-1]
 
 
-@pytest.mark.kept_tangent
-def test_the_last_step_alone_keeps_the_memory() -> None:
+@pytest.mark.chord_tangent
+def test_the_last_step_alone_keeps_the_solver_state() -> None:
     steps = trace(strip(), row_space("N2", (20, 2)), np.radians([0.0, 0.1, 0.2]))
     first, second = next(steps), next(steps)
-    assert first.state.memory is None
+    assert first.state.solver_state is None
     kept = second.state
-    assert kept.memory is not None
-    served = kept.memory.steps
+    assert kept.solver_state is not None
+    served = kept.solver_state.steps
     next(steps)
-    assert kept.memory.steps == served  # a state that was asked for in time keeps its own
+    assert kept.solver_state.steps == served  # a state that was taken in time keeps its own

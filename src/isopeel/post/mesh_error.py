@@ -162,6 +162,6 @@ def _equilibrium(system: System, start: State) -> NewtonResult | None:
         if not path.has_energy:
             return None
     try:
-        return path.landed(path.guesses(start.parameter), start.parameter).result
+        return path.jump_from(path.guesses(start.parameter), start.parameter).result
     except (ConvergenceError, SingularError):
         return None

@@ -37,8 +37,8 @@ from isopeel.results.provenance import Provenance
 from isopeel.results.untrusted import UntrustedError
 from isopeel.solve.lbfgs import LbfgsPairs
 from isopeel.solve.newton import HINTS, Cause
-from isopeel.solve.quasi_newton import Memory
-from isopeel.solve.step import KINDS, PARABOLA_POINTS, Past, State
+from isopeel.solve.quasi_newton import SolverState
+from isopeel.solve.step import KINDS, PARABOLA_POINTS, AcceptedState, State
 from isopeel.splines.rows import RowSpace
 
 #: How a run ended; "running" is what the file of a killed run says.
@@ -208,29 +208,29 @@ def _write_state(group: h5py.Group, state: State) -> None:
     group["displacement"] = state.displacement
     if state.openings is not None:
         group["openings"] = state.openings
-    if state.past:
-        parameters, unknowns, *energies, polished = zip(*state.past, strict=True)
+    if state.accepted_states:
+        parameters, unknowns, *energies, fully_converged = zip(*state.accepted_states, strict=True)
         group["past/parameter"] = np.array(parameters)
         group["past/unknown_values"] = np.array(unknowns)
         group["past/energies"] = np.stack(energies, axis=1)
         # no others than the last ones are ever polished
         nothing = np.full_like(unknowns[0], np.nan)
-        last = polished[-PARABOLA_POINTS:]
+        last = fully_converged[-PARABOLA_POINTS:]
         group["past/polished"] = np.array([nothing if y is None else y for y in last])
-    if state.memory is not None:
-        _write_memory(group.create_group("memory"), state.memory)
+    if state.solver_state is not None:
+        _write_solver_state(group.create_group("memory"), state.solver_state)
 
 
 def _state(group: h5py.Group) -> State:
-    past: tuple[Past, ...] = ()
+    accepted_states: tuple[AcceptedState, ...] = ()
     if "past" in group:
         stored = untrusted.group(group, "past")
         parameters = untrusted.floats(stored, "parameter", 1).tolist()
-        unknowns, polished = ([*map(frozen, untrusted.floats(stored, name, 2))] for name in _UNKNOWNS)
+        unknowns, fully_converged = ([*map(frozen, untrusted.floats(stored, name, 2))] for name in _UNKNOWNS)
         energies = untrusted.floats(stored, "energies", 2).tolist()
-        padded = [np.full(1, np.nan)] * (len(parameters) - len(polished)) + list(polished)
-        past = tuple(
-            Past(parameter, y, energy, rate, adhesive, None if np.isnan(exact).all() else exact)
+        padded = [np.full(1, np.nan)] * (len(parameters) - len(fully_converged)) + list(fully_converged)
+        accepted_states = tuple(
+            AcceptedState(parameter, y, energy, rate, adhesive, None if np.isnan(exact).all() else exact)
             for parameter, y, (energy, rate, adhesive), exact in zip(
                 parameters, unknowns, energies, padded, strict=True
             )
@@ -239,25 +239,27 @@ def _state(group: h5py.Group) -> State:
         untrusted.number(group, "parameter"),
         frozen(untrusted.floats(group, "displacement", 2)),
         frozen(untrusted.floats(group, "openings", 2)) if "openings" in group else None,
-        past,
-        _memory(untrusted.group(group, "memory")) if "memory" in group else None,
+        accepted_states,
+        _solver_state(untrusted.group(group, "memory")) if "memory" in group else None,
     )
 
 
-def _write_memory(group: h5py.Group, memory: Memory) -> None:
-    group.attrs.update({"parameter": memory.parameter, "steps": memory.steps, "slow": memory.slow})
-    group["unknown_values"] = memory.unknown_values
-    group["openings"] = memory.openings
-    group["corrections"] = memory.pairs.corrections.astype(np.float64)
-    group["changes"] = memory.pairs.changes.astype(np.float64)
+def _write_solver_state(group: h5py.Group, solver_state: SolverState) -> None:
+    group.attrs.update(
+        {"parameter": solver_state.parameter, "steps": solver_state.steps, "slow": solver_state.slow}
+    )
+    group["unknown_values"] = solver_state.unknown_values
+    group["openings"] = solver_state.openings
+    group["corrections"] = solver_state.lbfgs_pairs.corrections.astype(np.float64)
+    group["changes"] = solver_state.lbfgs_pairs.changes.astype(np.float64)
 
 
-def _memory(group: h5py.Group) -> Memory:
+def _solver_state(group: h5py.Group) -> SolverState:
     corrections, changes = (untrusted.floats(group, name, 2) for name in ("corrections", "changes"))
     y = untrusted.floats(group, "unknown_values", 1)
     if corrections.shape != changes.shape or corrections.shape[1] != y.size:
         raise UntrustedError(f"{group.name} does not fit together")
-    return Memory(
+    return SolverState(
         y,
         untrusted.number(group, "parameter"),
         frozen(untrusted.floats(group, "openings", 2)),

@@ -106,7 +106,12 @@ class RunWriter:
         # the row without its field, which would fill the memory
         empty = np.empty((0, 2))
         row = replace(
-            step, displacement=empty, openings=empty, unknown_values=empty[:, 0], past=(), memory=None
+            step,
+            displacement=empty,
+            openings=empty,
+            unknown_values=empty[:, 0],
+            accepted_states=(),
+            solver_state=None,
         )
         self._rows.append(row)
         self._resumes = step.resumes
@@ -150,8 +155,8 @@ class RunWriter:
             # who removes the folder of a run that goes on does not mean to lose what is in the memory only
             self._path.parent.mkdir(parents=True)
             write_run(self._path, run)
-            told = "its folder vanished; it is there again, with all that converged"
-            raise FileNotFoundError(ENOENT, told, str(self._path)) from error
+            always = "its folder vanished; it is there again, with all that converged"
+            raise FileNotFoundError(ENOENT, always, str(self._path)) from error
         if not self.saved:
             for path in self._outdated:
                 if os.path.lexists(path):

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from isopeel.assembly.system import System
-from isopeel.solve.step import Past
+from isopeel.solve.step import AcceptedState
 
 #: Of the work of adhesion times the adhering length: energy that any step may gain.
 GAIN = 1e-6
@@ -52,12 +52,12 @@ class Misfit(NamedTuple):
 NO_MISFIT = Misfit(0.0, gains=False, releases=False)
 
 
-def released(one: Past, other: Past) -> float:
+def released(one: AcceptedState, other: AcceptedState) -> float:
     """Work of the drive from one state to another, by the trapezoidal rule, less what the energy gained."""
     return one.energy + (one.rate + other.rate) / 2 * (other.parameter - one.parameter) - other.energy
 
 
-def simpson_misfits(one: Past, half: Past, other: Past) -> tuple[float, float]:
+def simpson_misfits(one: AcceptedState, half: AcceptedState, other: AcceptedState) -> tuple[float, float]:
     """Energy gained without work in both halves of a step, by the parabola through its three rates.
 
     Over both it is Simpson's rule (Davis and Rabinowitz, Methods of Numerical Integration, Sec. 2.2).
@@ -79,7 +79,7 @@ def energy_round_off(system: System) -> float:
     return float(np.finfo(float).eps) * system.energy_scale
 
 
-def misfit(last: list[Past], other: Past, allowed: float) -> Misfit:
+def misfit(last: list[AcceptedState], other: AcceptedState, allowed: float) -> Misfit:
     """Judge the step from the last of some states to another, by what is `allowed` or by its own work.
 
     The error of the trapezoidal rule over a step h is h^3/6 times the second divided difference of the rate
@@ -101,7 +101,7 @@ def misfit(last: list[Past], other: Past, allowed: float) -> Misfit:
     gained = -released(one, other)
     # where all energies are small beside that of the joint, as of a tape that buckles, the work tells
     # beside the largest reaction of late: as one fades, its relative error means nothing
-    largest = max(abs(past.rate) for past in (*last, other))
+    largest = max(abs(state.rate) for state in (*last, other))
     slight = max(SLIGHT * size * largest, MISFIT * allowed) + round_off
     enough = min(allowed, MISFIT * most) + min(error, slight) + round_off
     # whatever the reaction does between the ends, more than both tell of is not taken from the rule's error

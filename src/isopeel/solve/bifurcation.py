@@ -17,7 +17,7 @@ from isopeel.solve.descent import potential_energy
 from isopeel.solve.newton import ConvergenceError, newton
 from isopeel.solve.path import Path
 from isopeel.solve.stability import critical_motion, stability
-from isopeel.solve.step import Found, Past
+from isopeel.solve.step import AcceptedState, Found
 
 #: Of the step in which stability is lost, and of the parameter, whichever is less: how well a bifurcation is
 #: located. What is less than a millionth of the step is not told from its start.
@@ -76,18 +76,18 @@ def gone_over(path: Path, found: Found) -> Iterator[Found]:
     while True:
         at = end.parameter if abs(offset) >= abs(rest) else begin.parameter + offset
         try:
-            landed = _stable(path, _unstable(path, start, end, at), at)
+            jump_result = _stable(path, _unstable(path, start, end, at), at)
             break
         except ConvergenceError:
             if at == end.parameter:
                 raise
             offset *= 2
-    past = path.past_of(landed.result, at)
-    work = max(abs(begin.rate), abs(past.rate)) * abs(at - begin.parameter)
+    state = path.accepted_state_of(jump_result.result, at)
+    work = max(abs(begin.rate), abs(state.rate)) * abs(at - begin.parameter)
     # on the branch that begins there, the energy comes from the work
-    smooth = released(begin, past) <= path.gain_allowed + MISFIT * work
+    smooth = released(begin, state) <= path.gain_allowed + MISFIT * work
     kind = found.kind if at == end.parameter else "between"
-    yield landed._replace(kind=kind if smooth else "jump", is_elsewhere=True)
+    yield jump_result._replace(kind=kind if smooth else "jump", is_elsewhere=True)
 
 
 def _located(path: Path, found: Found) -> Bracket:
@@ -105,13 +105,13 @@ def _located(path: Path, found: Found) -> Bracket:
         if middle is None:
             break
         if is_stable:
-            low, stable = path.past_of(middle.result, parameter), middle
+            low, stable = path.accepted_state_of(middle.result, parameter), middle
         else:
             high = middle
     n = path.system.constraints.count
     apart = np.abs(high.result.unknown_values - low.unknown_values)[:n].max()
-    way = np.abs(found.result.unknown_values - begin.unknown_values)[:n].max()
-    if apart > _NEAR * way:
+    moved = np.abs(found.result.unknown_values - begin.unknown_values)[:n].max()
+    if apart > _NEAR * moved:
         return Bracket(stable, high)
     if stable is None and low.parameter == path.history[-1].parameter:
         # stability is lost right at the last step that was made
@@ -125,24 +125,26 @@ def _located(path: Path, found: Found) -> Bracket:
     return Bracket(stable, high)
 
 
-def _sides(path: Path, found: Found) -> tuple[Past | None, Found]:
+def _sides(path: Path, found: Found) -> tuple[AcceptedState | None, Found]:
     """The last stable state of a path, and the first unstable one."""
     high = found
     # a joint that was damaged since is another one
     states = path.history[-1:] if path.system.problem.adhesion.irreversible else path.history
-    for past in reversed(states):
-        known = stability(path.system, past.unknown_values, past.parameter)
+    for state in reversed(states):
+        known = stability(path.system, state.unknown_values, state.parameter)
         if known is not None and known.negative == 0:
-            return past, high
+            return state, high
         try:
-            result = newton(path.system, past.exact, past.parameter, path.settings)
+            result = newton(path.system, state.exact, state.parameter, path.settings)
         except ConvergenceError:
             break
-        high = Found(past.parameter, result, "between", resumes=False)
+        high = Found(state.parameter, result, "between", resumes=False)
     return None, high
 
 
-def _between(path: Path, begin: Past, low: Past, high: Found, parameter: float) -> tuple[Found | None, bool]:
+def _between(
+    path: Path, begin: AcceptedState, low: AcceptedState, high: Found, parameter: float
+) -> tuple[Found | None, bool]:
     """An equilibrium between two others, and whether it is a stable one of the branch of the first."""
     # the branch itself leads on best: what is unstable may be of another
     if low is not begin:
@@ -161,10 +163,10 @@ def _between(path: Path, begin: Past, low: Past, high: Found, parameter: float) 
             continue
         found = Found(parameter, result, "between", 0, resumes=False)
         first = first or found
-        past = path.past_of(found.result, parameter)
+        state = path.accepted_state_of(found.result, parameter)
         # a branch beside has more or less energy by a part of the work, however small that is
-        if path.on_one_branch(low, past):
-            return found, path.negative_eigenvalues(found, told=True) == 0
+        if path.on_one_branch(low, state):
+            return found, path.negative_eigenvalues(found, always=True) == 0
     return first, False
 
 
@@ -195,17 +197,17 @@ def _stable(path: Path, unstable: Found, parameter: float) -> Found:
         for sign in (1.0, -1.0):
             start = _disturbed(path, y, sign * motion, parameter)
             try:
-                landed = path.landed([start], parameter)
+                jump_result = path.jump_from([start], parameter)
             except ConvergenceError:
                 continue
-            tried.append((path.past_of(landed.result, parameter).energy, landed))
+            tried.append((path.accepted_state_of(jump_result.result, parameter).energy, jump_result))
         tried = [one for one in tried if one[0] < energy or not np.isfinite(energy)]
         if not tried:
             raise ConvergenceError(
                 "it is unstable, and no stable equilibrium is found beside it", (), parameter, "instability"
             )
         best = _preferred(path, tried, energy)
-        if path.negative_eigenvalues(best, told=True) == 0:
+        if path.negative_eigenvalues(best, always=True) == 0:
             return best._replace(negative=0)
         y = best.result.unknown_values
     raise ConvergenceError(

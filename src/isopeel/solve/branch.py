@@ -9,7 +9,7 @@ import numpy as np
 from isopeel.solve.balance import CUBIC, MISFIT, ROUND_OFF, Misfit, misfit, simpson_misfits
 from isopeel.solve.newton import ConvergenceError, NewtonResult, NewtonSettings, newton
 from isopeel.solve.predictor import extrapolate
-from isopeel.solve.step import PARABOLA_POINTS, Found, Past
+from isopeel.solve.step import PARABOLA_POINTS, AcceptedState, Found
 
 if TYPE_CHECKING:
     from isopeel.solve.path import Path
@@ -82,11 +82,11 @@ class Branch:
         whole = path.misfit(found)
         if whole.fits or not path.history or path.history[-1].parameter == found.parameter:
             return whole, []
-        one, other = path.history[-1], path.past_of(found.result, found.parameter)
+        one, other = path.history[-1], path.accepted_state_of(found.result, found.parameter)
         if whole.is_slight and self._is_smooth(one, other, abs(whole.gained)):
             return whole._replace(gains=False, releases=False), []
         inside = self.followed(other.parameter, by_order=by_order, whole=whole)
-        last = path.past_of(inside[-1].result, inside[-1].parameter) if inside else one
+        last = path.accepted_state_of(inside[-1].result, inside[-1].parameter) if inside else one
         rest = other.parameter - last.parameter
         gained = other.energy - last.energy - max(last.rate * rest, other.rate * rest)
         if rest:
@@ -94,12 +94,16 @@ class Branch:
             releases = -gained > path.gain_allowed + MISFIT * work
             return Misfit(gained, gained > path.gain_allowed, releases), inside
         n = path.system.constraints.count
-        apart, moved = (np.abs(other.unknown_values - past.unknown_values)[:n].max() for past in (last, one))
+        apart, moved = (
+            np.abs(other.unknown_values - state.unknown_values)[:n].max() for state in (last, one)
+        )
         elsewhere = bool(apart > _ELSEWHERE * moved)
         gains = gained > path.gain_allowed
         return Misfit(gained, gains, elsewhere and not gains, whole.is_slight), inside
 
-    def _is_smooth(self, one: Past, other: Past, missed: float, depth: int = _BISECTIONS) -> bool:
+    def _is_smooth(
+        self, one: AcceptedState, other: AcceptedState, missed: float, depth: int = _BISECTIONS
+    ) -> bool:
         """Whether one branch joins two states, as states between them tell by Simpson's rule.
 
         `missed` is what the energy between the two differs by from the work, by a rule of lower order. On
@@ -108,11 +112,11 @@ class Branch:
         path = self._path
         middle = (one.parameter + other.parameter) / 2
         near = [*path.history[-PARABOLA_POINTS + 1 :], other] if one is path.history[-1] else [one, other]
-        half = self._past_at(middle, near)
+        half = self._accepted_state_at(middle, near)
         if half is None:
             return False
         gained = simpson_misfits(one, half, other)
-        most = max(abs(past.rate) for past in (one, half, other)) * abs(other.parameter - one.parameter)
+        most = max(abs(state.rate) for state in (one, half, other)) * abs(other.parameter - one.parameter)
         enough = min(path.gain_allowed, MISFIT * most) + ROUND_OFF * max(abs(one.energy), abs(other.energy))
         for (first, last), rest in zip(pairwise((one, half, other)), gained, strict=True):
             if abs(rest) <= enough:
@@ -150,12 +154,12 @@ class Branch:
             if result is None:
                 size, longer, refused, ends = size / 2, np.inf, at, True
                 continue
-            past = path.past_of(result, at)
+            state = path.accepted_state_of(result, at)
             # some of these make one step
-            missed = misfit(states, past, path.gain_allowed / 4)
+            missed = misfit(states, state, path.gain_allowed / 4)
             smooth = by_order and missed.is_slight and abs(missed.gained) <= CUBIC * longer
             if missed.fits or smooth:
-                states.append(past)
+                states.append(state)
                 found.append(Found(at, result, "between"))
                 longer = np.inf
             else:
@@ -166,15 +170,17 @@ class Branch:
         self._followed = begin, parameter, by_order, found
         return found
 
-    def _result_at(self, parameter: float, near: list[Past], *, soon: bool = True) -> NewtonResult | None:
+    def _result_at(
+        self, parameter: float, near: list[AcceptedState], *, soon: bool = True
+    ) -> NewtonResult | None:
         """The equilibrium at a parameter from the polynomial through some states, if it comes `soon`."""
         path = self._path
-        guess = extrapolate({past.parameter: past.exact for past in near}, parameter, path.system.count)
+        guess = extrapolate({state.parameter: state.exact for state in near}, parameter, path.system.count)
         try:
             return newton(path.system, guess, parameter, self._settings if soon else path.settings)
         except ConvergenceError:
             return None
 
-    def _past_at(self, parameter: float, near: list[Past]) -> Past | None:
+    def _accepted_state_at(self, parameter: float, near: list[AcceptedState]) -> AcceptedState | None:
         result = self._result_at(parameter, near)
-        return None if result is None else self._path.past_of(result, parameter)
+        return None if result is None else self._path.accepted_state_of(result, parameter)

@@ -31,9 +31,9 @@ class Descent(NamedTuple):
     """Where a search ended, y (count,), and whether it did so because no step was short enough."""
 
     unknown_values: FloatArray
-    at_floor: bool = False
+    line_search_failed: bool = False
     away: bool = False  # by many sizes of the body: the energy has no lower bound
-    is_on_its_way: bool = False  # not at rest after all iterations
+    is_unfinished: bool = False  # not at rest after all iterations
 
 
 def descend(system: System, start: FloatArray, parameter: float, most: int = _MOST_ITERATIONS) -> Descent:
@@ -76,7 +76,7 @@ def descend(system: System, start: FloatArray, parameter: float, most: int = _MO
         while not (np.isfinite(trial) if astray else trial <= energy + _SUFFICIENT * step * min(slope, 0.0)):
             step /= 2
             if step < _SHORTEST:
-                return Descent(y, at_floor=True)
+                return Descent(y, line_search_failed=True)
             trial = potential_energy(system, y + step * direction, parameter)
         if not (astray or trial < energy):
             break
@@ -87,7 +87,7 @@ def descend(system: System, start: FloatArray, parameter: float, most: int = _MO
         # try to do with less the next time
         shift = shift / 10 if shift > _SMALLEST_SHIFT else 0.0
     else:
-        return Descent(y, is_on_its_way=True)
+        return Descent(y, is_unfinished=True)
     return Descent(y)
 
 

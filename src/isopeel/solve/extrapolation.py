@@ -1,10 +1,10 @@
-"""Compiled: extrapolation of a path from its past states, and the selection of the predictor.
+"""Compiled: extrapolation of a path from its accepted states, and the selection of the predictor.
 
 A path is a curve (p(s), y(s)), known at some places s. Polynomials in s extrapolate it. Where a front peels
-even elements, y(s) follows from y(s - P) *translated* by one element (see `solve.translation_predictor`):
-y(s) = C y(s - P) + d(s), where the rest d(s) changes little and is extrapolated by a polynomial. Names: the
-path measure (`way`) is s, p the parameter, P the period. The predictor is the one that would have met the
-last states best.
+elements of equal length, y(s) follows from y(s - P) *translated* by one element (see
+`solve.translation_predictor`): y(s) = C y(s - P) + d(s), where the rest d(s) changes little and is
+extrapolated by a polynomial. Names: s is the path measure (`measure`), p the parameter, P the period. The
+predictor with the smallest errors at the last states is selected.
 """
 
 import numpy as np
@@ -14,23 +14,24 @@ from isopeel.common.compilation import compiled, compiled_reordered
 
 #: States that a polynomial passes through, at most.
 MOST_STATES = 8
-#: The last states that each polynomial is tried on.
+#: The number of last states at which each predictor is judged.
 TRIES = 3
 _FEWEST_OF_ENERGY = 3
 #: States that the polynomial of the rest d passes through, at most.
 _MOST_OF_REST = 5
-#: States around a place between them that tell what was there; 8 to 12 tell no more.
+#: States around a place that are interpolated there; 8 to 12 are no better.
 _AROUND = 6
-#: Times the least way per parameter of the last steps: one that takes more has a limit point ahead, beyond
-#: which the path may have jumped a period ago, while it still has an equilibrium here. Steps of L1 at
-#: 200 x 10 elements take up to 1.8 times as much before a jump, and 2.6 times at least with one.
+#: A translation predictor is not used where it predicts a growth of the path measure per parameter above this
+#: factor times the least one of the last steps. Then a limit point lies ahead, beyond which the path may have
+#: jumped a period ago, while it still has an equilibrium here. Steps of L1 at 200 x 10 elements grow by up to
+#: 1.8 times the least before a jump, and by 2.6 times at least with one.
 _JUMP = 2.5
 _ITERATIONS = 40
 _FARTHEST = 4.0  # last steps
 _CLOSE = 1e-12  # to the end of the step, of the step
 _PLACED = 1e-6  # of the last step
 
-_BY_PARAMETER, _BY_ENERGY, _RECURRENCE = range(3)
+_BY_PARAMETER, _BY_ENERGY, _TRANSLATION = range(3)
 
 
 @compiled
@@ -42,14 +43,14 @@ def select_predictor(
     misses: FloatArray,
     target: float,
 ) -> tuple[FloatArray, bool]:
-    """Return weights (2, n) of past states and of past states translated, whose sum predicts the target.
+    """Return weights (2, n) of the states and of the translated states, whose sum predicts the target.
 
-    The arguments are the parameters (n,) of the past states, the newest at the end; the parameters `ahead`
-    (n,) of the translated states; the adhesive energies (n,); and samples (n, 2, m) of each state and of the
-    translated one, by which states are compared: nan where nothing can be translated. Each polynomial, in
-    either path measure and through 1 to MOST_STATES states, and each recurrence is judged by the mean
-    logarithm of its errors at the last states. The second value returned is whether its path measure is the
-    energy.
+    The arguments are the parameters (n,) of the accepted states, the newest at the end; the parameters
+    `ahead` (n,) of the translated states; the adhesive energies (n,); and samples (n, 2, m) of each state and
+    of the translated one, by which states are compared: nan where nothing can be translated. Each polynomial,
+    in either path measure and through 1 to MOST_STATES states, and each translation predictor is judged by
+    the mean logarithm of its errors at the last states. The second value returned is whether the path measure
+    of the selected predictor is the energy.
 
     The errors of polynomials are stored in misses (n, 2, MOST_STATES), by path measure and number of states:
     nan where they have not been evaluated yet.
@@ -58,48 +59,48 @@ def select_predictor(
     weights, trial, difference = np.zeros((2, n)), np.zeros((2, n)), np.empty(m)
     weights[0, n - 1] = 1.0
     best, best_count, best_kind = np.inf, 1, _BY_PARAMETER
-    # the same for all, however few states there are
+    # the same number for all predictors
     tries = max(1, min(TRIES, n - MOST_STATES))
-    for kind in (_BY_PARAMETER, _BY_ENERGY, _RECURRENCE):
-        way = parameters if kind == _BY_PARAMETER else energies
-        period = _period(way, samples) if kind == _RECURRENCE else 0.0
-        if kind == _RECURRENCE and period == 0.0:
+    for kind in (_BY_PARAMETER, _BY_ENERGY, _TRANSLATION):
+        measure = parameters if kind == _BY_PARAMETER else energies
+        period = _period(measure, samples) if kind == _TRANSLATION else 0.0
+        if kind == _TRANSLATION and period == 0.0:
             break
         fewest = _FEWEST_OF_ENERGY if kind == _BY_ENERGY else 1
-        most = _MOST_OF_REST if kind == _RECURRENCE else MOST_STATES
+        most = _MOST_OF_REST if kind == _TRANSLATION else MOST_STATES
         for count in range(fewest, min(n - 1, most) + 1):
             score = 0.0
             for last in range(n - tries, n):
-                missed = np.nan if kind == _RECURRENCE else misses[last, kind, count - 1]
+                missed = np.nan if kind == _TRANSLATION else misses[last, kind, count - 1]
                 if np.isnan(missed):
                     missed = np.inf
                     there = parameters[last]
-                    if _extrapolate(way, parameters, ahead, last, there, count, period, trial) != 0.0:
+                    if _extrapolate(measure, parameters, ahead, last, there, count, period, trial) != 0.0:
                         missed = _missed(samples, trial, last, difference)
-                    if kind != _RECURRENCE:
+                    if kind != _TRANSLATION:
                         misses[last, kind, count - 1] = missed
-                # a state that is met to the last digit is met no better than to round-off
+                # the logarithm of an exact prediction must be finite
                 score += np.log(missed + 1e-300) / tries
                 if score == np.inf:
                     break
             if not score < best:
                 continue
-            rise = _extrapolate(way, parameters, ahead, n, target, count, period, trial)
-            if rise == 0.0 or (kind == _RECURRENCE and _jumps(way, parameters, target, rise)):
+            rise = _extrapolate(measure, parameters, ahead, n, target, count, period, trial)
+            if rise == 0.0 or (kind == _TRANSLATION and _jumps(measure, parameters, target, rise)):
                 continue
             best, best_count, best_kind = score, count, kind
             _copy(trial, weights)
-    # where all states that there were met the last one best, one more may do better
-    if best_count == n - 1 < MOST_STATES and best_kind != _RECURRENCE:
-        way = parameters if best_kind == _BY_PARAMETER else energies
-        if _extrapolate(way, parameters, ahead, n, target, n, 0.0, trial) != 0.0:
+    # where the polynomial through all earlier states was the best one, one more state may improve it
+    if best_count == n - 1 < MOST_STATES and best_kind != _TRANSLATION:
+        measure = parameters if best_kind == _BY_PARAMETER else energies
+        if _extrapolate(measure, parameters, ahead, n, target, n, 0.0, trial) != 0.0:
             _copy(trial, weights)
     return weights, best_kind != _BY_PARAMETER
 
 
 @compiled
 def _copy(values: FloatArray, to: FloatArray) -> None:
-    """Numba takes seconds to compile the assignment of arrays."""
+    """Copy weights (2, n). Numba takes seconds to compile the assignment of arrays."""
     for kind in range(2):
         for i in range(values.shape[1]):
             to[kind, i] = values[kind, i]
@@ -107,7 +108,7 @@ def _copy(values: FloatArray, to: FloatArray) -> None:
 
 @compiled_reordered
 def _missed(samples: FloatArray, weights: FloatArray, n: int, difference: FloatArray) -> float:
-    """Square of what the weights of the first n states miss the next one by, which is left in (m,)."""
+    """Return the squared error at state n of the weights of the n states before; set difference (m,)."""
     for j in range(len(difference)):
         difference[j] = samples[n, 0, j]
     for kind in range(2):
@@ -122,18 +123,18 @@ def _missed(samples: FloatArray, weights: FloatArray, n: int, difference: FloatA
 
 
 @compiled
-def _jumps(way: FloatArray, parameters: FloatArray, target: float, rise: float) -> bool:
-    """Whether the way grows by far more per parameter to the target than it lately did."""
-    n = len(way)
+def _jumps(measure: FloatArray, parameters: FloatArray, target: float, rise: float) -> bool:
+    """Return whether the path measure grows much more per parameter to the target than in the last steps."""
+    n = len(measure)
     least = np.inf
     for k in range(max(1, n - TRIES), n):
-        least = min(least, abs((way[k] - way[k - 1]) / (parameters[k] - parameters[k - 1])))
+        least = min(least, abs((measure[k] - measure[k - 1]) / (parameters[k] - parameters[k - 1])))
     return not abs(rise / (target - parameters[n - 1])) < _JUMP * least
 
 
 @compiled
 def _extrapolate(
-    way: FloatArray,
+    measure: FloatArray,
     parameters: FloatArray,
     ahead: FloatArray,
     n: int,
@@ -154,15 +155,15 @@ def _extrapolate(
     if n == 1 or (count == 1 and period == 0.0):
         weights[0, n - 1] = 1.0
         return 1.0
-    first = _steady(way, n)
+    first = _steady(measure, n)
     if n - first < max(count, 2):
         return 0.0
     start = n - count
-    # the way and the parameters, from the last state on, as far back as is asked for
-    unit, here = way[n - 1] - way[n - 2], parameters[n - 1]
+    # path measure, in units of the last step, and parameters, both relative to the last state
+    unit, here = measure[n - 1] - measure[n - 2], parameters[n - 1]
     s, translated = np.empty(n), np.empty(n)
     for k in range(first if period > 0.0 else start, n):
-        s[k] = (way[k] - way[n - 1]) / unit
+        s[k] = (measure[k] - measure[n - 1]) / unit
         translated[k] = ahead[k] - here
     ago = period / abs(unit)
     basis = np.empty((2, MOST_STATES))
@@ -182,7 +183,7 @@ def _extrapolate(
     at = step / (here - parameters[n - 2])
     low, high = 0.0, _FARTHEST
     if period > 0.0:
-        # between which translated states does the path meet the target?
+        # bracket the target between two translated states
         high = 0.0
         for j in range(first, n):
             if s[j] + ago > 0.0:
@@ -216,7 +217,7 @@ def _extrapolate(
         weights[0, start + k] = basis[0, k]
     if period > 0.0:
         for k in range(start, n + 1):
-            # C y(s - P) at the place, less its share in each of the rests
+            # C y(s - P) at the place, minus its share in each of the rests
             share = -weights[0, k] if k < n else 1.0
             before = (s[k] if k < n else at) - ago
             place = _around(s, first, n, before)
@@ -227,19 +228,19 @@ def _extrapolate(
 
 
 @compiled
-def _steady(way: FloatArray, n: int) -> int:
-    """The first of n states from which on the way grows, or falls, steadily to the last one."""
+def _steady(measure: FloatArray, n: int) -> int:
+    """Return the first of n states from which on the path measure is monotonic up to the last one."""
     first = n - 1
     if first > 0:
-        last = way[first] - way[first - 1]
-        while first > 0 and (way[first] - way[first - 1]) * last > 0.0:
+        last = measure[first] - measure[first - 1]
+        while first > 0 and (measure[first] - measure[first - 1]) * last > 0.0:
             first -= 1
     return first
 
 
 @compiled
 def _around(nodes: FloatArray, first: int, n: int, at: float) -> int:
-    """The first of the _AROUND rising nodes, from the first up to n, nearest to a place; -1 beyond all."""
+    """Return the first of the _AROUND rising nodes, from `first` to n, nearest to a place; -1 beyond all."""
     if n - first < _AROUND or not nodes[first] <= at <= nodes[n - 1]:
         return -1
     while first < n - _AROUND and nodes[first + _AROUND] - at < at - nodes[first]:
@@ -249,7 +250,7 @@ def _around(nodes: FloatArray, first: int, n: int, at: float) -> int:
 
 @compiled
 def _horner(form: FloatArray, nodes: FloatArray, start: int, at: float) -> tuple[float, float]:
-    """Value and slope of Newton's form (n,) of a polynomial, whose nodes begin at a start."""
+    """Return value and slope of a polynomial in Newton's form (n,), whose nodes begin at a start."""
     last = len(form) - 1
     value, slope = form[last], 0.0
     for i in range(last - 1, -1, -1):
@@ -262,7 +263,7 @@ def _horner(form: FloatArray, nodes: FloatArray, start: int, at: float) -> tuple
 def _before(
     nodes: FloatArray, values: FloatArray, start: int, at: float, basis: FloatArray
 ) -> tuple[float, float]:
-    """Value and slope of the polynomial through _AROUND values from a start on."""
+    """Return value and slope of the polynomial through _AROUND values from a start on."""
     lagrange(nodes, start, _AROUND, at, basis)
     value, slope = 0.0, 0.0
     for i in range(_AROUND):
@@ -272,31 +273,31 @@ def _before(
 
 
 @compiled
-def slope(way: FloatArray, parameters: FloatArray, values: FloatArray) -> float:
-    """Derivative by the parameter of what has some values (n,) at the states of a path, at the last one.
+def slope(measure: FloatArray, parameters: FloatArray, values: FloatArray) -> float:
+    """Return the derivative by the parameter, at the last state, of values (n,) at the states of a path.
 
-    That of the polynomial in the way through the last states along which it has grown or fallen steadily.
-    Zero where there is no state before the last, and at a limit point of the parameter, where there is no
-    such derivative.
+    It is that of the polynomial in the path measure through the last states along which this is monotonic.
+    Returns zero where there is no state before the last, and at a limit point of the parameter, where there
+    is no such derivative.
     """
-    last = len(way) - 1
-    first = _steady(way, last + 1)
-    basis = np.empty((2, len(way)))
-    lagrange(way, first, last - first, way[last], basis)
+    last = len(measure) - 1
+    first = _steady(measure, last + 1)
+    basis = np.empty((2, len(measure)))
+    lagrange(measure, first, last - first, measure[last], basis)
     # of the polynomial (s - last) q(s) + f(last), with q through the difference quotients
     along, parameter = 0.0, 0.0
     for k in range(first, last):
-        weight = basis[0, k - first] / (way[k] - way[last])
+        weight = basis[0, k - first] / (measure[k] - measure[last])
         along += weight * (values[k] - values[last])
         parameter += weight * (parameters[k] - parameters[last])
-    # of which the last step tells the sign
-    onwards = parameter * (way[last] - way[last - 1]) * (parameters[last] - parameters[last - 1])
+    # the last step gives the sign of the derivative
+    onwards = parameter * (measure[last] - measure[last - 1]) * (parameters[last] - parameters[last - 1])
     return along / parameter if last > 0 and onwards > 0.0 else 0.0
 
 
 @compiled
 def lagrange(nodes: FloatArray, start: int, count: int, at: float, basis: FloatArray) -> None:
-    """Set (2, count) to values and slopes at a place of Lagrange's polynomials of nodes from a start on."""
+    """Set basis (2, count) to values and slopes, at a place, of Lagrange's polynomials of `count` nodes."""
     for i in range(count):
         value, slope = 1.0, 0.0
         for k in range(count):
@@ -308,18 +309,18 @@ def lagrange(nodes: FloatArray, start: int, count: int, at: float, basis: FloatA
 
 
 @compiled
-def _period(way: FloatArray, samples: FloatArray) -> float:
-    """Return the period after which a translated state meets the last one; zero where none does.
+def _period(measure: FloatArray, samples: FloatArray) -> float:
+    """Return the period after which a translated state equals the last one; zero where none does.
 
-    The nearest state must meet it better than the last one but one, as it is; Gauss and Newton's method finds
-    the place between the states.
+    The nearest translated state must be closer to the last state than the state before that is. The
+    Gauss-Newton method finds the place between the states.
     """
     n, m = samples.shape[0], samples.shape[2]
-    first = _steady(way, n)
+    first = _steady(measure, n)
     if n - first < _AROUND:
         return 0.0
     least, nearest = _square(samples, n - 2, 0), -1
-    # the last such time, not one some periods before
+    # the latest such state, not one of an earlier period
     for k in range(n - 2, first - 1, -1):
         missed = _square(samples, k, 1)
         if missed < least:
@@ -328,10 +329,10 @@ def _period(way: FloatArray, samples: FloatArray) -> float:
             break
     if nearest < 0:
         return 0.0
-    unit = way[n - 1] - way[n - 2]
+    unit = measure[n - 1] - measure[n - 2]
     s = np.empty(n)
     for k in range(first, n):
-        s[k] = (way[k] - way[n - 1]) / unit
+        s[k] = (measure[k] - measure[n - 1]) / unit
     # the place is next to the nearest state
     reach = max(s[min(nearest + 1, n - 1)] - s[max(nearest - 1, first)], 1.0)
     at = s[nearest]
@@ -350,7 +351,7 @@ def _period(way: FloatArray, samples: FloatArray) -> float:
                 rise += basis[1, i] * samples[place + i, 1, j]
             product += left * rise
             square += rise * rise
-        # where the rest is not small the method may go to and fro
+        # where the rest is not small the method may oscillate
         change = product / square / (2.0 if product * last_product < 0.0 else 1.0)
         last_product = product
         at += change
@@ -363,7 +364,7 @@ def _period(way: FloatArray, samples: FloatArray) -> float:
 
 @compiled
 def _square(samples: FloatArray, k: int, kind: int) -> float:
-    """Square of the distance of the last state from another, as it is or translated."""
+    """Return the squared distance of the last state from another, as it is (0) or translated (1)."""
     last = samples.shape[0] - 1
     total = 0.0
     for j in range(samples.shape[2]):

@@ -19,10 +19,10 @@ from isopeel.solve.newton import ConvergenceError, NewtonResult, NewtonSettings,
 from isopeel.solve.predictor import Predictor, extrapolate
 from isopeel.solve.quasi_newton import QuasiNewton
 from isopeel.solve.stability import stability
-from isopeel.solve.step import PARABOLA_POINTS, Found, Kind, Past, State, Step
+from isopeel.solve.step import PARABOLA_POINTS, AcceptedState, Found, Kind, State, Step
 
 #: Of the change of the unknowns in a step: what a parabola may miss them by.
-_FORESEEN = 0.3
+_WELL_PREDICTED = 0.3
 #: Corrections of falling energy, after which the body without its joint is looked at: a jump over some
 #: elements takes 10 to 170, that of a block that comes off a fine mesh many hundreds. After 200 of them a
 #: stamp of 60 x 10 elements came off as a whole, where falling energy comes to rest half open.
@@ -43,7 +43,7 @@ class Path:
         self._predictor = Predictor(system)
         self._number = 0
         self._begins = begins or not start
-        self._judged: tuple[NewtonResult | None, Past | None] = None, None
+        self._judged: tuple[NewtonResult | None, AcceptedState | None] = None, None
         #: The branch that it is on.
         self.branch = Branch(self)
         #: Whether all forces have a potential.
@@ -53,28 +53,31 @@ class Path:
         #: Size of the body, and its control points (size, 2).
         self.extent: float = extent(system.problem)
         self.points: FloatArray = system.space.interpolate(system.problem.body.shape.evaluate)
-        past = start[-1].past if start else ()
-        for kept in past:
+        accepted = start[-1].accepted_states if start else ()
+        for kept in accepted:
             if any(
-                y is not None and y.shape != (system.count,) for y in (kept.unknown_values, kept.polished)
+                y is not None and y.shape != (system.count,)
+                for y in (kept.unknown_values, kept.fully_converged)
             ):
                 allowed = f"the system has {system.count} unknowns"
                 raise InputError("start", kept.unknown_values.shape, allowed)
             self._predictor.remember(kept, system.state(kept.unknown_values, kept.parameter)[0])
-        for state in () if past else start:
+        for state in () if accepted else start:
             y = system.unknown_values(state.displacement, state.parameter)
             u, load = system.state(y, state.parameter)
-            self._predictor.remember(self.past(state.parameter, y, u, load, system.equilibrium(u, load)), u)
+            self._predictor.remember(
+                self.accepted_state(state.parameter, y, u, load, system.equilibrium(u, load)), u
+            )
         self._quasi_newton: QuasiNewton | None = None
         if QuasiNewton.applies(system) and not settings.plain:
-            memory = start[-1].memory if start else None
-            if memory is not None and memory.unknown_values.shape != (system.count,):
+            solver_state = start[-1].solver_state if start else None
+            if solver_state is not None and solver_state.unknown_values.shape != (system.count,):
                 allowed = f"the system has {system.count} unknowns"
-                raise InputError("start", memory.unknown_values.shape, allowed)
-            self._quasi_newton = QuasiNewton(system, settings, memory)
+                raise InputError("start", solver_state.unknown_values.shape, allowed)
+            self._quasi_newton = QuasiNewton(system, settings, solver_state)
 
     @property
-    def history(self) -> list[Past]:
+    def history(self) -> list[AcceptedState]:
         """Its last states, the newest at the end."""
         return self._predictor.states
 
@@ -88,18 +91,18 @@ class Path:
             # states of the branch that was left would mislead the next guess
             self._predictor.forget()
             self.branch.forget()
-        past = self.past_of(result, parameter)
-        reaction = past.rate if system.load is None else system.reaction(at, u, result.load, parameter)
-        self._predictor.remember(past, u)
+        state = self.accepted_state_of(result, parameter)
+        reaction = state.rate if system.load is None else system.reaction(at, u, result.load, parameter)
+        self._predictor.remember(state, u)
         if not result.exact:
             # along the path dE/dp = dE/dp at fixed y + R . dy/dp: so the error is of second order in R
             missed = self._predictor.slope(at.residual)
-            past = self.history[-1] = past._replace(rate=past.rate + missed)
+            state = self.history[-1] = state._replace(rate=state.rate + missed)
             reaction += missed if system.load is None else -missed
         # at the same parameter, a stage before has let go of what it held
         lets_go = last is not None and last.parameter == parameter
         if last is not None and self.has_energy and (lets_go or not found.is_balanced):
-            released_energy = released(last, past)
+            released_energy = released(last, state)
             if found.kind == "jump":
                 # no jump gains energy: what seems so is the error of the trapezoidal rule
                 released_energy = max(released_energy, 0.0)
@@ -108,7 +111,7 @@ class Path:
         system.accept(u)
         u.setflags(write=False)
         y.setflags(write=False)
-        memory = None if self._quasi_newton is None else self._quasi_newton.memory
+        solver_state = None if self._quasi_newton is None else self._quasi_newton.solver_state
         self._number += 1
         return Step(
             number=self._number - 1,
@@ -126,52 +129,58 @@ class Path:
             kind=found.kind,
             negative_eigenvalues=found.negative,
             resumes=found.resumes,
-            past=tuple(self.history),
-            memory=None if memory is None else ref(memory),
+            accepted_states=tuple(self.history),
+            solver_state=None if solver_state is None else ref(solver_state),
         )
 
-    def past(self, parameter: float, y: FloatArray, u: FloatArray, load: float, at: Equilibrium) -> Past:
+    def accepted_state(
+        self, parameter: float, y: FloatArray, u: FloatArray, load: float, at: Equilibrium
+    ) -> AcceptedState:
         """What is kept of an equilibrium, of unknowns y (count,) and coefficients u (size, 2)."""
         adhesive_energy = at.adhesive_energy + at.dissipated_energy
-        return Past(parameter, y, *self.system.potential(at, u, load, parameter), adhesive_energy)
+        return AcceptedState(parameter, y, *self.system.potential(at, u, load, parameter), adhesive_energy)
 
-    def past_of(self, result: NewtonResult, parameter: float) -> Past:
+    def accepted_state_of(self, result: NewtonResult, parameter: float) -> AcceptedState:
         """The same of what was found."""
-        known, past = self._judged
-        if past is None or known is not result:
-            past = self.past(
+        known, state = self._judged
+        if state is None or known is not result:
+            state = self.accepted_state(
                 parameter, result.unknown_values, result.displacement, result.load, result.equilibrium
             )
-            self._judged = result, past
-        return past
+            self._judged = result, state
+        return state
 
     def misfit(self, found: Found) -> Misfit:
         """What a step to what was found gains or releases, as its ends tell, and those before."""
         if not self.has_energy:
             return NO_MISFIT
-        past = self.past_of(found.result, found.parameter)
+        state = self.accepted_state_of(found.result, found.parameter)
         if not self.history or (self._begins and self.history[-1].parameter != found.parameter):
             # the body as it is, or as a stage let go of it, is no equilibrium, and its reaction means nothing
             if self.history:
                 return NO_MISFIT
             at_rest = potential_energy(self.system, np.zeros(self.system.count), found.parameter)
-            gained = past.energy - at_rest
+            gained = state.energy - at_rest
             return Misfit(gained, gained > self.gain_allowed, releases=False)
         one = self.history[-1]
         if one.parameter == found.parameter:
-            gained = past.energy - one.energy
+            gained = state.energy - one.energy
             return Misfit(gained, gained > self.gain_allowed, releases=False)
-        work = max(abs(one.rate), abs(past.rate)) * abs(past.parameter - one.parameter)
-        if abs(released(one, past)) <= min(self.gain_allowed, MISFIT * work):
+        work = max(abs(one.rate), abs(state.rate)) * abs(state.parameter - one.parameter)
+        if abs(released(one, state)) <= min(self.gain_allowed, MISFIT * work):
             # as in nearly all steps, at no more than a few sums
             return NO_MISFIT
-        return misfit(self.history, past, self.gain_allowed)
+        return misfit(self.history, state, self.gain_allowed)
 
-    def negative_eigenvalues(self, found: Found, *, told: bool = False) -> int | None:
-        """Count those at what was found, where its tangents tell, or where that is to be `told` for sure."""
+    def negative_eigenvalues(self, found: Found, *, always: bool = False) -> int | None:
+        """Count the negative eigenvalues of the tangent at an equilibrium; return None where not counted.
+
+        They are counted where the last tangents show that there may be some, or `always` (at the cost of a
+        factor).
+        """
         if not self.has_energy:
             return None
-        if found.result.definite is None and not told:
+        if found.result.definite is None and not always:
             if self._quasi_newton is None:
                 return None
             softer, falls = self._quasi_newton.has_softened(found.result, found.parameter)
@@ -190,17 +199,19 @@ class Path:
 
         It is given up `soon` where a shorter step can be taken instead.
         """
-        found = self._by_kept_tangent(parameter)
+        found = self._by_chord_tangent(parameter)
         if found is not None:
             return Found(parameter, found, kind)
         settings = self.settings
         if soon:
             settings = replace(settings, iteration_limit=min(SOON, settings.iteration_limit))
-        for polished in (False, True) if self._can_polish() and not soon else (False,):
-            if polished:
-                self._polish()
+        for fully_converged in (False, True) if self._can_converge_fully() and not soon else (False,):
+            if fully_converged:
+                self._converge_fully()
             last = self.history[-PARABOLA_POINTS:]
-            guess = extrapolate({past.parameter: past.exact for past in last}, parameter, self.system.count)
+            guess = extrapolate(
+                {state.parameter: state.exact for state in last}, parameter, self.system.count
+            )
             try:
                 finish = None if self._quasi_newton is None else self._quasi_newton.finish
                 return Found(parameter, newton(self.system, guess, parameter, settings, finish), kind)
@@ -217,22 +228,22 @@ class Path:
         """
         last = self.history[-1]
         if self._quasi_newton is not None:
-            found = self._by_kept_tangent(parameter)
+            found = self._by_chord_tangent(parameter)
         else:
-            found = self._as_foreseen(parameter)
+            found = self._well_predicted(parameter)
         if found is None:
             return None
         if self.has_energy:
-            past = self.past(
+            state = self.accepted_state(
                 parameter, found.unknown_values, found.displacement, found.load, found.equilibrium
             )
-            if not self.fits(last, past, parameter - last.parameter):
+            if not self.fits(last, state, parameter - last.parameter):
                 self.forget()
                 return None
         regular = Found(parameter, found, "requested")
         return regular._replace(negative=self.negative_eigenvalues(regular))
 
-    def fits(self, one: Past, other: Past, step: float) -> bool:
+    def fits(self, one: AcceptedState, other: AcceptedState, step: float) -> bool:
         """Whether two states can lie on one branch, by their energies; `step` is a usual one of the path."""
         misfits = released(one, other)
         most = MISFIT * max(abs(one.rate), abs(other.rate)) * abs(step)
@@ -247,11 +258,11 @@ class Path:
 
     def is_smooth(self, found: Found) -> bool:
         """Whether what was found lies on the branch of the last state, as its energy tells."""
-        past = self.past_of(found.result, found.parameter)
-        return self.misfit(found).fits and self.on_one_branch(self.history[-1], past)
+        state = self.accepted_state_of(found.result, found.parameter)
+        return self.misfit(found).fits and self.on_one_branch(self.history[-1], state)
 
     @staticmethod
-    def on_one_branch(one: Past, other: Past) -> bool:
+    def on_one_branch(one: AcceptedState, other: AcceptedState) -> bool:
         """Whether the energy between two near states comes from the work, whatever is allowed of it."""
         change = abs(other.rate - one.rate) * abs(other.parameter - one.parameter) / 6
         round_off = ROUND_OFF * max(abs(one.energy), abs(other.energy))
@@ -270,7 +281,7 @@ class Path:
         last = self.history[-1]
         return newton(self.system, last.exact, last.parameter, self.settings).unknown_values
 
-    def landed(self, starts: Sequence[FloatArray], parameter: float) -> Found:
+    def jump_from(self, starts: Sequence[FloatArray], parameter: float) -> Found:
         """What falling energy leads to from the first sound one of some starts (count,).
 
         Raises ConvergenceError where there is none.
@@ -282,10 +293,10 @@ class Path:
                 break
         stays = self.system.load is not None and not self.system.load_is_unknown
         descent = descend(self.system, start, parameter, _FAR_UNDER_LOAD if stays else _FAR)
-        loose = self._come_off(descent, parameter) if descent.is_on_its_way else None
+        loose = self._come_off(descent, parameter) if descent.is_unfinished else None
         if loose is not None:
             descent = descend(self.system, loose, parameter)
-        if descent.is_on_its_way:
+        if descent.is_unfinished:
             reason = "falling energy leads far away, and has not come to rest after many steps"
             raise ConvergenceError(reason, (), parameter, "long fall")
         if descent.away:
@@ -294,7 +305,7 @@ class Path:
         try:
             result = newton(self.system, descent.unknown_values, parameter, self.settings)
         except ConvergenceError as error:
-            if not descent.at_floor:
+            if not descent.line_search_failed:
                 raise
             reason = f"the search for lower energy has no shorter step, and {error.reason}"
             raise ConvergenceError(reason, error.iterations, parameter, "line search") from error
@@ -303,7 +314,7 @@ class Path:
         )
         # where points of a stiff contact open and close, Newton's method gives back a little of the fall
         given_back = MISFIT * (fallen_from - reached) if np.isfinite(fallen_from) else 0.0
-        if self.past_of(result, parameter).energy > reached + self.gain_allowed + given_back:
+        if self.accepted_state_of(result, parameter).energy > reached + self.gain_allowed + given_back:
             reason = "Newton's method leaves what falling energy has led to"
             raise ConvergenceError(reason, result.iterations, parameter, "line search")
         return Found(parameter, result, "jump", 0)
@@ -325,7 +336,7 @@ class Path:
             return loose if potential_energy(self.system, loose, parameter) < reached else None
         return None
 
-    def jumped(self, parameter: float) -> Found:
+    def jump(self, parameter: float) -> Found:
         """The equilibrium at a parameter that the last states fall to, by less energy than they would have.
 
         Raises ConvergenceError.
@@ -334,7 +345,7 @@ class Path:
         failure: ConvergenceError | None = None
         for start in self.guesses(parameter):
             try:
-                found = self.landed([start], parameter)
+                found = self.jump_from([start], parameter)
             except ConvergenceError as error:
                 failure = failure or error
                 if error.cause in ("limit load", "long fall"):
@@ -343,11 +354,11 @@ class Path:
                 continue
             if last is None or self._begins:
                 return found
-            past = self.past_of(found.result, parameter)
+            state = self.accepted_state_of(found.result, parameter)
             step = parameter - last.parameter
             # what it jumps from has had the work of the drive by the old rate, or that of the new one
-            most = max(last.rate * step, past.rate * step)
-            if past.energy <= last.energy + most + self.gain_allowed:
+            most = max(last.rate * step, state.rate * step)
+            if state.energy <= last.energy + most + self.gain_allowed:
                 return found
         raise failure or ConvergenceError(
             "all that falling energy leads to has more energy than the drive has done work",
@@ -356,9 +367,9 @@ class Path:
             "energy without work",
         )
 
-    def displacement(self, past: Past) -> FloatArray:
+    def displacement(self, state: AcceptedState) -> FloatArray:
         """Coefficients (size, 2) of a past state."""
-        return self.system.state(past.unknown_values, past.parameter)[0]
+        return self.system.state(state.unknown_values, state.parameter)[0]
 
     def gaps(self, displacement: FloatArray) -> FloatArray:
         """Gap to the substrate (size,) of all control points, of coefficients (size, 2)."""
@@ -373,43 +384,43 @@ class Path:
     def guesses(self, parameter: float) -> list[FloatArray]:
         """Where a jump at a parameter may begin: the parabola, and the last states, carried along."""
         last = self.history[-PARABOLA_POINTS:]
-        guess = extrapolate({past.parameter: past.exact for past in last}, parameter, self.system.count)
-        return [guess, *(past.unknown_values for past in reversed(last))]
+        guess = extrapolate({state.parameter: state.exact for state in last}, parameter, self.system.count)
+        return [guess, *(state.unknown_values for state in reversed(last))]
 
-    def _by_kept_tangent(self, parameter: float) -> NewtonResult | None:
+    def _by_chord_tangent(self, parameter: float) -> NewtonResult | None:
         if self._quasi_newton is None:
             return None
         last = self.history[-1].unknown_values if self.history else None
         return self._quasi_newton.equilibrium(self._predictor.guess(parameter), parameter, last)
 
-    def _as_foreseen(self, parameter: float) -> NewtonResult | None:
+    def _well_predicted(self, parameter: float) -> NewtonResult | None:
         last = self.history[-PARABOLA_POINTS:]
-        guess = extrapolate({past.parameter: past.exact for past in last}, parameter, self.system.count)
+        guess = extrapolate({state.parameter: state.exact for state in last}, parameter, self.system.count)
         try:
             found = newton(self.system, guess, parameter, self.settings)
         except ConvergenceError:
             return None
         missed = np.abs(found.unknown_values - guess).max()
         moved = np.abs(found.unknown_values - last[-1].unknown_values).max()
-        return found if missed <= _FORESEEN * moved else None
+        return found if missed <= _WELL_PREDICTED * moved else None
 
-    def _can_polish(self) -> bool:
+    def _can_converge_fully(self) -> bool:
         """Whether the last states are less exact than Newton's method would have left them.
 
         Past states are none any more once an irreversible joint has opened further.
         """
         return self._quasi_newton is not None and not self.system.problem.adhesion.irreversible
 
-    def _polish(self) -> None:
+    def _converge_fully(self) -> None:
         """Bring the last states to where plain Newton's method would have left them.
 
         Whether it converges hangs on the last digits of its start where a step passes a limit point.
         """
         first = max(len(self.history) - PARABOLA_POINTS, 0)
-        for k, past in enumerate(self.history[first:], start=first):
-            if past.polished is None:
+        for k, state in enumerate(self.history[first:], start=first):
+            if state.fully_converged is None:
                 try:
-                    exact = newton(self.system, past.unknown_values, past.parameter, self.settings)
+                    exact = newton(self.system, state.unknown_values, state.parameter, self.settings)
                 except ConvergenceError:
                     continue
-                self.history[k] = past._replace(polished=exact.unknown_values)
+                self.history[k] = state._replace(fully_converged=exact.unknown_values)

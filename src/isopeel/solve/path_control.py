@@ -23,7 +23,7 @@ from isopeel.solve.continuation import (
 )
 from isopeel.solve.newton import ConvergenceError
 from isopeel.solve.path import Path
-from isopeel.solve.step import Found, Kind, Past, Step
+from isopeel.solve.step import AcceptedState, Found, Kind, Step
 
 #: Halvings of a step before it counts as one that ends at a limit point.
 _HALVINGS = 4
@@ -160,7 +160,7 @@ def _cut(path: Path, parameters: Iterable[float]) -> Iterator[Found]:
                 found = found._replace(negative=path.negative_eigenvalues(found))
             if found.negative is None and is_last and whole_rest:
                 # a path that goes further has not been asked here: a stable state stays as it is
-                found = found._replace(negative=path.negative_eigenvalues(found, told=True) or None)
+                found = found._replace(negative=path.negative_eigenvalues(found, always=True) or None)
             if found.negative:
                 for over in gone_over(path, found):
                     whole_rest = over.kind != "bifurcation" and over.parameter == parameter
@@ -176,7 +176,7 @@ def _cut(path: Path, parameters: Iterable[float]) -> Iterator[Found]:
 
 def _fallen(path: Path, parameter: float, kind: Kind, error: ConvergenceError | None = None) -> Found:
     """What a path falls to where its branch ends or, by an error, its smallest step fails."""
-    found = path.jumped(parameter) if error is None else _jumped(path, error, parameter)
+    found = path.jump(parameter) if error is None else _jump_after_failure(path, error, parameter)
     # a search may have found what Newton's method did not
     smooth = found.kind == "jump" and path.moves_to(parameter) and path.is_smooth(found)
     return found._replace(kind=kind) if smooth else found
@@ -246,7 +246,7 @@ def _unbalanced(path: Path, found: Found, misfit: Misfit) -> ConvergenceError:
     return ConvergenceError(reason, found.result.iterations, found.parameter, "energy without work")
 
 
-def _jumped(path: Path, error: ConvergenceError, parameter: float) -> Found:
+def _jump_after_failure(path: Path, error: ConvergenceError, parameter: float) -> Found:
     """What a path jumps to where its smallest step fails; raises ConvergenceError with the cause of that.
 
     Where its branch goes on to the parameter after all, or less far and nothing is met by falling energy, the
@@ -258,7 +258,7 @@ def _jumped(path: Path, error: ConvergenceError, parameter: float) -> Found:
     if inside and inside[-1].parameter == parameter:
         return inside[0]
     try:
-        return path.jumped(parameter)
+        return path.jump(parameter)
     except ConvergenceError as failure:
         if inside and failure.cause == "energy without work":
             return inside[0]
@@ -282,7 +282,7 @@ def _along_the_curve(path: Path, values: Sequence[float], index: int, *, jumps: 
                 # a stage that lets go of what was held begins with a jump, whatever the path control
                 if not path.has_energy:
                     raise
-                yield path.landed(path.guesses(values[index]), values[index])
+                yield path.jump_from(path.guesses(values[index]), values[index])
             index += 1
         elif found := path.regular(values[index]):
             yield found
@@ -336,11 +336,12 @@ def _next(
             new = curve.beyond(point, radius)
             cosine = curve.straightness(point, new)
             if cosine < LEAST_COSINE or (
-                path.has_energy and not path.fits(_past(path, point), _past(path, new), step)
+                path.has_energy
+                and not path.fits(_accepted_state(path, point), _accepted_state(path, new), step)
             ):
                 reason = "the curve turns too sharply for the shortest step"
                 raise ConvergenceError(reason, new.iterations, point.parameter, "stalled residual")
-            found = _on_the_way(curve, point, new, values)
+            found = _met_between(curve, point, new, values)
         except (ConvergenceError, SingularError) as error:
             radius /= 2
             if radius >= SHORTEST * curve.radius:
@@ -354,7 +355,7 @@ def _next(
         return new, found, min(radius, curve.radius)
 
 
-def _on_the_way(
+def _met_between(
     curve: Curve, point: Point, new: Point, values: Sequence[float]
 ) -> list[tuple[int | None, Point]]:
     limit = curve.limit_point(point, new) if (new.turning > 0) != (point.turning > 0) else None
@@ -370,23 +371,25 @@ def _on_the_way(
 
 def _jump(path: Path, curve: Curve, limit: Point) -> Found:
     """The stable equilibrium at the parameter of a limit point that its fall in energy leads to."""
-    energy = _past(path, limit).energy
+    energy = _accepted_state(path, limit).energy
     for push in _PUSHES:
         start = limit.unknown_values + push * curve.radius * limit.along
-        found = path.landed([start, limit.unknown_values], limit.parameter)
+        found = path.jump_from([start, limit.unknown_values], limit.parameter)
         result = found.result
-        landed, _ = path.system.potential(
+        reached, _ = path.system.potential(
             result.equilibrium, result.displacement, result.load, limit.parameter
         )
-        if landed < energy:
+        if reached < energy:
             return found
     raise ConvergenceError(
         "no other stable equilibrium was found beyond the limit point", (), limit.parameter, "limit point"
     )
 
 
-def _past(path: Path, point: Point) -> Past:
-    return path.past(point.parameter, point.unknown_values, point.displacement, point.load, point.equilibrium)
+def _accepted_state(path: Path, point: Point) -> AcceptedState:
+    return path.accepted_state(
+        point.parameter, point.unknown_values, point.displacement, point.load, point.equilibrium
+    )
 
 
 def _leg(values: Sequence[float], index: int, step: float) -> tuple[int, int]:

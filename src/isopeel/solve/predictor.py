@@ -15,7 +15,7 @@ from isopeel.assembly.system import System
 from isopeel.common.arrays import FloatArray, IntArray
 from isopeel.common.compilation import compiled
 from isopeel.solve.extrapolation import MOST_STATES, lagrange, select_predictor, slope
-from isopeel.solve.step import Past
+from isopeel.solve.step import AcceptedState
 from isopeel.solve.translation_predictor import TranslationPredictor
 
 #: States that are remembered: those of two elements and some more, of which a front of the published study
@@ -42,7 +42,7 @@ class Predictor:
         self._order = min(2, len(side) - 1)
         self._every = 1 + len(side) // _PLACES
         #: The newest at the end.
-        self.states: list[Past] = []
+        self.states: list[AcceptedState] = []
         # notes of the states are the last of `end` rows: parameters, as they are and translated, and adhesive
         # energies; bends, as they are and translated; and what polynomials would have missed them by
         self._end = 0
@@ -58,7 +58,7 @@ class Predictor:
         """Of the notes."""
         return slice(self._end - len(self.states), self._end)
 
-    def remember(self, state: Past, displacement: FloatArray) -> None:
+    def remember(self, state: AcceptedState, displacement: FloatArray) -> None:
         """Take a state, of coefficients u (size, 2)."""
         parameter, translation = state.parameter, self._translation
         # a drive that turns back meets a parameter again: its last state counts
@@ -107,15 +107,15 @@ class Predictor:
         return guess
 
     def _add(self, weights: FloatArray, values: FloatArray) -> None:
-        for weight, past in zip(weights.tolist(), self.states, strict=True):
+        for weight, state in zip(weights.tolist(), self.states, strict=True):
             if weight:
-                daxpy(past.unknown_values, values, a=weight)
+                daxpy(state.unknown_values, values, a=weight)
 
     def slope(self, covector: FloatArray) -> float:
         """Derivative of covector (count,) . unknowns by the parameter, at the last state."""
         last = self.states[-SLOPE_STATES:]
         parameters, _, energies = self._numbers[:, self._end - len(last) : self._end]
-        values = np.array([ddot(covector, past.unknown_values) for past in last])
+        values = np.array([ddot(covector, state.unknown_values) for state in last])
         return float(slope(energies if self._by_energy else parameters, parameters, values))
 
 

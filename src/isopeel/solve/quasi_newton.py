@@ -1,4 +1,4 @@
-"""Newton's method with a tangent that is kept from step to step, and learns from the steps it has taken."""
+"""Modified Newton method: a chord tangent that serves many steps, with L-BFGS updates."""
 
 from dataclasses import dataclass, replace
 
@@ -20,102 +20,113 @@ from isopeel.solve.newton import NewtonResult, NewtonSettings
 
 #: Steps that one tangent serves.
 _MOST_STEPS = 40
-#: A step that takes more corrections is the last one of its tangent.
+#: A step with more corrections than this is the last one of its tangent.
 _SLOW = 6
 _MOST_CORRECTIONS = 12
-#: Of the tolerance, where a guess has missed more than this part of the way from the last state: the last
-#: correction leaves a tenth of the error, where Newton's method squares it, and what is left turns up in
-#: reactions as far as the path's slope is known no better. At 1e-3 one step of L4 at 200 x 10 elements missed
-#: its moment by 1.4e-8 in one run of several; at this those of L1, L2 and L4 are met to 6e-9.
+#: A guess is well predicted where its first correction is below this share of its distance from the last
+#: state. For other guesses the tolerance is multiplied by _SHARE: the last correction leaves a tenth of the
+#: error, where Newton's method squares it, and the rest appears in reactions unless the slope of the path is
+#: known well. At 1e-3 one step of L4 at 200 x 10 elements missed its moment by 1.4e-8 in one run of several;
+#: at 3e-4 the moments of L1, L2 and L4 are met to 6e-9.
+_WELL_PREDICTED = 3e-4
 _SHARE = 1e-3
-_FORESEEN = 3e-4
-#: Of the tolerance: what a last correction may leave, as the one before tells. Where they fall slowly that is
-#: most of it: a step of L4 with the last two at 0.4 of each other missed its moment by 1.1e-8.
+#: Share of the tolerance that the last correction may leave, estimated from the last two corrections. Where
+#: corrections fall slowly, most of the error is left: a step of L4 whose last two corrections had the ratio
+#: 0.4 missed its moment by 1.1e-8.
 _LEFT = 0.1
-#: Of what a step ends at: a last correction below this is no more than what others leave. Energies and
-#: reactions are known to second order in it, and it teaches little. So forces are not asked for once more.
-_TRIFLE = 1e-2
-#: Of the tolerance, and _SHARE of that: where Newton's method has begun, whose end squares what is left. The
-#: slope of a path that has just snapped on would correct no reaction.
+#: Share of the threshold below which the evaluation of the forces after the last correction is skipped.
+#: Energies and reactions are known to second order in that correction, and its L-BFGS pair would gain little.
+_SKIP_SHARE = 1e-2
+#: Share of the tolerance, times _SHARE, where Newton's method has begun: its own last correction would square
+#: the error. The slope of a path that has just snapped on would correct no reaction.
 _EXACT = 1e-3
-#: Steps after that of its tangent in which the stiffness of its softest motion is looked at again: one that
-#: has kept nine tenths in a tenth of the steps that a tangent serves, and falls evenly, does not vanish
-#: while it serves. A look costs an evaluation of the forces, a hundredth of the time of these steps.
+#: Steps after that of its tangent in which the stiffness of its softest motion is evaluated again. A
+#: stiffness that has kept nine tenths after a tenth of the steps that a tangent serves, and falls evenly,
+#: does not vanish while it serves. This costs one evaluation of the forces, a hundredth of the time of these
+#: steps.
 _LOOK = _MOST_STEPS // 10
 _KEPT = 9 / 10
-#: A motion that has kept no more of its stiffness may hide one that falls in energy, of which it is a part.
+#: A motion that keeps at most this share of its stiffness may contain one along which the energy falls.
 _SOFT = 1 / 4
-#: Of the size of the body: the motion over which forces are compared. What it strains by its square is below
-#: what it bends by, in bodies some hundred times as long as high; and what corrections have left of the
-#: forces is a few hundredths of those that it takes to bend them by it.
+#: Size of the motion over which forces are compared, as a share of the body's size. Its strain, which goes
+#: with the square, is below its bending in bodies some hundred times as long as high; and the forces that
+#: corrections leave are a few hundredths of those that bend the body by it.
 _SMALL_MOTION = 3e-5
-#: An energy residual that falls by less is a poor correction; the second one of a tangent ends it.
+#: A correction is poor where the energy residual keeps more than this share. The second poor one ends a
+#: tangent.
 _POOR = 0.5
 
-# what corrections have led to
+# outcomes of the corrections
 _CONVERGED, _POORLY, _NOWHERE = range(3)
 
 
 @dataclass(frozen=True, eq=False)
-class Memory:
-    """What is kept from step to step: where the tangent was made, and what was learned since.
+class SolverState:
+    """What the solver keeps from step to step: the state of its chord tangent, and the L-BFGS pairs since.
 
-    The tangent itself is not kept here: it follows from where it was made.
+    The tangent itself is not stored: it follows from the state that it was made at.
     """
 
     unknown_values: FloatArray  # (count,)
     parameter: float
     openings: FloatArray  # (E, Q), for irreversible adhesion
-    pairs: LbfgsPairs
+    lbfgs_pairs: LbfgsPairs
     steps: int = 0
     slow: bool = False  # the last step
 
-    def followed_by(self, pairs: LbfgsPairs, *, slow: bool) -> "Memory":
-        """After one more step."""
-        return Memory(self.unknown_values, self.parameter, self.openings, pairs, self.steps + 1, slow)
+    def followed_by(self, pairs: LbfgsPairs, *, slow: bool) -> "SolverState":
+        """Return the solver state after one more step."""
+        return SolverState(self.unknown_values, self.parameter, self.openings, pairs, self.steps + 1, slow)
 
 
 class QuasiNewton:
-    """The method of Broyden, Fletcher, Goldfarb and Shanno with limited memory, on a kept tangent.
+    """The method of Broyden, Fletcher, Goldfarb and Shanno with limited memory (L-BFGS) on a chord tangent.
 
-    A residual is far cheaper than a tangent and its factor, and along a path the tangent changes little
-    from step to step. So the factor of one tangent serves many steps; what has changed since is learned
-    from the residuals (Matthies and Strang, Int. J. Numer. Methods Eng. 14, 1979). It ends as Newton's method
-    does, with the first correction whose energy residual is below the tolerance, and gives up early where
-    it does not converge well: Newton's method then decides.
+    A residual is far cheaper than a tangent and its factor, and along a path the tangent changes little from
+    step to step. So the factor of one tangent serves many steps, and L-BFGS updates from the residuals follow
+    its change (Matthies and Strang, Int. J. Numer. Methods Eng. 14, 1979). As in Newton's method, a step ends
+    with the first correction whose energy residual is below the tolerance. Where the method does not converge
+    well, it stops early, and Newton's method takes over.
 
-    For systems whose forces have a potential, under no unknown load.
+    It applies to systems whose forces have a potential and whose load is known.
     """
 
-    def __init__(self, system: System, settings: NewtonSettings, memory: Memory | None = None) -> None:
+    def __init__(
+        self, system: System, settings: NewtonSettings, solver_state: SolverState | None = None
+    ) -> None:
         self._system = system
         self._settings = settings
         self._factor: BandCholesky | None = None
-        #: What goes on from here needs to do so bit for bit.
-        self.memory: Memory | None = None if memory is None else replace(memory, pairs=memory.pairs.copy())
-        # a motion next to the softest one of the tangent, and twice the energy that it takes there
+        #: The state that a path needs to continue from here bit for bit.
+        self.solver_state: SolverState | None = (
+            None
+            if solver_state is None
+            else replace(solver_state, lbfgs_pairs=solver_state.lbfgs_pairs.copy())
+        )
+        # a motion close to the softest one of the tangent, and twice its energy there
         self._softest: tuple[FloatArray, float] | None = None
-        # whether the last look has found that softer; not known of a path that goes on from a stored state
-        self._softens = memory is not None
-        # whether a tangent, which is positive definite then, was made in the step
+        # whether that motion was softer at its last evaluation; unknown after a start from a stored state
+        self._softens = solver_state is not None
+        # whether a tangent was made in this step; it is positive definite then
         self._is_new = False
 
     @staticmethod
     def applies(system: System) -> bool:
-        """Whether the tangent is symmetric, and positive definite where the body is stable."""
+        """Return whether the tangent is symmetric, and positive definite where the body is stable."""
         return system.storage == "symmetric" and not system.load_is_unknown
 
     def has_softened(self, result: NewtonResult, parameter: float) -> tuple[bool, bool]:
-        """Whether the softest motion of the tangent is much softer in what was found, and may fall in energy.
+        """Return whether the softest motion of the tangent has softened, and whether its energy may fall.
 
-        It costs an evaluation of the forces, once for each tangent that serves long: a body may lose its
-        stability while a tangent of a stable state serves on. Once it has become softer, it is looked at in
-        each step. What the motion misses of the softest one shows in both stiffnesses alike.
+        A body may lose its stability while the tangent of an earlier stable state still serves. The check
+        costs one evaluation of the forces, once for each tangent that serves long; once the motion has become
+        softer, it is checked in each step. The motion is only close to the softest one: this adds the same
+        stiffness before and now.
         """
-        memory = self.memory
-        if memory is None or self._softest is None or memory.slow:
+        solver_state = self.solver_state
+        if solver_state is None or self._softest is None or solver_state.slow:
             return False, False
-        served = memory.steps - 1
+        served = solver_state.steps - 1
         if served != _LOOK and not (self._softens and 0 < served < _LOOK):
             return False, False
         motion, before = self._softest
@@ -130,20 +141,23 @@ class QuasiNewton:
         return False, not now > _SOFT * before
 
     def forget(self) -> None:
-        """Make a new tangent at the next step."""
-        self.memory = self._factor = None
+        """Drop the chord tangent: the next step makes a new one."""
+        self.solver_state = self._factor = None
 
     def equilibrium(
         self, guess: FloatArray, parameter: float, last: FloatArray | None = None
     ) -> NewtonResult | None:
-        """Find the equilibrium near a guess y (count,), one step from the last; None where Newton should."""
+        """Return the equilibrium near a guess y (count,); None where Newton's method has to find it.
+
+        `last` are the unknowns (count,) of the last step.
+        """
         system = self._system
-        # what a load moves by, and what is dissipated, are known to first order only
+        # the displacement of a load and the dissipated energy are known to first order only
         first_order = system.load is not None or system.problem.adhesion.irreversible
-        trifle = 0.0 if first_order else _TRIFLE
-        # the tangent was made for the last step: if that has snapped on, slopes are of states before
-        last = None if self.memory is not None and self.memory.steps == 1 else last
-        result = self._solve(guess, parameter, last, self._settings.tolerance, trifle)
+        skip_share = 0.0 if first_order else _SKIP_SHARE
+        # a tangent made for the last step may mean that it has snapped on: slopes are of the states before
+        last = None if self.solver_state is not None and self.solver_state.steps == 1 else last
+        result = self._solve(guess, parameter, last, self._settings.tolerance, skip_share)
         if result is None:
             self.forget()
         return result
@@ -151,24 +165,31 @@ class QuasiNewton:
     def finish(
         self, made_at: FloatArray, matrix: BandMatrix, start: FloatArray, parameter: float
     ) -> NewtonResult | None:
-        """End what Newton's method has begun: see `isopeel.solve.newton.Finish`."""
+        """Finish the corrections that Newton's method has begun: see `isopeel.solve.newton.Finish`."""
         try:
             made = approximate(matrix)
         except NotPositiveDefiniteError:
             return None
         self._factor, self._softest = made.factor, (made.soft, made.needed)
-        self.memory = Memory(made_at, parameter, self._system.openings, LbfgsPairs.none(len(start)))
+        self.solver_state = SolverState(
+            made_at, parameter, self._system.openings, LbfgsPairs.none(len(start))
+        )
         result = self._solve(start, parameter, None, _EXACT * self._settings.tolerance, 0.0)
         if result is None:
             self.forget()
         return None if result is None else replace(result, exact=True, definite=True)
 
     def _solve(
-        self, guess: FloatArray, parameter: float, last: FloatArray | None, tolerance: float, trifle: float
+        self,
+        guess: FloatArray,
+        parameter: float,
+        last: FloatArray | None,
+        tolerance: float,
+        skip_share: float,
     ) -> NewtonResult | None:
         self._is_new = False
         try:
-            factor, memory = self._kept_tangent(guess, parameter)
+            factor, solver_state = self._chord_tangent(guess, parameter)
         except NotPositiveDefiniteError:
             return None
         system, count = self._system, len(guess)
@@ -176,13 +197,13 @@ class QuasiNewton:
         moved, external = system.constraints.moved(parameter), system.external(load)
         u, forces = np.empty((2, *system.constraints.unknowns.shape))
         at = Iterate(guess.copy(), u, forces, np.empty(count))
-        # as those of a step are: loops are compiled anew for arrays that can be written to
+        # read-only as those of a step: loops would be compiled anew for writable arrays
         last = (guess if last is None else last).view()
         last.setflags(write=False)
         measures = np.empty(_MOST_CORRECTIONS)
         made, threshold = 0, tolerance * system.energy_scale
         while True:
-            pairs = memory.pairs.with_room(_MOST_CORRECTIONS)
+            pairs = solver_state.lbfgs_pairs.with_room(_MOST_CORRECTIONS)
             outcome, made, first, end, threshold, energies = corrected(
                 system.equations,
                 system.openings.ravel(),
@@ -199,17 +220,17 @@ class QuasiNewton:
                 measures,
                 made,
                 threshold,
-                trifle,
+                skip_share,
             )
-            if outcome == _POORLY and memory.steps > 0:
-                # the tangent is of another step: one of this step may do
+            if outcome == _POORLY and solver_state.steps > 0:
+                # the tangent is of an earlier step: a new one may converge
                 try:
-                    factor, memory = self._new_tangent(at.unknown_values.copy(), parameter)
+                    factor, solver_state = self._new_tangent(at.unknown_values.copy(), parameter)
                 except NotPositiveDefiniteError:
                     return None
             elif outcome == _CONVERGED and energies[3] > 0:
                 pairs = LbfgsPairs(pairs.rows, pairs.products, first, end)
-                self.memory = memory.followed_by(pairs, slow=made > _SLOW)
+                self.solver_state = solver_state.followed_by(pairs, slow=made > _SLOW)
                 equilibrium = Equilibrium(*energies, at.forces, at.residual)
                 iterations = tuple(measures[:made].tolist())
                 definite = True if self._is_new else None
@@ -217,24 +238,24 @@ class QuasiNewton:
             else:
                 return None
 
-    def _kept_tangent(self, guess: FloatArray, parameter: float) -> tuple[BandCholesky, Memory]:
-        """The factor of the tangent that is kept, or of a new one at a guess where that has served enough."""
-        memory = self.memory
-        if memory is None or memory.slow or memory.steps >= _MOST_STEPS:
+    def _chord_tangent(self, guess: FloatArray, parameter: float) -> tuple[BandCholesky, SolverState]:
+        """Return the factor and solver state of the chord tangent, or of a new one where it served enough."""
+        solver_state = self.solver_state
+        if solver_state is None or solver_state.slow or solver_state.steps >= _MOST_STEPS:
             return self._new_tangent(guess, parameter)
         if self._factor is None:
-            self._factor = self._made(memory)
-        return self._factor, memory
+            self._factor = self._made(solver_state)
+        return self._factor, solver_state
 
-    def _new_tangent(self, y: FloatArray, parameter: float) -> tuple[BandCholesky, Memory]:
-        memory = Memory(y, parameter, self._system.openings, LbfgsPairs.none(len(y)))
-        self._factor = self._made(memory)
+    def _new_tangent(self, y: FloatArray, parameter: float) -> tuple[BandCholesky, SolverState]:
+        solver_state = SolverState(y, parameter, self._system.openings, LbfgsPairs.none(len(y)))
+        self._factor = self._made(solver_state)
         self._is_new = True
-        return self._factor, memory
+        return self._factor, solver_state
 
-    def _made(self, memory: Memory) -> BandCholesky:
-        u, load = self._system.state(memory.unknown_values, memory.parameter)
-        made = approximate(self._system.linearize(u, "symmetric", load, memory.openings)[1])
+    def _made(self, solver_state: SolverState) -> BandCholesky:
+        u, load = self._system.state(solver_state.unknown_values, solver_state.parameter)
+        made = approximate(self._system.linearize(u, "symmetric", load, solver_state.openings)[1])
         self._softest = made.soft, made.needed
         return made.factor
 
@@ -256,16 +277,17 @@ def corrected(
     measures: FloatArray,
     made: int,
     threshold: float,
-    trifle: float,
+    skip_share: float,
 ) -> tuple[int, int, int, int, float, Energies]:
-    """Correct unknowns until they are converged, or a second correction is poor, or all have been made.
+    """Correct unknowns until they converge, a second correction is poor, or all corrections have been made.
 
-    Told are what the equations ask for at the parameter (see `evaluate`), the factor, the pairs, the unknowns
-    of the last step, and what was `made` of the corrections with another tangent before: their energy
-    residuals are the first of `measures`. Returns what has become of it, the number of corrections, first and
-    end of the pairs, the threshold, which the first correction may tighten, and the energies.
+    The arguments are those of the equations at the parameter (see `evaluate`), the factor, the L-BFGS pairs,
+    the unknowns of the last step, and the number `made` of corrections with an earlier tangent, whose energy
+    residuals are the first of `measures`. Returns the outcome, the number of corrections, first and end of
+    the pairs, the threshold, which the first correction may tighten, and the energies.
 
-    These, forces and residual are those before the last correction where that is a `trifle` of the threshold.
+    Where the last correction is at most `skip_share` of the threshold, the forces are not evaluated after it:
+    energies, forces and residual are those before it.
     """
     y, residual = at.unknown_values, at.residual
     count = len(y)
@@ -277,7 +299,7 @@ def corrected(
     while made < len(measures):
         correct(values, starts, rows, products, first, end, residual, correction)
         measure = abs(_product(residual, correction)) / count
-        if made == 0 and not _foreseen(y, correction, last):
+        if made == 0 and not _is_well_predicted(y, correction, last):
             threshold *= _SHARE
         if not np.isfinite(measure):
             break
@@ -290,8 +312,8 @@ def corrected(
         for i in range(count):
             y[i] += correction[i]
             change[i] = -residual[i]
-        # with the tangent of before, forces were asked for elsewhere
-        if measure <= trifle * threshold and (before == 0 or made > before + 1):
+        # after a change of the tangent the first correction starts from forces at another state
+        if measure <= skip_share * threshold and (before == 0 or made > before + 1):
             displace(equations.unknowns, y, equations.offset, equations.driven, moved, at.displacement)
             return _CONVERGED, made, first, end, threshold, energies
         energies = evaluate(equations, history, moved, external, at)
@@ -315,10 +337,10 @@ def _product(one: FloatArray, other: FloatArray) -> float:
 
 
 @compiled_reordered
-def _foreseen(guess: FloatArray, correction: FloatArray, last: FloatArray) -> bool:
-    """Whether the first correction of a guess (count,) is little of the way from the last state."""
-    largest, way = 0.0, 0.0
+def _is_well_predicted(guess: FloatArray, correction: FloatArray, last: FloatArray) -> bool:
+    """Return whether the first correction of a guess (count,) is small against its distance from `last`."""
+    largest, distance = 0.0, 0.0
     for i in range(len(guess)):
         largest = max(largest, abs(correction[i]))
-        way = max(way, abs(guess[i] - last[i]))
-    return largest < _FORESEEN * way
+        distance = max(distance, abs(guess[i] - last[i]))
+    return largest < _WELL_PREDICTED * distance

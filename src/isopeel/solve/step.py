@@ -1,4 +1,4 @@
-"""What a path is made of: its steps, and the states that it can go on from."""
+"""The data of a path: its steps, and the states that a path can continue from."""
 
 from dataclasses import dataclass
 from typing import Literal, NamedTuple, get_args
@@ -6,46 +6,46 @@ from weakref import ReferenceType
 
 from isopeel.common.arrays import FloatArray
 from isopeel.solve.newton import NewtonResult
-from isopeel.solve.quasi_newton import Memory
+from isopeel.solve.quasi_newton import SolverState
 
-#: Converged states that plain Newton's method starts from: three, for a parabola.
+#: Number of accepted states through which plain Newton's method extrapolates its start, by a parabola.
 PARABOLA_POINTS = 3
 
 
-class Past(NamedTuple):
-    """What the solver keeps of a state, to guess the next one from: unknowns (count,) at a parameter."""
+class AcceptedState(NamedTuple):
+    """An accepted state, as the solver keeps it to extrapolate the path: unknowns (count,) at a parameter."""
 
     parameter: float
     unknown_values: FloatArray
     energy: float
-    rate: float  # of the energy, by the parameter
-    adhesive_energy: float  # and what was dissipated
-    polished: FloatArray | None = None  # the unknowns to round-off, once they have been asked for
+    rate: float  # derivative of the energy by the parameter
+    adhesive_energy: float  # plus the dissipated energy
+    fully_converged: FloatArray | None = None  # unknowns (count,) to round-off, where they were computed
 
     @property
     def exact(self) -> FloatArray:
-        """The unknowns (count,) as well as they are known."""
-        return self.unknown_values if self.polished is None else self.polished
+        """The most exact unknowns (count,) that are known."""
+        return self.unknown_values if self.fully_converged is None else self.fully_converged
 
 
 class State(NamedTuple):
-    """Where a path can go on from, as a step has it: displacement coefficients (functions, 2) at a parameter.
+    """A state that a path can continue from: displacement coefficients (functions, 2) at a parameter.
 
-    Only irreversible adhesion asks for the largest openings (E, Q) so far. Without the solver's past, its
-    last states up to this one, what goes on is the same to the tolerance of the solver; with the past, and
-    the solver's memory, it is the same bit for bit.
+    Only irreversible adhesion needs the maximum openings (E, Q). From the displacement alone a path continues
+    to the tolerance of the solver. With the accepted states up to this one and the solver state it continues
+    bit for bit.
     """
 
     parameter: float
     displacement: FloatArray
     openings: FloatArray | None = None
-    past: tuple[Past, ...] = ()
-    memory: Memory | None = None
+    accepted_states: tuple[AcceptedState, ...] = ()
+    solver_state: SolverState | None = None
 
 
-#: What a step is: at a parameter that was asked for; between two of them, where one was cut or a curve needs
-#: its points; at a limit point of the parameter; on the branch that a jump has led to; or where stability is
-#: lost to another branch, to which the path goes over.
+#: The kind of a step: at a requested parameter; between two of them, where a step was cut or the path follows
+#: its curve; at a limit point of the parameter; on the branch that a jump has reached; or at a bifurcation,
+#: where stability is lost and the path changes to another branch.
 Kind = Literal["requested", "between", "limit point", "jump", "bifurcation"]
 KINDS: tuple[Kind, ...] = get_args(Kind)
 
@@ -54,14 +54,15 @@ KINDS: tuple[Kind, ...] = get_args(Kind)
 class Step:
     """One converged equilibrium. Energies and reactions are for a unit width, in the problem's units.
 
-    The adhesive energy is the potential of the adhesive forces where these act on the reference area;
-    projected forces have none, and the work of the drive differs from the change of the energies. Of
-    irreversible adhesion it is what closing would give back, and is zero where it was never opened.
+    The adhesive energy is the potential of the adhesive forces where they act on the reference area.
+    Projected forces have no potential: the work of the drive differs from the change of the energies. For
+    irreversible adhesion it is the energy that closing would give back, zero where it was never opened.
 
-    The released energy is the work of the drive since the last step, by the trapezoidal rule, less what the
-    energies gained: zero, or of third order in the step, unless the path jumped (then it is known up to half
-    of the step times the fall of the reaction), or a stage before let go of what it held. It is set to zero
-    where it is known to be the error of that rule alone. Forces without a potential have none.
+    The released energy is the work of the drive since the last step, by the trapezoidal rule, minus the
+    change of the energies. It is zero, or of third order in the step, unless the path jumped (then it is
+    known up to half of the step times the fall of the reaction), or unless an earlier stage released what it
+    held. It is set to zero where it is known to be the error of that rule alone, and for forces without a
+    potential.
     """
 
     number: int
@@ -73,32 +74,33 @@ class Step:
     dissipated_energy: float  # by irreversible adhesion
     iterations: tuple[float, ...]  # energy residual per unknown before each Newton correction
     seconds: float  # wall time of the step
-    openings: FloatArray  # (E, Q) largest ones so far at the points of the adhesive force, read-only
+    openings: FloatArray  # (E, Q) maximum openings at the points of the adhesive force, read-only
     unknown_values: FloatArray  # (count,) of the solver, read-only
     released_energy: float = 0.0  # since the last step, see above
     kind: Kind = "requested"
-    negative_eigenvalues: int | None = None  # of the tangent, of a stable state none; None where not counted
-    resumes: bool = True  # whether a path goes on from its state bit for bit, to the next parameter asked for
-    past: tuple[Past, ...] = ()  # of the solver
-    memory: "ReferenceType[Memory] | None" = None  # of the solver, which keeps it until the next step
+    negative_eigenvalues: int | None = None  # of the tangent: 0 where stable, None where not counted
+    resumes: bool = True  # whether a path continues from its state bit for bit to the next requested value
+    accepted_states: tuple[AcceptedState, ...] = ()  # of the solver, up to this one
+    #: Of the solver, which keeps it until the next step.
+    solver_state: "ReferenceType[SolverState] | None" = None
 
     @property
     def state(self) -> State:
-        """Where another path can go on; with the solver's memory as long as no later step has been made.
+        """The state that another path can continue from; with the solver state until the next step is made.
 
-        To keep the memory of every step would take more room than all else of it.
+        To keep the solver state of every step would take more memory than the rest of the step.
         """
-        memory = None if self.memory is None else self.memory()
-        return State(self.parameter, self.displacement, self.openings, self.past, memory)
+        solver_state = None if self.solver_state is None else self.solver_state()
+        return State(self.parameter, self.displacement, self.openings, self.accepted_states, solver_state)
 
 
 class Found(NamedTuple):
-    """An equilibrium that was found, what it is, and the negative eigenvalues where they were counted."""
+    """An equilibrium, the kind of its step, and its negative eigenvalues where they were counted."""
 
     parameter: float
     result: NewtonResult
     kind: Kind
     negative: int | None = None
     resumes: bool = True
-    is_elsewhere: bool = False  # on another branch than the states before, which would mislead the next guess
-    is_balanced: bool = False  # its energy comes from the work, but for the error of the trapezoidal rule
+    is_elsewhere: bool = False  # on another branch than the states before, which must not be extrapolated
+    is_balanced: bool = False  # energy gained = work of the drive, to the error of the trapezoidal rule

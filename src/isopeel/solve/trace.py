@@ -60,7 +60,7 @@ def trace(
         system.openings = frozen(given[-1].openings)
     begins = base is not None and not start
     if base is not None and not start:
-        start = [base._replace(parameter=0.0, past=(), memory=None)]
+        start = [base._replace(parameter=0.0, accepted_states=(), solver_state=None)]
     settings = settings or NewtonSettings()
     _check_path_control(problem, settings)
     return follow_path(Path(system, settings, start, begins=begins), parameters, passed)
