@@ -155,8 +155,8 @@ class RunWriter:
             # who removes the folder of a run that goes on does not mean to lose what is in the memory only
             self._path.parent.mkdir(parents=True)
             write_run(self._path, run)
-            always = "its folder vanished; it is there again, with all that converged"
-            raise FileNotFoundError(ENOENT, always, str(self._path)) from error
+            reason = "its folder vanished; it is there again, with all that converged"
+            raise FileNotFoundError(ENOENT, reason, str(self._path)) from error
         if not self.saved:
             for path in self._outdated:
                 if os.path.lexists(path):

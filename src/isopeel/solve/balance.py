@@ -1,9 +1,9 @@
-"""The balance of energy along a path: what a step gains or releases beyond the work of its drive.
+"""The balance of energy along a path: the energy that a step gains or releases beyond the work of its drive.
 
-A body in equilibrium gains energy by the work of its drive alone, dissipated energy counted. So a step after
-which there is more of it lies on another branch, which the body cannot have reached: a method that solves
-equations, as Newton's, does not know. One after which there is less has passed a fall of energy, which may be
-a jump, or physics that a long step has left out.
+The energy of a body in equilibrium, dissipated energy included, grows by the work of its drive alone. A step
+that gains more lies on another branch, which the body cannot have reached; Newton's method, which only solves
+equations, cannot detect this. A step that gains less has passed a fall of energy: a jump, or physics that a
+long step has missed.
 """
 
 from typing import NamedTuple
@@ -13,39 +13,39 @@ import numpy as np
 from isopeel.assembly.system import System
 from isopeel.solve.step import AcceptedState
 
-#: Of the work of adhesion times the adhering length: energy that any step may gain.
+#: Energy that any step may gain, as a share of the work of adhesion times the adhering length.
 GAIN = 1e-6
-#: Of the drive's work in a step: what does not come from it is looked at. The smallest jumps over a snap-back
-#: release some 1e-2 of it, and what the trapezoidal rule misses is some 1e-4 where a path is steep.
+#: Share of the drive's work in a step above which energy from elsewhere is examined. The smallest jumps over
+#: a snap-back release about 1e-2 of the work; the trapezoidal rule misses about 1e-4 where a path is steep.
 MISFIT = 1e-3
-#: Of the work of the largest reaction of late: what a step may release or gain at most by the error of the
-#: trapezoidal rule. Where that is more, a straight line between its ends hides what the reaction does. The
-#: steps of the shipped cylinder, which read well, miss up to 1.5e-2 as it snaps on.
+#: Share of the work of the largest recent reaction that the error of the trapezoidal rule may reach. A larger
+#: error means that the reaction is not straight between the ends of the step. Steps of the shipped cylinder,
+#: whose results are right, miss up to 1.5e-2 as it snaps on.
 SLIGHT = 2e-2
-#: On a smooth branch the error of the trapezoidal rule falls by eight with half of the step, to fifth order;
-#: what a jump releases stays. So an energy that falls by this is such an error.
+#: On a smooth branch the error of the trapezoidal rule falls by a factor of eight with half of the step, to
+#: fifth order; the energy that a jump releases stays. An energy that falls by this factor is such an error.
 CUBIC = 1 / 5
-#: How often the error of the trapezoidal rule, as the last states tell it, a step may be off. Eight paths of
-#: tapes, cantilevers and pads have the same rows for 0.5 to 16; but branches are followed inside of steps 28
-#: times at 4, 45 at 2 and 153 at 0.5.
+#: Factor on the error of the trapezoidal rule, estimated from the last states, that a step may be off. Eight
+#: paths of tapes, cantilevers and pads have the same rows for 0.5 to 16; but branches are followed inside of
+#: steps 28 times at 4, 45 times at 2 and 153 times at 0.5.
 _SAFETY = 4.0
-#: Of an energy: its round-off, over the sums that it is made of.
+#: Round-off of an energy, as a share of the sums that it is made of.
 ROUND_OFF = 1e-12
-#: Of the work: what reactions are known to (see `isopeel.solve.quasi_newton`), with a margin of ten.
+#: Accuracy of reactions as a share of the work (see `isopeel.solve.quasi_newton`), with a margin of ten.
 _REACTION = 1e-7
 
 
 class Misfit(NamedTuple):
-    """What a step gained without work, negative where it released energy, and whether that is too much."""
+    """The energy that a step gained without work (negative: released), and whether it is too much."""
 
     gained: float
     gains: bool
     releases: bool
-    is_slight: bool = False  # so little of the work that the trapezoidal rule may have missed it
+    is_slight: bool = False  # small enough to be an error of the trapezoidal rule
 
     @property
     def fits(self) -> bool:
-        """Whether the step neither gains nor releases too much."""
+        """Return whether the step neither gains nor releases too much energy."""
         return not (self.gains or self.releases)
 
 
@@ -53,14 +53,14 @@ NO_MISFIT = Misfit(0.0, gains=False, releases=False)
 
 
 def released(one: AcceptedState, other: AcceptedState) -> float:
-    """Work of the drive from one state to another, by the trapezoidal rule, less what the energy gained."""
+    """Return the work of the drive between two states, by the trapezoidal rule, minus the energy gained."""
     return one.energy + (one.rate + other.rate) / 2 * (other.parameter - one.parameter) - other.energy
 
 
 def simpson_misfits(one: AcceptedState, half: AcceptedState, other: AcceptedState) -> tuple[float, float]:
-    """Energy gained without work in both halves of a step, by the parabola through its three rates.
+    """Return the energies gained without work in both halves of a step, by the parabola through three rates.
 
-    Over both it is Simpson's rule (Davis and Rabinowitz, Methods of Numerical Integration, Sec. 2.2).
+    Their sum is Simpson's rule (Davis and Rabinowitz, Methods of Numerical Integration, Sec. 2.2).
     """
     twelfth = (other.parameter - one.parameter) / 24
     before = twelfth * (5 * one.rate + 8 * half.rate - other.rate)
@@ -69,21 +69,22 @@ def simpson_misfits(one: AcceptedState, half: AcceptedState, other: AcceptedStat
 
 
 def gain_allowed(system: System) -> float:
-    """Energy that any step of a system may gain without work: a share of what all of the joint is worth."""
+    """Return the energy that any step of a system may gain without work: a share of the joint's energy."""
     worth = system.problem.adhesion.law.work_of_adhesion * float(system.adhesive.weights.sum())
     return GAIN * worth + energy_round_off(system)
 
 
 def energy_round_off(system: System) -> float:
-    """Round-off of the stored energy: densities are differences of invariants that are near one."""
+    """Return the round-off of the stored energy, whose densities are differences of numbers near one."""
     return float(np.finfo(float).eps) * system.energy_scale
 
 
 def misfit(last: list[AcceptedState], other: AcceptedState, allowed: float) -> Misfit:
-    """Judge the step from the last of some states to another, by what is `allowed` or by its own work.
+    """Return the misfit of the step from the last accepted state to another one.
 
-    The error of the trapezoidal rule over a step h is h^3/6 times the second divided difference of the rate
-    (Davis and Rabinowitz, Methods of Numerical Integration, Sec. 2.1.4), which the last three states tell.
+    It is judged by the energy `allowed` and by the work of the step. The error of the trapezoidal rule over a
+    step h is h^3/6 times the second divided difference of the rate (Davis and Rabinowitz, Methods of
+    Numerical Integration, Sec. 2.1.4), which is taken from the last three states.
     """
     one = last[-1]
     p, rate = one.parameter, one.rate
@@ -99,12 +100,12 @@ def misfit(last: list[AcceptedState], other: AcceptedState, allowed: float) -> M
             change = (rate - b.rate) / before - (b.rate - a.rate) / width
             error = _SAFETY * size**3 / 6 * abs(change / (p - a.parameter))
     gained = -released(one, other)
-    # where all energies are small beside that of the joint, as of a tape that buckles, the work tells
-    # beside the largest reaction of late: as one fades, its relative error means nothing
+    # the work decides where all energies are small beside that of the joint, as in a tape that buckles.
+    # The largest recent reaction is the scale: the relative error of a vanishing one means nothing
     largest = max(abs(state.rate) for state in (*last, other))
     slight = max(SLIGHT * size * largest, MISFIT * allowed) + round_off
     enough = min(allowed, MISFIT * most) + min(error, slight) + round_off
-    # whatever the reaction does between the ends, more than both tell of is not taken from the rule's error
+    # energy above the work by either end's reaction is never an error of the rule
     work = max(rate * step, other.rate * step)
     climbs = other.energy - one.energy - work > MISFIT * (most + allowed) + round_off
     is_slight = abs(gained) <= slight and not climbs

@@ -1,9 +1,9 @@
-"""Where a path loses its stability to another branch, and how it goes over to that.
+"""Bifurcations: where a path loses its stability, and how it changes to the stable branch.
 
-Beyond a bifurcation the old branch goes on smoothly, and a method that solves equations stays on it, while a
-body leaves it at the least disturbance: a film buckles, a tape that is pulled back folds over. The
-bifurcation is located between a stable state and an unstable one by bisection; from a state beyond it,
-disturbed along the motion that lowers its energy, falling energy leads to the stable branch.
+Beyond a bifurcation the old branch continues smoothly, and a method that solves equations stays on it. A body
+leaves it at the least disturbance: a film buckles, a tape that is pulled back folds over. The bifurcation is
+located by bisection between a stable and an unstable state. A state beyond it is disturbed along the motion
+that lowers its energy; from there a descent of the energy reaches the stable branch.
 """
 
 from collections.abc import Iterator
@@ -19,27 +19,25 @@ from isopeel.solve.path import Path
 from isopeel.solve.stability import critical_motion, stability
 from isopeel.solve.step import AcceptedState, Found
 
-#: Of the step in which stability is lost, and of the parameter, whichever is less: how well a bifurcation is
-#: located. What is less than a millionth of the step is not told from its start.
+#: Accuracy of a bifurcation, as a share of the step in which stability is lost or of the parameter, whichever
+#: is less. A bifurcation within a millionth of the step from its start counts as at the start.
 LOCATED = 1e-3
 _SMALLEST = 1e-6
-#: Halvings that this takes, at most.
+#: Most halvings to locate it.
 _MOST_HALVINGS = 30
-#: Of what is left of the step: how far beyond the bifurcation the other branch is looked for first. There the
-#: two are apart, as the root of the distance, and the critical motion is still the only one that falls. Of
-#: six paths, of which five buckle, the ends are the same to seven digits for 1/128 to 1; a small share shows
-#: how the branches part, by some two rows for each quarter.
+#: Distance beyond the bifurcation at which the other branch is first looked for, as a share of the rest of
+#: the step. There the two branches are apart, by the root of the distance, and the energy still falls along
+#: the critical motion only. The ends of six paths, of which five buckle, are the same to seven digits for
+#: 1/128 to 1; a small share shows how the branches part, by about two rows for each quarter.
 _BEYOND = 1 / 32
-#: Of the size of the body: the first disturbance, which is doubled as long as the energy falls.
+#: Size of the first disturbance, as a share of the body's size; it is doubled as long as the energy falls.
 _DISTURBANCE = 1e-5
 _MOST_DOUBLINGS = 16
-#: Disturbances after each other, where what the first led to is unstable itself.
+#: Most disturbances in a row, where the state that the first one reaches is unstable too.
 _MOST_ROUNDS = 4
-#: Of the energy that falls: two branches that differ by less are mirror images.
+#: Two branches are mirror images where their energies differ by less than this share of the energy released.
 _ALIKE = 1e-6
-
-
-#: Of the way to what was found: states on both sides of a bifurcation are no further apart.
+#: Largest distance of the states on both sides of a bifurcation, as a share of the change in the step.
 _NEAR = 0.1
 
 
@@ -51,11 +49,12 @@ class Bracket(NamedTuple):
 
 
 def gone_over(path: Path, found: Found) -> Iterator[Found]:
-    """From an unstable equilibrium, to which a path has come, to a stable one at or before its parameter.
+    """Yield the states from the bifurcation to a stable equilibrium, given an unstable one.
 
-    Yields the bifurcation first, where there was a stable state before; or a stable state of the branch that
-    the path is on, where the unstable equilibrium is of another. Raises ConvergenceError where no stable
-    branch is found.
+    The stable equilibrium lies at or before the parameter of the unstable one. Yields the bifurcation first,
+    where there was a stable state before. Where the unstable equilibrium is of another branch than the path,
+    yields a stable state of the path's branch instead. Raises ConvergenceError where no stable branch is
+    found.
     """
     path.forget()
     if not path.history or path.history[-1].parameter == found.parameter:
@@ -71,7 +70,7 @@ def gone_over(path: Path, found: Found) -> Iterator[Found]:
     rest = end.parameter - begin.parameter
     offset = rest * _BEYOND
     if abs(offset) < abs(start.parameter - begin.parameter):
-        # so near, the state may still be stable
+        # closer to the bifurcation the state may still be stable
         offset = start.parameter - begin.parameter
     while True:
         at = end.parameter if abs(offset) >= abs(rest) else begin.parameter + offset
@@ -84,7 +83,7 @@ def gone_over(path: Path, found: Found) -> Iterator[Found]:
             offset *= 2
     state = path.accepted_state_of(jump_result.result, at)
     work = max(abs(begin.rate), abs(state.rate)) * abs(at - begin.parameter)
-    # on the branch that begins there, the energy comes from the work
+    # on the branch that begins at the bifurcation the energy comes from the work; else it is a jump
     smooth = released(begin, state) <= path.gain_allowed + MISFIT * work
     kind = found.kind if at == end.parameter else "between"
     yield jump_result._replace(kind=kind if smooth else "jump", is_elsewhere=True)
@@ -114,7 +113,7 @@ def _located(path: Path, found: Found) -> Bracket:
     if apart > _NEAR * moved:
         return Bracket(stable, high)
     if stable is None and low.parameter == path.history[-1].parameter:
-        # stability is lost right at the last step that was made
+        # stability is lost at the last step
         try:
             result = newton(path.system, low.exact, low.parameter, path.settings)
             stable = Found(low.parameter, result, "bifurcation")
@@ -126,9 +125,9 @@ def _located(path: Path, found: Found) -> Bracket:
 
 
 def _sides(path: Path, found: Found) -> tuple[AcceptedState | None, Found]:
-    """The last stable state of a path, and the first unstable one."""
+    """Return the last stable state of a path, if known, and the first unstable one."""
     high = found
-    # a joint that was damaged since is another one
+    # earlier states of an irreversible joint had another damage
     states = path.history[-1:] if path.system.problem.adhesion.irreversible else path.history
     for state in reversed(states):
         known = stability(path.system, state.unknown_values, state.parameter)
@@ -145,8 +144,8 @@ def _sides(path: Path, found: Found) -> tuple[AcceptedState | None, Found]:
 def _between(
     path: Path, begin: AcceptedState, low: AcceptedState, high: Found, parameter: float
 ) -> tuple[Found | None, bool]:
-    """An equilibrium between two others, and whether it is a stable one of the branch of the first."""
-    # the branch itself leads on best: what is unstable may be of another
+    """Return an equilibrium between two others, and whether it is a stable one of the branch of the first."""
+    # first extrapolate the branch of the stable state: the unstable one may be of another branch
     if low is not begin:
         share = (parameter - low.parameter) / (low.parameter - begin.parameter)
         starts = [low.unknown_values + share * (low.unknown_values - begin.unknown_values)]
@@ -164,7 +163,7 @@ def _between(
         found = Found(parameter, result, "between", 0, resumes=False)
         first = first or found
         state = path.accepted_state_of(found.result, parameter)
-        # a branch beside has more or less energy by a part of the work, however small that is
+        # the energy of a neighbouring branch differs by a share of the work
         if path.on_one_branch(low, state):
             return found, path.negative_eigenvalues(found, always=True) == 0
     return first, False
@@ -185,7 +184,10 @@ def _unstable(path: Path, start: Found, end: Found, parameter: float) -> Found:
 
 
 def _stable(path: Path, unstable: Found, parameter: float) -> Found:
-    """The stable equilibrium at a parameter that falling energy leads to from an unstable one."""
+    """Return the stable equilibrium that a descent of the energy reaches from an unstable one.
+
+    Raises ConvergenceError.
+    """
     y = unstable.result.unknown_values
     for _ in range(_MOST_ROUNDS):
         known = stability(path.system, y, parameter)
@@ -204,19 +206,22 @@ def _stable(path: Path, unstable: Found, parameter: float) -> Found:
         tried = [one for one in tried if one[0] < energy or not np.isfinite(energy)]
         if not tried:
             raise ConvergenceError(
-                "it is unstable, and no stable equilibrium is found beside it", (), parameter, "instability"
+                "it is unstable, and no stable equilibrium is found near it", (), parameter, "instability"
             )
         best = _preferred(path, tried, energy)
         if path.negative_eigenvalues(best, always=True) == 0:
             return best._replace(negative=0)
         y = best.result.unknown_values
     raise ConvergenceError(
-        "it is unstable, and so is what falling energy leads to", (), parameter, "instability"
+        "it is unstable, and so is the state that the descent of the energy reaches",
+        (),
+        parameter,
+        "instability",
     )
 
 
 def _disturbed(path: Path, y: FloatArray, motion: FloatArray, parameter: float) -> FloatArray:
-    """Unknowns (count,) along a motion, as far as the energy falls there."""
+    """Return the unknowns (count,) moved along a motion as far as the energy falls."""
     size = _DISTURBANCE * path.extent
     best = potential_energy(path.system, y + size * motion, parameter)
     for _ in range(_MOST_DOUBLINGS):
@@ -228,7 +233,7 @@ def _disturbed(path: Path, y: FloatArray, motion: FloatArray, parameter: float) 
 
 
 def _preferred(path: Path, tried: list[tuple[float, Found]], energy: float) -> Found:
-    """Of stable states on both sides: one outside of the substrate, of less energy, or away from it."""
+    """Return the preferred stable state of both sides: outside the substrate, of less energy, or away."""
     if len(tried) == 1:
         return tried[0][1]
     (one, first), (other, second) = tried

@@ -1,4 +1,4 @@
-"""What a step leaves out: the branch of equilibria inside of it, and where that ends."""
+"""The branch of equilibria inside a step, and where it ends."""
 
 from dataclasses import replace
 from itertools import pairwise
@@ -14,32 +14,34 @@ from isopeel.solve.step import PARABOLA_POINTS, AcceptedState, Found
 if TYPE_CHECKING:
     from isopeel.solve.path import Path
 
-#: Of the change of the unknowns in a step: two states that differ by more are of two branches. The same ones,
-#: found by one step and by many, differed by up to 1.2e-6 in 96 steps of tapes, cylinders, pads and stamps.
+#: Two states lie on different branches where they differ by more than this share of the change of the
+#: unknowns in the step. The same states, found by one step and by many, differed by up to 1.2e-6 in 96 steps
+#: of tapes, cylinders, pads and stamps.
 _ELSEWHERE = 0.01
-#: Of what is left of a step: less than this is none.
+#: Share of a step below which its rest is round-off.
 LEAST_REST = 1e-9
-#: Halvings of a step by which its branch is followed, where its energy does not seem to come from its work.
+#: Most halvings of a step to follow its branch, where its energy does not seem to come from the work.
 _DEEPEST = 6
-#: Bisections of a step in which a smooth branch is looked for: a step over two or three elements takes all.
+#: Most bisections of a step to find a smooth branch inside it: a step over two or three elements takes all.
 _BISECTIONS = 3
-#: Corrections of Newton's method where a shorter step can be taken instead: where it converges it takes some
-#: six. Past a limit point each costs a pivoted factor, and to exhaust them took nine tenths of the time.
+#: Most corrections of Newton's method where a shorter step can be taken instead: where it converges it takes
+#: about six. Past a limit point each correction costs a pivoted factor: with the full number of corrections
+#: they took nine tenths of the time.
 SOON = 10
 
 
 class End(NamedTuple):
-    """Where a branch ends: between its last known state and a parameter beyond, where it has none."""
+    """The end of a branch: it lies between its last known state and a parameter beyond without a state."""
 
     last: float
     beyond: float
 
 
 class Branch:
-    """The branch that a path is on, inside of its next step.
+    """The branch that a path is on, inside its next step.
 
-    What it has found is forgotten at each requested parameter: a path that goes on from there has to find
-    the same.
+    Its results are dropped at each requested parameter, so that a path that continues from there has the same
+    results.
     """
 
     def __init__(self, path: "Path") -> None:
@@ -51,19 +53,19 @@ class Branch:
         self._followed: tuple[float, float, bool, list[Found]] | None = None
 
     def step(self) -> None:
-        """Go on to a step of the path."""
+        """Drop the results of one step, before the next step of the path."""
         self._goes_on, self._followed = False, None
 
     def forget(self) -> None:
-        """Forget where the branch ends, as another one begins or another parameter is asked for."""
+        """Drop the known end of the branch, where another branch or another requested parameter begins."""
         self._end = None
 
     def goes_on(self) -> None:
-        """Take it that the branch goes on beyond its end, up to the next step."""
+        """Assume, until the next step, that the branch continues beyond its known end."""
         self._end, self._goes_on = None, True
 
     def end_before(self, parameter: float) -> End | None:
-        """The end of the branch, where it is known to lie before a parameter."""
+        """Return the end of the branch where it is known to lie before a parameter, else None."""
         end, history = self._end, self._path.history
         if end is None or not history:
             return None
@@ -72,11 +74,11 @@ class Branch:
         return end if ahead and (parameter - end.beyond) * forwards >= 0 else None
 
     def verified(self, found: Found, *, by_order: bool = False) -> tuple[Misfit, list[Found]]:
-        """The misfit of a step, by the branch inside of it where the ends of the step do not suffice.
+        """Return the misfit of a step, and the smaller steps along its branch where they were computed.
 
-        The branch is followed by smaller steps as far as it goes, which are returned too. Where it comes to
-        the same state, all is well. Where it ends before, the body has jumped there, with the work of the
-        drive so far.
+        Where the ends of the step do not suffice to judge it, the branch is followed by smaller steps as far
+        as it goes. If it reaches the same state, the step is right. If it ends earlier, the body has jumped
+        from there, with the work of the drive up to there.
         """
         path = self._path
         whole = path.misfit(found)
@@ -104,10 +106,10 @@ class Branch:
     def _is_smooth(
         self, one: AcceptedState, other: AcceptedState, missed: float, depth: int = _BISECTIONS
     ) -> bool:
-        """Whether one branch joins two states, as states between them tell by Simpson's rule.
+        """Return whether one branch joins two states, by Simpson's rule over states between them.
 
-        `missed` is what the energy between the two differs by from the work, by a rule of lower order. On
-        one branch it falls with each bisection; across a jump it stays.
+        `missed` is the difference of energy and work between the two, by a rule of lower order. On one branch
+        it falls with each bisection; across a jump it stays.
         """
         path = self._path
         middle = (one.parameter + other.parameter) / 2
@@ -126,10 +128,10 @@ class Branch:
         return True
 
     def followed(self, parameter: float, *, by_order: bool, whole: Misfit | None = None) -> list[Found]:
-        """States towards a parameter on the branch, by halved steps, as far as they go.
+        """Return states on the branch towards a parameter, by halved steps, as far as the branch goes.
 
-        Where too few states are known for the error of the trapezoidal rule, its `by_order` tells it. Of a
-        step that was found whole, its misfit is known.
+        With `by_order`, the error of the trapezoidal rule is recognized by its order where too few states are
+        known to estimate it. `whole` is the misfit of the whole step, where that was computed.
         """
         path = self._path
         begin = path.history[-1].parameter
@@ -137,9 +139,9 @@ class Branch:
             return self._followed[3]
         states, found = [*path.history], []
         size = step = parameter - begin
-        longer = np.inf  # what a step of twice the size misses
-        refused: float | None = None  # where no equilibrium was found from further away
-        ends = False  # whether the shortest step has none, or one of another branch
+        longer = np.inf  # misfit of a step of twice the size
+        refused: float | None = None  # parameter at which a longer step found no equilibrium
+        ends = False  # whether the shortest step has no equilibrium, or one of another branch
         if whole is not None and not by_order:
             size, longer = step / 2, abs(whole.gained)
         least = abs(step) / 2**_DEEPEST
@@ -149,13 +151,13 @@ class Branch:
             if at == refused and abs(size) > 2 * least:
                 size /= 2
                 continue
-            # before the branch is said to end, Newton's method has all its corrections
+            # the shortest steps have all corrections of Newton's method, before the branch is said to end
             result = self._result_at(at, states[-PARABOLA_POINTS:], soon=abs(size) > 2 * least)
             if result is None:
                 size, longer, refused, ends = size / 2, np.inf, at, True
                 continue
             state = path.accepted_state_of(result, at)
-            # some of these make one step
+            # several of these make one step, and share what it may gain
             missed = misfit(states, state, path.gain_allowed / 4)
             smooth = by_order and missed.is_slight and abs(missed.gained) <= CUBIC * longer
             if missed.fits or smooth:
@@ -173,7 +175,10 @@ class Branch:
     def _result_at(
         self, parameter: float, near: list[AcceptedState], *, soon: bool = True
     ) -> NewtonResult | None:
-        """The equilibrium at a parameter from the polynomial through some states, if it comes `soon`."""
+        """Return the equilibrium at a parameter, from the polynomial through some states, or None.
+
+        With `soon`, Newton's method stops after SOON corrections.
+        """
         path = self._path
         guess = extrapolate({state.parameter: state.exact for state in near}, parameter, path.system.count)
         try:

@@ -15,32 +15,33 @@ from isopeel.matrix.factorize import factorize
 from isopeel.matrix.ldl import BandLDL
 from isopeel.solve.newton import INVERTED, ConvergenceError, NewtonResult, NewtonSettings
 
-#: Of the parameter's step: over which its derivative is taken. The error is of the square, and of round-off.
+#: Share of the parameter's step over which its derivative is taken; the error goes with the square of it.
 _DIFFERENCE = 1e-3
-#: Tangents that the corrections of one arc-length step take; more mean that it was too long.
+#: Most tangents of the corrections of one arc-length step; more mean that the step was too long.
 _MOST_TANGENTS = 4
-#: Tangents that the radius is chosen for.
+#: Number of tangents that the radius is chosen for.
 USUAL_TANGENTS = 2
-#: Of the energy residual before: a kept tangent is quick enough where a correction leaves no more. A new one
-#: takes as long as some twenty corrections.
+#: A chord tangent is kept where each correction leaves at most this share of the energy residual. A new
+#: tangent takes as long as about twenty corrections.
 _QUICK = 0.3
-#: Of Newton's tolerance: the one for corrections with a kept tangent.
+#: Share of Newton's tolerance for corrections with a chord tangent.
 _LEFT = 0.01
-#: Cosine of the angles between the tangents at both ends of a step and its chord, at least.
+#: Least cosine of the angles between the tangents at both ends of a step and its chord.
 LEAST_COSINE = 0.8
 #: The same where the radius may grow.
 CALM_COSINE = 0.95
-#: Of the first radius: a shorter step is given up.
+#: Least radius, as a share of the first radius.
 SHORTEST = 2.0**-20
-#: Share of the parameter in the tangent at a limit point, at most: its error in the parameter is the square.
+#: Largest share of the parameter in the tangent at a limit point; the error in the parameter is its square.
 _TURNED = 1e-6
-#: Of the change of the parameter in a step: how near its value is approached before Newton's method ends it.
+#: Share of the parameter's change in a step to which a value is approached before Newton's method finishes
+#: it.
 _MET = 1e-10
-#: Of the value before: a trial of a search along the curve that comes no nearer is slow.
+#: A trial of a root search along the curve is slow where it keeps more than this share of the value before.
 _SLOW = 0.5
-#: Points that such a search interpolates.
+#: Number of points that such a search interpolates.
 _INTERPOLATED = 4
-#: Trials of such a search: enough to halve a step down to round-off, were each second one slow.
+#: Most trials of such a search: enough to halve a step down to round-off, even if each second trial is slow.
 _MOST_TRIALS = 120
 
 
@@ -57,11 +58,11 @@ class Point:
     load: float
     equilibrium: Equilibrium
     iterations: tuple[float, ...]
-    tangents: int  # that its corrections took
+    tangents: int  # number that its corrections took
 
     @property
     def result(self) -> NewtonResult:
-        """The same as Newton's method has it."""
+        """The point as a result of Newton's method."""
         return NewtonResult(
             self.unknown_values, self.displacement, self.load, self.equilibrium, self.iterations
         )
@@ -84,8 +85,8 @@ class Curve:
 
     ds^2 = |dy|^2 / n + (scale dp)^2 over the n unknowns of the displacement, where `scale` is the root of
     |dy/dp|^2 / n at the first point: there the parameter and the unknowns count the same, whatever their
-    units. Steps are Keller's: the tangent as a guess, and corrections at right angles to it by the
-    linearization there, made anew where it does not lead on quickly (Keller, Numerical Solution of
+    units. Steps are Keller's: the tangent gives the guess, and corrections at right angles to it use the
+    linearization there, which is made anew where it converges slowly (Keller, Numerical Solution of
     Bifurcation and Nonlinear Eigenvalue Problems, 1977).
     """
 
@@ -118,17 +119,17 @@ class Curve:
         self.radius = float(size * abs(step))
 
     def share(self, point: Point) -> float:
-        """Share of the parameter in the tangent: 1/sqrt(2) at the start, and zero at a limit point."""
+        """Return the share of the parameter in the tangent: 1/sqrt(2) at the start, zero at a limit point."""
         return self._scale * point.turning
 
     def cosine(self, one: Point, other: Point) -> float:
-        """Of the angle between the tangents of two points."""
+        """Return the cosine of the angle between the tangents of two points."""
         return self._inner(one.along, one.turning, other.along, other.turning)
 
     def straightness(self, one: Point, other: Point) -> float:
-        """The least cosine of the angles between the tangents of two points and the chord.
+        """Return the least cosine of the angles between the tangents of two points and their chord.
 
-        The chord is the one to tell where another stretch of the curve, which passes nearby, was met.
+        The angle with the chord is large where the second point lies on another stretch of the curve nearby.
         """
         y, p = other.unknown_values - one.unknown_values, other.parameter - one.parameter
         chord = np.sqrt(self._inner(y, p, y, p))
@@ -136,17 +137,18 @@ class Curve:
         return float(min(self.cosine(one, other), *ends))
 
     def beyond(self, point: Point, radius: float) -> Point:
-        """The point at a distance along the tangent of another; raises ConvergenceError."""
+        """Return the point at a distance along the tangent of another point; raises ConvergenceError."""
         row, corner = self._row(point)
         y = point.unknown_values + radius * point.along
         parameter = point.parameter + radius * point.turning
         return self._corrected(y, parameter, row, corner, point)
 
     def at_parameter(self, one: Point, other: Point, parameter: float) -> Point:
-        """The point at a parameter between two with no limit point in between; raises ConvergenceError.
+        """Return the point at a parameter between two points without a limit point between them.
 
-        Newton's method from the chord finds it. Next to a limit point, where there are two, it may find the
-        other one: then the parameter is approached along the curve first.
+        It is found by Newton's method from the chord. Next to a limit point, where there are two solutions,
+        Newton's method may find the other one: then the parameter is first approached along the curve. Raises
+        ConvergenceError.
         """
         share = (parameter - one.parameter) / (other.parameter - one.parameter)
         chord = one.unknown_values + share * (other.unknown_values - one.unknown_values)
@@ -166,10 +168,13 @@ class Curve:
         return self._corrected(near.unknown_values, parameter, held, 1.0, other)
 
     def limit_point(self, one: Point, other: Point) -> Point:
-        """The limit point between two, whose tangents point forth and back; raises ConvergenceError."""
+        """Return the limit point between two points, whose tangents point in opposite directions.
+
+        Raises ConvergenceError.
+        """
         from scipy.interpolate import CubicHermiteSpline
 
-        # where a cubic through both, with their tangents, turns
+        # the first guess is where the cubic through both points and tangents turns
         length = self._along(one, other)
         ends = [0.0, length], [one.parameter, other.parameter], [one.turning, other.turning]
         turns = [float(at) for at in CubicHermiteSpline(*ends).derivative().roots() if 0 < at < length]
@@ -183,11 +188,11 @@ class Curve:
         enough: float,
         guess: float | None = None,
     ) -> Point:
-        """The point between two where a function vanishes, which has different signs there.
+        """Return the point between two others at which a function is zero; it has opposite signs at these.
 
-        The first trial is at a guess of the distance, if there is one. To the next one leads inverse
-        interpolation of the distance by the function's values, at up to four points next to zero; where a
-        trial came no nearer, the middle.
+        The first trial is at a guess of the distance, if there is one. The next trials follow from inverse
+        interpolation of the distance over the function's values, at the four points closest to zero; after a
+        slow trial the middle is tried.
         """
         from scipy.interpolate import krogh_interpolate
 
@@ -216,7 +221,7 @@ class Curve:
     def _corrected(
         self, y: FloatArray, parameter: float, row: FloatArray, corner: float, towards: Point
     ) -> Point:
-        """Correct a guess with the tangent there, which is made anew where it does not lead on quickly."""
+        """Return the corrected guess, with a chord tangent that is made anew where it converges slowly."""
         measures: list[float] = []
         for tangents in range(1, _MOST_TANGENTS + 1):
             t = self._linearize(y, parameter)
@@ -228,7 +233,7 @@ class Curve:
                 partial = t.factor.solve(values)
                 change = float(row @ partial) / (corner - float(row @ eliminated))
                 correction = -partial - change * eliminated
-                # with signs, terms of an indefinite tangent could cancel
+                # the magnitudes are summed, as terms of an indefinite tangent could cancel
                 measure = float(np.abs(values * correction).sum()) / len(y)
                 measures.append(measure)
                 if not np.isfinite(measure):
@@ -239,7 +244,7 @@ class Curve:
                 if measure > _QUICK * last:
                     break
                 at, values = self._forces(y, parameter)
-                # what a correction with a tangent of elsewhere leaves is more than Newton's method would
+                # a correction with a chord tangent leaves more error than one of Newton's method
                 threshold, last = _LEFT * self._threshold, measure
         raise ConvergenceError("the arc-length step does not converge", tuple(measures), parameter)
 
@@ -251,7 +256,8 @@ class Curve:
         iterations: tuple[float, ...],
         tangents: int,
     ) -> Point:
-        # the tangent before the last correction would not do: near a limit point that is large, as K is soft
+        # the tangent before the last correction is not exact enough: near a limit point, where K is soft,
+        # that correction is large
         t = self._linearize(y, parameter)
         row, corner = self._row(towards)
         eliminated = t.factor.solve(t.by_parameter)
@@ -285,7 +291,7 @@ class Curve:
             bordered = Bordered.of(factor, Border(column, row))
             factor = bordered
             if negative is not None and float(row @ bordered.eliminated) < 0:
-                negative -= 1  # what the control holds
+                negative -= 1  # the prescribed displacement holds this direction
         h = self._difference
         by_parameter = (self._values(y, parameter + h) - self._values(y, parameter - h)) / (2 * h)
         return _Tangent(at, values, factor, by_parameter, negative, u, load)

@@ -1,4 +1,4 @@
-"""The jump to the next stable equilibrium: a damped search along which the energy falls."""
+"""The descent of the energy to the next stable equilibrium, by a damped Newton method with a line search."""
 
 from typing import NamedTuple
 
@@ -14,35 +14,36 @@ from isopeel.matrix.factor import Factor, NotPositiveDefiniteError, SingularErro
 from isopeel.matrix.factorize import factorize
 
 _MOST_ITERATIONS = 500
-#: Of the mean entry on the diagonal, which is of stretching. That of bending is less by the square of the
-#: slenderness, at 1e-10 for a tape of 100 heights and some elements: a shift that is more lets it creep.
+#: Share of the mean diagonal entry, which comes from stretching. The stiffness in bending is smaller by the
+#: square of the slenderness, 1e-10 for a tape of 100 heights and some elements; a larger shift than that
+#: makes the descent slow.
 _SMALLEST_SHIFT = 1e-12
 _LARGEST_SHIFT = 1e6
 _SHORTEST = 2.0**-30  # of a step
 _SUFFICIENT = 1e-4  # of the decrease that the slope promises
 _ROUND_OFF = 1e-12  # of the displacement
 _FLAT = 1e-13  # of the energy: a decrease below it is round-off
-#: Sizes of the body: what has moved by more, under a force that is raised, flies away. A body that folds over
-#: moves by two of its sizes at most.
+#: A body that moves by more than so many of its sizes, under a prescribed force, flies away. A body that
+#: folds over moves by two of its sizes at most.
 _AWAY = 10.0
 
 
 class Descent(NamedTuple):
-    """Where a search ended, y (count,), and whether it did so because no step was short enough."""
+    """The unknowns (count,) at which a descent ended, and why it ended there."""
 
     unknown_values: FloatArray
-    line_search_failed: bool = False
-    away: bool = False  # by many sizes of the body: the energy has no lower bound
+    line_search_failed: bool = False  # no step was short enough
+    away: bool = False  # moved by many sizes of the body: the energy has no lower bound
     is_unfinished: bool = False  # not at rest after all iterations
 
 
 def descend(system: System, start: FloatArray, parameter: float, most: int = _MOST_ITERATIONS) -> Descent:
-    """Follow falling energy from a start y (count,), at one value of the parameter, to near a minimum.
+    """Descend in energy from a start y (count,), at one value of the parameter, to near a minimum.
 
     Newton's method with a shifted tangent, K + shift x 1 where K is not positive definite, and steps halved
-    until the energy falls (Nocedal and Wright, Numerical Optimization, Algorithms 3.2 and 3.3). The start
-    must keep every element from being turned inside out. Returns the best y after at `most` so many
-    iterations, which may not have converged: Newton's method from there tells.
+    until the energy falls (Nocedal and Wright, Numerical Optimization, Algorithms 3.2 and 3.3). No element
+    may be inverted at the start. Returns the best y after at `most` so many iterations; it may not have
+    converged, which Newton's method from there decides.
     """
     y = start
     shift = 0.0
@@ -58,17 +59,17 @@ def descend(system: System, start: FloatArray, parameter: float, most: int = _MO
         try:
             held = 0.0
             if system.load_is_unknown:
-                # the control holds one direction, along which the tangent alone may be soft or falling
+                # the prescribed displacement holds one direction, along which K may be soft or indefinite
                 column = system.control(u, parameter)[1]
                 size = float(np.abs(matrix.entries[:, 0]).mean()) / float(column @ column)
                 held = size if matrix.add_outer(column, size) else 0.0
             factor, shift = _positive_definite(matrix, shift)
             direction = -_solve(system, factor, equilibrium, u, parameter, held)
         except (NotPositiveDefiniteError, SingularError):
-            # forces that are not finite, which Newton's method will tell of
+            # the forces are not finite: Newton's method reports this
             return Descent(y)
         slope = float(equilibrium.residual @ direction[: system.constraints.count])
-        # the control of a load does work: before it is satisfied, energy need not fall, but be finite
+        # an unknown load does work until its displacement is met: the energy need only be finite
         size = abs(parameter) + float(np.abs(u).max())
         astray = system.load_is_unknown and abs(system.control(u, parameter)[0]) > _ROUND_OFF * size
         step = 1.0
@@ -84,7 +85,7 @@ def descend(system: System, start: FloatArray, parameter: float, most: int = _MO
         if shift == 0.0 and not astray and energy - trial < _FLAT * abs(energy):
             break
         energy = trial
-        # try to do with less the next time
+        # try a smaller shift the next time
         shift = shift / 10 if shift > _SMALLEST_SHIFT else 0.0
     else:
         return Descent(y, is_unfinished=True)
@@ -92,7 +93,7 @@ def descend(system: System, start: FloatArray, parameter: float, most: int = _MO
 
 
 def potential_energy(system: System, y: FloatArray, parameter: float) -> float:
-    """Energy of body, joint and a known load; infinite where an element is turned inside out."""
+    """Return the energy of body, joint and a known load; infinite where an element is inverted."""
     u, load = system.state(y, parameter)
     at = system.equilibrium(u, load)
     energy, _ = system.potential(at, u, load, parameter)
@@ -100,7 +101,10 @@ def potential_energy(system: System, y: FloatArray, parameter: float) -> float:
 
 
 def _positive_definite(matrix: BandMatrix, shift: float) -> tuple[Factor, float]:
-    """Factorize the matrix with the least shift, from a first guess on, that makes it positive definite."""
+    """Return a factor of the matrix plus a shift that makes it positive definite, and that shift.
+
+    The given shift is increased as often as necessary. Raises NotPositiveDefiniteError.
+    """
     diagonal = matrix.entries[:, 0].copy()
     mean = float(np.abs(diagonal).mean())
     while True:
@@ -116,7 +120,7 @@ def _positive_definite(matrix: BandMatrix, shift: float) -> tuple[Factor, float]
 def _solve(
     system: System, factor: Factor, equilibrium: Equilibrium, u: FloatArray, parameter: float, held: float
 ) -> FloatArray:
-    """The correction by a factor of the tangent, with `held` times the control's outer product in it."""
+    """Return the correction, by a factor of K + `held` times the outer product of the load column."""
     if not system.load_is_unknown:
         return factor.solve(equilibrium.residual)
     missed, column, row = system.control(u, parameter)

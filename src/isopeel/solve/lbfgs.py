@@ -1,4 +1,4 @@
-"""L-BFGS pairs: corrections, and the changes of the residual that they made, which update a chord tangent."""
+"""L-BFGS pairs, which update a chord tangent: corrections, and the changes of the residual that they made."""
 
 from dataclasses import dataclass
 from typing import Any, Self, TypeAlias
@@ -10,12 +10,13 @@ from isopeel.common.arrays import FloatArray, IntArray
 from isopeel.common.compilation import compiled_reordered
 from isopeel.matrix.cholesky import BandCholesky, Floats, scaled, solve
 
-#: In single precision: what is learned is no more exact, and half of the memory is read in half of the time.
+#: Pairs are stored in single precision: the update is no more exact, and half of the memory takes half of the
+#: time to read.
 Singles: TypeAlias = NDArray[np.float32]
 
-#: LbfgsPairs that are kept; more of them learn little more.
+#: Most pairs that are kept; more of them gain little.
 MOST_PAIRS = 10
-#: Rows of an array of pairs: what is beyond the kept ones is room for the next.
+#: Rows of an array of pairs: those beyond the kept pairs are room for the next.
 _ROWS = 3 * MOST_PAIRS
 
 
@@ -23,8 +24,8 @@ _ROWS = 3 * MOST_PAIRS
 class LbfgsPairs:
     """Corrections of the unknowns, and the changes of the residual that they made; the newest at the end.
 
-    They are the rows from `first` up to `end` of arrays that have room for more. Only the newest pairs may be
-    followed by others: a `copy` may, wherever they come from.
+    They are the rows from `first` up to `end` of arrays that have room for more. Objects share these arrays:
+    pairs may be appended to the newest object only, or to a `copy`.
     """
 
     rows: Singles  # (2, rows, count): corrections s, changes c
@@ -34,12 +35,12 @@ class LbfgsPairs:
 
     @classmethod
     def none(cls, count: int) -> Self:
-        """For a number of unknowns."""
+        """Return no pairs, for a number of unknowns."""
         return cls(np.empty((2, _ROWS, count), np.float32), np.empty(_ROWS))
 
     @classmethod
     def of(cls, corrections: NDArray[Any], changes: NDArray[Any]) -> Self:
-        """Take corrections (k, count) and changes (k, count)."""
+        """Return the pairs of corrections (k, count) and changes (k, count)."""
         pairs = cls.none(corrections.shape[1])
         for correction, change in zip(corrections, changes, strict=True):
             pairs = pairs.followed_by(correction.astype(np.float64), change.astype(np.float64))
@@ -47,20 +48,20 @@ class LbfgsPairs:
 
     @property
     def corrections(self) -> Singles:
-        """(k, count)."""
+        """The corrections (k, count)."""
         return self.rows[0, self.first : self.end]
 
     @property
     def changes(self) -> Singles:
-        """(k, count)."""
+        """The changes of the residual (k, count)."""
         return self.rows[1, self.first : self.end]
 
     def copy(self) -> Self:
-        """The same, whatever others are followed by."""
+        """Return the same pairs in arrays of their own."""
         return self.of(self.corrections, self.changes)
 
     def with_room(self, count: int) -> Self:
-        """The same, in other arrays where these have no room for so many more; at most two thirds of all."""
+        """Return the same pairs with room for `count` more (at most two thirds of the rows)."""
         if self.end + count <= len(self.products):
             return self
         kept, end = slice(self.first, self.end), self.end - self.first
@@ -69,13 +70,13 @@ class LbfgsPairs:
         return type(self)(rows, products, 0, end)
 
     def followed_by(self, correction: FloatArray, change: FloatArray) -> Self:
-        """These and a new pair, if its product is positive; the oldest beyond MOST_PAIRS are left out."""
+        """Return these and a new pair, if its product is positive; only the newest MOST_PAIRS are kept."""
         pairs = self.with_room(1)
         first, end = follow(pairs.rows, pairs.products, pairs.first, pairs.end, correction, change)
         return self if end == pairs.end else type(self)(pairs.rows, pairs.products, first, end)
 
     def correction(self, factor: BandCholesky, residual: FloatArray) -> FloatArray:
-        """-H r with the inverse H of a kept tangent, updated by the pairs: see `correct`."""
+        """Return -H r (count,), with the inverse H of a chord tangent updated by the pairs: see `correct`."""
         found = np.empty(len(residual))
         correct(factor.values, factor.starts, self.rows, self.products, self.first, self.end, residual, found)
         return found
@@ -92,10 +93,11 @@ def correct(
     residual: FloatArray,
     correction: FloatArray,
 ) -> None:
-    """Set -H r (n,) with the inverse H of a kept tangent, updated by the pairs: the two-loop recursion.
+    """Set the correction (n,) to -H r, with the inverse H of a chord tangent updated by the L-BFGS pairs.
 
-    Nocedal and Wright, Numerical Optimization, Algorithm 7.4; the kept tangent, of which there are the values
-    and starts of the factor, is the initial matrix. All is in the precision of the factor.
+    By the two-loop recursion of Nocedal and Wright, Numerical Optimization, Algorithm 7.4. The chord tangent,
+    given by the values and starts of its factor, is the initial matrix. All is in the precision of the
+    factor.
     """
     x, largest = scaled(values, starts, residual)
     shares = np.empty(end - first, values.dtype)
@@ -112,7 +114,7 @@ def correct(
 def follow(
     rows: Singles, products: FloatArray, first: int, end: int, correction: FloatArray, change: FloatArray
 ) -> tuple[int, int]:
-    """Add a pair in the row `end`, if its product is positive; return the first and the end of those kept."""
+    """Store a pair in the row `end`, if its product is positive; return first and end of the kept pairs."""
     products[end] = _keep(correction, change, rows[0, end], rows[1, end])
     if not products[end] > 0.0:
         return first, end
@@ -121,7 +123,7 @@ def follow(
 
 @compiled_reordered
 def _keep(correction: FloatArray, change: FloatArray, one: Singles, other: Singles) -> float:
-    """Round a pair to single precision; return the product of what is kept."""
+    """Store a pair in single precision; return the product of the stored vectors."""
     total = 0.0
     for i in range(len(correction)):
         one[i] = correction[i]
@@ -137,7 +139,7 @@ def _take_off(
     """The first loop of the recursion, from the newest pair to the oldest."""
     count = len(products)
     for newer in range(count):
-        # of a loop that counts down the compiler does not know that k is a place
+        # in a loop that counts down, the compiler does not know that k is a valid index
         k = count - 1 - newer
         # a Python zero would make the sum double
         total = x.dtype.type(0)

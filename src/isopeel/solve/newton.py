@@ -32,10 +32,10 @@ Cause = Literal[
 
 #: The reason where det F is not positive.
 INVERTED = "an element is inverted"
-#: Corrections without a smaller energy residual are a stall.
+#: So many corrections without a smaller energy residual are a stall.
 _STALL = 10
-#: An energy residual that falls to less of the last one is near a solution: a tangent that is kept then lets
-#: errors fall by as much again, a sixth of what they were, at each correction.
+#: The iteration is near a solution where the energy residual falls below this share of the last one. A chord
+#: tangent then reduces the error to a sixth with each correction.
 _NEAR = 0.03
 
 #: What to try.
@@ -58,22 +58,22 @@ HINTS: dict[Cause, str] = {
 
 @dataclass(frozen=True)
 class NewtonSettings:
-    """When Newton's method stops, and how a path goes on there.
+    """When Newton's method stops, and what a path does where it fails.
 
-    It ends with the first correction whose energy residual per unknown, |R . dz|/n, is below `tolerance`
-    times the elastic scale E x area of the body; the correction itself is still applied. At most
-    `iteration_limit` corrections are made with new tangents; those with kept ones have a limit of their own.
+    The iteration ends with the first correction whose energy residual per unknown, |R . dz|/n, is below
+    `tolerance` times the elastic scale E x area of the body; the correction itself is still applied. At most
+    `iteration_limit` corrections are made with new tangents; those with chord tangents have their own limit.
 
-    `control` says what happens where that finds no equilibrium, as past a limit point. `newton`: the path
-    ends. `auto`: the step is cut, and where the smallest one fails too, the path jumps to the next stable
-    equilibrium that falling energy leads to, if there is an energy. `jump`: the limit point is located, and
-    the path jumps from there, as in a test that prescribes the parameter. `continuation`: the path is
-    followed through limit points, as a curve on which the parameter may fall.
+    `path_control` defines what happens where a step finds no equilibrium, for example past a limit point.
+    `newton`: the path ends. `auto`: the step is cut; where the smallest step fails too, the path jumps to the
+    next stable equilibrium that a descent of the energy reaches, if there is an energy. `jump`: the limit
+    point is located, and the path jumps from there, as in a test that prescribes the parameter.
+    `continuation`: the path is followed through limit points, as a curve on which the parameter may fall.
 
-    `plain` makes a new tangent for every correction. Without it a path keeps its tangents as long as they
-    serve. Their last correction leaves about a tenth of the error, where that of Newton's method squares it;
-    reactions are corrected for what is left, to first order. It turns to Newton's method where they do not
-    lead to an equilibrium quickly, whose last tangent then serves on.
+    `plain` makes a new tangent for every correction. Without it a chord tangent serves as long as it
+    converges well. Its last correction leaves about a tenth of the error, where that of Newton's method
+    squares it; reactions are corrected for the rest, to first order. Where the chord tangent does not
+    converge quickly, Newton's method is used, and its last tangent becomes the next chord tangent.
     """
 
     tolerance: float = 1e-20
@@ -91,16 +91,16 @@ class NewtonResult:
     load: float
     equilibrium: Equilibrium
     iterations: tuple[float, ...]
-    exact: bool = True  # so nearly that reactions need no correction by what is left
-    #: Whether the last tangent on the way was positive definite under what is held: None where none was made,
-    #: or forces have no potential. False only says that Cholesky's method does not tell.
+    exact: bool = True  # converged so far that reactions need no correction by the residual
+    #: Whether the last tangent of the iteration was positive definite: None where none was made, or where
+    #: forces have no potential. False means that Cholesky's method failed, which may be round-off.
     definite: bool | None = None
 
 
 class ConvergenceError(ArithmeticError):
     """No equilibrium was found at a value of the drive's parameter.
 
-    Holds the reason in words, the energy residuals of the iterations made, the parameter, and the cause.
+    It holds the reason in words, the energy residuals of the iterations, the parameter, and the cause.
     """
 
     def __init__(
@@ -110,12 +110,13 @@ class ConvergenceError(ArithmeticError):
         self.iterations = iterations
         self.parameter = parameter
         self.cause = cause
-        #: Coefficients (size, 2) where an element was inverted: to find the place takes as long as a step.
+        #: Coefficients (size, 2) where an element was inverted; its place is found later, at the cost of a
+        #: step.
         self.displacement: FloatArray | None = None
         super().__init__(f"no equilibrium at {parameter:g}: {reason}")
 
     def located(self, system: System) -> "ConvergenceError":
-        """The same with the place of the inverted element in its reason, where there is one."""
+        """Return the same error with the place of the inverted element in its reason, where there is one."""
         inverted = None if self.displacement is None else system.inverted_point(self.displacement)
         if inverted is None:
             return self
@@ -130,12 +131,13 @@ class ConvergenceError(ArithmeticError):
         return HINTS[self.cause]
 
     def __reduce__(self) -> tuple[type["ConvergenceError"], tuple[str, tuple[float, ...], float, Cause]]:
-        """Go from process to process with its parts."""
+        """Pickle the error with its reason, iterations, parameter and cause."""
         return type(self), (self.reason, self.iterations, self.parameter, self.cause)
 
 
-#: Ends what Newton's method has begun, from unknowns (count,) on, with its last tangent, which was made at
-#: others (count,), at a parameter. None where it cannot.
+#: Finishes an iteration of Newton's method with its last tangent. Its arguments are the unknowns (count,) at
+#: which the tangent was made, the tangent, the present unknowns (count,), and the parameter. Returns None
+#: where it does not converge.
 Finish: TypeAlias = Callable[[FloatArray, BandMatrix, FloatArray, float], NewtonResult | None]
 
 
@@ -149,8 +151,7 @@ def newton(
     """Solve R(y) = 0 at a value of the drive's parameter from a start y (count,).
 
     Each correction is dy = -K^-1 R with the exact tangent (Wriggers, Nonlinear Finite Element Methods,
-    Sec. 5.1). Once they fall as they do near a solution, others may `finish`. Raises ConvergenceError with
-    the reason.
+    Sec. 5.1). Near a solution, `finish` may complete the iteration. Raises ConvergenceError with the reason.
     """
     y = start
     threshold = settings.tolerance * system.energy_scale
@@ -181,14 +182,14 @@ def newton(
         f"the energy residual per unknown is {measures[-1]:.1e} after {len(measures)} iterations,"
         f" not below {threshold:.1e}"
     )
-    # Newton's method squares its error where it converges: ten more corrections would have told
+    # Newton's method squares its error where it converges: _STALL corrections would have reduced it
     stalled = len(measures) > _STALL and measures[-1] > min(measures[:-_STALL])
     cause: Cause = "stalled residual" if stalled else "iteration limit"
     raise ConvergenceError(reason, tuple(measures), parameter, cause)
 
 
 class _StoppedError(ArithmeticError):
-    """The iteration cannot go on; says why."""
+    """The iteration cannot continue, for a reason."""
 
     def __init__(self, reason: str, cause: Cause, displacement: FloatArray | None = None) -> None:
         self.cause = cause
@@ -199,7 +200,7 @@ class _StoppedError(ArithmeticError):
 def _correction(
     system: System, y: FloatArray, parameter: float
 ) -> tuple[FloatArray, float, BandMatrix, bool | None]:
-    """Newton's correction of a state, its energy residual per unknown, the tangent, and if it is definite."""
+    """Return Newton's correction, its energy residual per unknown, the tangent, and if that is definite."""
     u, load = system.state(y, parameter)
     equilibrium, matrix = system.linearize(u, load=load)
     residual = equilibrium.residual
@@ -207,7 +208,7 @@ def _correction(
         raise _unsound(equilibrium, u)
     try:
         if system.load_is_unknown:
-            correction, residual, again = _under_control(system, u, load, parameter, residual, matrix)
+            correction, residual, again = _with_unknown_load(system, u, load, parameter, residual, matrix)
         else:
             factor, again = _factorized(system, u, load, matrix)
             correction = -factor.solve(residual)
@@ -217,30 +218,30 @@ def _correction(
     return correction, measure, matrix, not again if matrix.storage == "symmetric" else None
 
 
-def _under_control(
+def _with_unknown_load(
     system: System, u: FloatArray, load: float, parameter: float, residual: FloatArray, matrix: BandMatrix
 ) -> tuple[FloatArray, FloatArray, bool]:
-    """The correction with that of an unknown load at its end, the residual with that of its control.
+    """Return correction and residual of the system bordered by an unknown load and its displacement control.
 
-    Last comes whether the tangent was made again because it is indefinite.
+    The last value is whether the tangent was made again because it is indefinite.
     """
     missed, column, row = system.control(u, parameter)
-    # where the load itself could pull the body away, K is indefinite, but seldom what its control adds to it
+    # where the load could pull the body away, K is indefinite, but K plus the outer product seldom is
     size = float(np.abs(matrix.entries[:, 0]).mean()) / float(column @ column)
     held = matrix.add_outer(column, size)
     inner, again = _factorized(system, u, load, matrix)
     factor = Bordered.of(inner, Border(column, row))
-    held = held and not again  # the tangent that was made again is what it is
+    held = held and not again  # a tangent that was made again has no outer product in it
     right_side = np.append(residual + (size * missed * column if held else 0.0), missed)
     return -factor.solve(right_side), np.append(residual, missed), again
 
 
 def _factorized(system: System, u: FloatArray, load: float, matrix: BandMatrix) -> tuple[Factor, bool]:
-    """The factor of a tangent, and whether the tangent was made again because it is indefinite."""
+    """Return the factor of a tangent, and whether the tangent was made again because it is indefinite."""
     try:
         return factorize(matrix), False
     except NotPositiveDefiniteError:
-        # past a limit point, or on the way to a solution: Newton's correction is still defined
+        # past a limit point, or during the iteration: Newton's correction is still defined
         return factorize(system.linearize(u, "general", load)[1]), True
 
 

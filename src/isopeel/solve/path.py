@@ -1,4 +1,4 @@
-"""A path on its way: what the solver knows of it, and the equilibrium at one value of the parameter."""
+"""A path while it is traced: its solver data, and the equilibrium at one value of the parameter."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -21,30 +21,30 @@ from isopeel.solve.quasi_newton import QuasiNewton
 from isopeel.solve.stability import stability
 from isopeel.solve.step import PARABOLA_POINTS, AcceptedState, Found, Kind, State, Step
 
-#: Of the change of the unknowns in a step: what a parabola may miss them by.
+#: An equilibrium is well predicted where the parabola misses it by at most this share of the step's change.
 _WELL_PREDICTED = 0.3
-#: Corrections of falling energy, after which the body without its joint is looked at: a jump over some
-#: elements takes 10 to 170, that of a block that comes off a fine mesh many hundreds. After 200 of them a
-#: stamp of 60 x 10 elements came off as a whole, where falling energy comes to rest half open.
+#: Iterations of a descent after which the body without its joint is tried: a jump over some elements takes 10
+#: to 170 iterations, the jump of a block that comes off on a fine mesh many hundreds. When this limit was
+#: 200, a stamp of 60 x 10 elements came off as a whole where the full descent ends half open.
 _FAR = 3000
-#: The same under a load that stays, which pulls on: a fall that is longer means that it is too large.
+#: The same under a load that is kept: a longer descent means that the load is too large.
 _FAR_UNDER_LOAD = 700
 
 
 class Path:
-    """A path on its way: what the solver knows of it."""
+    """A path while it is traced: accepted states, predictor, chord tangent and branch."""
 
     def __init__(
         self, system: System, settings: NewtonSettings, start: Sequence[State], *, begins: bool = False
     ) -> None:
-        """Take the states that it starts from; it `begins` where the last of them need be no equilibrium."""
+        """Start from states; `begins` says that the last of them need not be an equilibrium."""
         self.system = system
         self.settings = settings
         self._predictor = Predictor(system)
         self._number = 0
         self._begins = begins or not start
         self._judged: tuple[NewtonResult | None, AcceptedState | None] = None, None
-        #: The branch that it is on.
+        #: The branch that the path is on.
         self.branch = Branch(self)
         #: Whether all forces have a potential.
         self.has_energy: bool = system.storage == "symmetric"
@@ -78,17 +78,17 @@ class Path:
 
     @property
     def history(self) -> list[AcceptedState]:
-        """Its last states, the newest at the end."""
+        """The last accepted states, the newest at the end."""
         return self._predictor.states
 
     def step(self, found: Found, began: float) -> Step:
-        """Take a note of an equilibrium that was found, and make a step of it, on the way since a time."""
+        """Accept an equilibrium and return it as a step; `began` is the time at which the step began."""
         system, result, parameter = self.system, found.result, found.parameter
         at, u, y = result.equilibrium, result.displacement, result.unknown_values
         released_energy = 0.0
         last = self.history[-1] if self.history else None
         if found.kind == "jump" or found.is_elsewhere:
-            # states of the branch that was left would mislead the next guess
+            # states of the old branch must not be extrapolated
             self._predictor.forget()
             self.branch.forget()
         state = self.accepted_state_of(result, parameter)
@@ -99,12 +99,12 @@ class Path:
             missed = self._predictor.slope(at.residual)
             state = self.history[-1] = state._replace(rate=state.rate + missed)
             reaction += missed if system.load is None else -missed
-        # at the same parameter, a stage before has let go of what it held
-        lets_go = last is not None and last.parameter == parameter
-        if last is not None and self.has_energy and (lets_go or not found.is_balanced):
+        # at the same parameter, the stage before has released what it held
+        releases = last is not None and last.parameter == parameter
+        if last is not None and self.has_energy and (releases or not found.is_balanced):
             released_energy = released(last, state)
             if found.kind == "jump":
-                # no jump gains energy: what seems so is the error of the trapezoidal rule
+                # no jump gains energy: a gain is the error of the trapezoidal rule
                 released_energy = max(released_energy, 0.0)
         self._begins = False
         self.branch.step()
@@ -136,12 +136,12 @@ class Path:
     def accepted_state(
         self, parameter: float, y: FloatArray, u: FloatArray, load: float, at: Equilibrium
     ) -> AcceptedState:
-        """What is kept of an equilibrium, of unknowns y (count,) and coefficients u (size, 2)."""
+        """Return the accepted state of an equilibrium: unknowns y (count,), coefficients u (size, 2)."""
         adhesive_energy = at.adhesive_energy + at.dissipated_energy
         return AcceptedState(parameter, y, *self.system.potential(at, u, load, parameter), adhesive_energy)
 
     def accepted_state_of(self, result: NewtonResult, parameter: float) -> AcceptedState:
-        """The same of what was found."""
+        """Return the accepted state of a result of Newton's method; that of the last result is cached."""
         known, state = self._judged
         if state is None or known is not result:
             state = self.accepted_state(
@@ -151,12 +151,12 @@ class Path:
         return state
 
     def misfit(self, found: Found) -> Misfit:
-        """What a step to what was found gains or releases, as its ends tell, and those before."""
+        """Return the energy that a step to an equilibrium gains or releases, from the accepted states."""
         if not self.has_energy:
             return NO_MISFIT
         state = self.accepted_state_of(found.result, found.parameter)
         if not self.history or (self._begins and self.history[-1].parameter != found.parameter):
-            # the body as it is, or as a stage let go of it, is no equilibrium, and its reaction means nothing
+            # the undeformed or just released body is no equilibrium, and its reaction means nothing
             if self.history:
                 return NO_MISFIT
             at_rest = potential_energy(self.system, np.zeros(self.system.count), found.parameter)
@@ -168,7 +168,7 @@ class Path:
             return Misfit(gained, gained > self.gain_allowed, releases=False)
         work = max(abs(one.rate), abs(state.rate)) * abs(state.parameter - one.parameter)
         if abs(released(one, state)) <= min(self.gain_allowed, MISFIT * work):
-            # as in nearly all steps, at no more than a few sums
+            # nearly all steps end here, after a few sums
             return NO_MISFIT
         return misfit(self.history, state, self.gain_allowed)
 
@@ -185,7 +185,7 @@ class Path:
                 return None
             softer, falls = self._quasi_newton.has_softened(found.result, found.parameter)
             if softer:
-                # the tangent of the next step tells
+                # the new tangent of the next step shows whether it is definite
                 self.forget()
             if not falls:
                 return None
@@ -195,9 +195,10 @@ class Path:
         return None if known is None else known.negative
 
     def equilibrium(self, parameter: float, kind: Kind = "requested", *, soon: bool = False) -> Found:
-        """By the kept tangent or by Newton's method; raises ConvergenceError.
+        """Return the equilibrium at a parameter, by the chord tangent or by Newton's method.
 
-        It is given up `soon` where a shorter step can be taken instead.
+        With `soon`, Newton's method stops after few corrections, as a shorter step can be taken instead.
+        Raises ConvergenceError.
         """
         found = self._by_chord_tangent(parameter)
         if found is not None:
@@ -220,11 +221,11 @@ class Path:
         raise failure
 
     def regular(self, parameter: float) -> Found | None:
-        """The equilibrium where the path is plainly regular up to there; None where it may not be.
+        """Return the equilibrium where the path is clearly regular up to the parameter, else None.
 
-        Under forces with a potential the energy tells: what the step has released is none but for the error
-        of the trapezoidal rule, unless another branch was met. Under others, and an unknown load, the
-        parabola through the last states must have met the equilibrium well.
+        For forces with a potential the energy decides: on one branch a step releases nothing but the error of
+        the trapezoidal rule. For other forces, and an unknown load, the parabola through the last states must
+        predict the equilibrium well.
         """
         last = self.history[-1]
         if self._quasi_newton is not None:
@@ -244,26 +245,26 @@ class Path:
         return regular._replace(negative=self.negative_eigenvalues(regular))
 
     def fits(self, one: AcceptedState, other: AcceptedState, step: float) -> bool:
-        """Whether two states can lie on one branch, by their energies; `step` is a usual one of the path."""
+        """Return whether two states can lie on one branch, by their energies; `step` is a usual step."""
         misfits = released(one, other)
         most = MISFIT * max(abs(one.rate), abs(other.rate)) * abs(step)
-        # from a limit point on, where the rate goes with the root of the parameter, the trapezoidal rule is
-        # off by half of this
+        # next to a limit point, where the rate goes with the root of the parameter, the error of the
+        # trapezoidal rule is half of this
         change = abs((other.rate - one.rate) * (other.parameter - one.parameter)) / 3
         return abs(misfits) <= most and -misfits <= self.gain_allowed + change
 
     def moves_to(self, parameter: float) -> bool:
-        """Whether a step to a parameter changes it."""
+        """Return whether a step to a parameter changes the parameter."""
         return bool(self.history) and self.history[-1].parameter != parameter
 
     def is_smooth(self, found: Found) -> bool:
-        """Whether what was found lies on the branch of the last state, as its energy tells."""
+        """Return whether an equilibrium lies on the branch of the last state, by its energy."""
         state = self.accepted_state_of(found.result, found.parameter)
         return self.misfit(found).fits and self.on_one_branch(self.history[-1], state)
 
     @staticmethod
     def on_one_branch(one: AcceptedState, other: AcceptedState) -> bool:
-        """Whether the energy between two near states comes from the work, whatever is allowed of it."""
+        """Return whether the energy between two near states comes from the work, without any allowance."""
         change = abs(other.rate - one.rate) * abs(other.parameter - one.parameter) / 6
         round_off = ROUND_OFF * max(abs(one.energy), abs(other.energy))
         return abs(released(one, other)) <= change + round_off + MISFIT * abs(
@@ -271,24 +272,25 @@ class Path:
         )
 
     def forget(self) -> None:
-        """Make a new tangent at the next step: the kept one is of elsewhere."""
+        """Drop the chord tangent, which is of another state: the next step makes a new one."""
         if self._quasi_newton is not None:
             self._quasi_newton.forget()
 
     def last_exact(self) -> FloatArray:
-        """The last unknowns (count,), as Newton's method leaves them; raises ConvergenceError."""
+        """Return the last unknowns (count,), converged by Newton's method; raises ConvergenceError."""
         self.forget()
         last = self.history[-1]
         return newton(self.system, last.exact, last.parameter, self.settings).unknown_values
 
     def jump_from(self, starts: Sequence[FloatArray], parameter: float) -> Found:
-        """What falling energy leads to from the first sound one of some starts (count,).
+        """Return the stable equilibrium that a descent of the energy reaches: a jump.
 
-        Raises ConvergenceError where there is none.
+        It begins at the first of some starts (count,) at which no element is inverted. Raises
+        ConvergenceError where it reaches no equilibrium.
         """
         self.forget()
         for start in starts:
-            # a guess may turn elements inside out
+            # an extrapolated start may invert elements
             if np.isfinite(potential_energy(self.system, start, parameter)):
                 break
         stays = self.system.load is not None and not self.system.load_is_unknown
@@ -297,7 +299,7 @@ class Path:
         if loose is not None:
             descent = descend(self.system, loose, parameter)
         if descent.is_unfinished:
-            reason = "falling energy leads far away, and has not come to rest after many steps"
+            reason = "the descent of the energy goes far, and has not ended after many steps"
             raise ConvergenceError(reason, (), parameter, "long fall")
         if descent.away:
             reason = "the body comes off and moves away: its energy has no lower bound"
@@ -307,23 +309,24 @@ class Path:
         except ConvergenceError as error:
             if not descent.line_search_failed:
                 raise
-            reason = f"the search for lower energy has no shorter step, and {error.reason}"
+            reason = f"the line search of the descent failed, and {error.reason}"
             raise ConvergenceError(reason, error.iterations, parameter, "line search") from error
         fallen_from, reached = (
             potential_energy(self.system, y, parameter) for y in (start, descent.unknown_values)
         )
-        # where points of a stiff contact open and close, Newton's method gives back a little of the fall
+        # where points of a stiff contact open and close, Newton's method raises the energy a little again
         given_back = MISFIT * (fallen_from - reached) if np.isfinite(fallen_from) else 0.0
         if self.accepted_state_of(result, parameter).energy > reached + self.gain_allowed + given_back:
-            reason = "Newton's method leaves what falling energy has led to"
+            reason = "Newton's method leaves the state that the descent of the energy has reached"
             raise ConvergenceError(reason, result.iterations, parameter, "line search")
         return Found(parameter, result, "jump", 0)
 
     def _come_off(self, descent: Descent, parameter: float) -> FloatArray | None:
-        """The body without its joint (count,), where its energy is below what a long search has come to.
+        """Return the unknowns (count,) of the body without its joint where their energy is lower, else None.
 
-        A block whose joint opens at an edge comes off as a whole: falling energy has to open it point by
-        point. None where the body is not held otherwise, or has not the less energy.
+        The energy is compared with that of a long descent. A block whose joint opens at an edge comes off as
+        a whole, while a descent has to open it point by point. Returns None too where the body is held by its
+        joint alone.
         """
         reached = potential_energy(self.system, descent.unknown_values, parameter)
         for start in (descent.unknown_values, self.history[-1].unknown_values if self.history else None):
@@ -337,9 +340,9 @@ class Path:
         return None
 
     def jump(self, parameter: float) -> Found:
-        """The equilibrium at a parameter that the last states fall to, by less energy than they would have.
+        """Return the equilibrium at a parameter that the last states jump to.
 
-        Raises ConvergenceError.
+        The energy may grow by the work of the drive at most. Raises ConvergenceError.
         """
         last = self.history[-1] if self.history else None
         failure: ConvergenceError | None = None
@@ -349,40 +352,40 @@ class Path:
             except ConvergenceError as error:
                 failure = failure or error
                 if error.cause in ("limit load", "long fall"):
-                    # another start would fall as far
+                    # the descent from another start would go as far
                     break
                 continue
             if last is None or self._begins:
                 return found
             state = self.accepted_state_of(found.result, parameter)
             step = parameter - last.parameter
-            # what it jumps from has had the work of the drive by the old rate, or that of the new one
+            # before the jump the drive has done work at the old rate or at the new one
             most = max(last.rate * step, state.rate * step)
             if state.energy <= last.energy + most + self.gain_allowed:
                 return found
         raise failure or ConvergenceError(
-            "all that falling energy leads to has more energy than the drive has done work",
+            "every state that a descent of the energy reaches has more energy than the drive has done work",
             (),
             parameter,
             "energy without work",
         )
 
     def displacement(self, state: AcceptedState) -> FloatArray:
-        """Coefficients (size, 2) of a past state."""
+        """Return the coefficients (size, 2) of an accepted state."""
         return self.system.state(state.unknown_values, state.parameter)[0]
 
     def gaps(self, displacement: FloatArray) -> FloatArray:
-        """Gap to the substrate (size,) of all control points, of coefficients (size, 2)."""
+        """Return the gaps (size,) of all control points to the substrate, for coefficients (size, 2)."""
         substrate = self.system.problem.adhesion.substrate
         position = self.points + displacement
         return evaluate_substrate(substrate.kernel, substrate.parameters, position)[0]
 
     def depth(self, displacement: FloatArray) -> float:
-        """How far control points lie inside the substrate, of coefficients (size, 2)."""
+        """Return the largest depth of a control point in the substrate, for coefficients (size, 2)."""
         return -min(float(self.gaps(displacement).min()), 0.0)
 
     def guesses(self, parameter: float) -> list[FloatArray]:
-        """Where a jump at a parameter may begin: the parabola, and the last states, carried along."""
+        """Return starts (count,) of a jump: the parabola, and the unknowns of the last states."""
         last = self.history[-PARABOLA_POINTS:]
         guess = extrapolate({state.parameter: state.exact for state in last}, parameter, self.system.count)
         return [guess, *(state.unknown_values for state in reversed(last))]
@@ -405,16 +408,16 @@ class Path:
         return found if missed <= _WELL_PREDICTED * moved else None
 
     def _can_converge_fully(self) -> bool:
-        """Whether the last states are less exact than Newton's method would have left them.
+        """Return whether the last states can be converged further by Newton's method.
 
-        Past states are none any more once an irreversible joint has opened further.
+        Those of an irreversible joint cannot: once it has opened further, they are no equilibria any more.
         """
         return self._quasi_newton is not None and not self.system.problem.adhesion.irreversible
 
     def _converge_fully(self) -> None:
-        """Bring the last states to where plain Newton's method would have left them.
+        """Converge the last states as far as plain Newton's method would.
 
-        Whether it converges hangs on the last digits of its start where a step passes a limit point.
+        Where a step passes a limit point, its convergence depends on the last digits of its start.
         """
         first = max(len(self.history) - PARABOLA_POINTS, 0)
         for k, state in enumerate(self.history[first:], start=first):

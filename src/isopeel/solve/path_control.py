@@ -1,4 +1,4 @@
-"""What a path does where a step of its parameter finds no equilibrium: end, cut the step, jump, or turn."""
+"""Path control: where a step finds no equilibrium, a path ends, cuts the step, jumps or follows its curve."""
 
 from collections.abc import Generator, Iterable, Iterator, Sequence
 from contextlib import nullcontext
@@ -25,24 +25,25 @@ from isopeel.solve.newton import ConvergenceError
 from isopeel.solve.path import Path
 from isopeel.solve.step import AcceptedState, Found, Kind, Step
 
-#: Halvings of a step before it counts as one that ends at a limit point.
+#: Halvings of a step after which its branch counts as ended.
 _HALVINGS = 4
-#: The same where the last step was a short one, as after a bifurcation, with twice as many.
+#: Most halvings of a step where the last step was short, as after a bifurcation.
 _MOST_HALVINGS = 8
-#: Points of the curve that a limit point is looked for on: a step of the parameter has some ten at most.
+#: Most points of the curve to find a limit point: a step of the parameter has about ten at most.
 _MOST_SEARCHED = 40
-#: Points of one stretch of the curve; more mean that it leads nowhere.
+#: Most points of one stretch of the curve.
 _MOST_POINTS = 5000
-#: Share of the parameter in a tangent that counts as regular; at the start of a stretch it is 0.7.
+#: Share of the parameter in the tangent above which the curve is regular; it is 0.7 at the start of a
+#: stretch.
 _REGULAR = 0.5
-#: Radii of the start that a jump is tried from, off the limit point.
+#: Distances from a limit point at which jumps are started, in first radii of the curve.
 _PUSHES = (0.25, 1.0, 4.0)
 
 
 def follow_path(path: Path, parameters: Iterable[float], passed: Sequence[float]) -> Iterator[Step]:
-    """Yield the steps of a path through parameters, under the path control of its settings.
+    """Yield the steps of a path through parameters, with the path control of its settings.
 
-    `passed` are values that the path has met before.
+    `passed` are values of the parameter that the path has met before.
     """
     path_control = path.settings.path_control
     found: Iterator[Found]
@@ -56,7 +57,7 @@ def follow_path(path: Path, parameters: Iterable[float], passed: Sequence[float]
     threaded = any(library["num_threads"] > 1 for library in libraries.info())
     while True:
         began = perf_counter()
-        # narrow bands and vectors of this length gain nothing from threads, and lose by their start
+        # for narrow bands and short vectors, starting threads costs more than they gain
         with deferred(), libraries.limit(limits=1) if threaded else nullcontext():
             check()
             try:
@@ -78,7 +79,7 @@ def _plain(path: Path, parameters: Iterable[float]) -> Iterator[Found]:
 
 
 def _diagnosed(path: Path, error: ConvergenceError, parameter: float) -> ConvergenceError:
-    """The failure with a limit point as its cause, where the curve has one before the parameter."""
+    """Return the error, with a limit point as its cause where the curve has one before the parameter."""
     if not path.history or path.history[-1].parameter == parameter:
         return error
     step = parameter - path.history[-1].parameter
@@ -91,16 +92,16 @@ def _diagnosed(path: Path, error: ConvergenceError, parameter: float) -> Converg
                 if k is None:
                     return _at_limit(path, error, parameter, at.parameter)
             if found:
-                # the curve goes on to the parameter
+                # the curve continues to the parameter
                 break
     except (ConvergenceError, SingularError):
-        # the curve cannot be followed: what is known of the failure stays
+        # the curve cannot be followed: the cause stays as it is
         return error
     return error
 
 
 def _at_limit(path: Path, error: ConvergenceError, parameter: float, limit: float) -> ConvergenceError:
-    """The failure of a step to a parameter beyond a limit point."""
+    """Return the error of a step to a parameter beyond a limit point."""
     column = path.system.problem.drive.parameter_column
     at = f"{column.shown(limit):.6g} {column.unit}"
     load = path.system.load
@@ -114,11 +115,11 @@ def _at_limit(path: Path, error: ConvergenceError, parameter: float, limit: floa
 
 
 def _cut(path: Path, parameters: Iterable[float]) -> Iterator[Found]:
-    """Steps that are cut where they fail, and grow again; where the smallest fails, a jump.
+    """Yield steps that are halved where they fail, and grow again; where the smallest step fails, a jump.
 
     A step fails where it finds no equilibrium, or one whose energy does not come from the work of the drive.
-    What is reached by a cut step is a step of its own: a path goes on from there bit for bit, and an
-    irreversible joint has opened there. Where stability is lost, it goes over to the stable branch.
+    A cut step is a step of its own: a path continues from there bit for bit, and an irreversible joint has
+    opened there. Where stability is lost, the path changes to the stable branch.
     """
     for parameter, is_last in _with_last(parameters):
         last = path.history[-1].parameter if path.history else parameter
@@ -130,7 +131,7 @@ def _cut(path: Path, parameters: Iterable[float]) -> Iterator[Found]:
             end = path.branch.end_before(aim)
             at_end = end is not None and end.last == last
             if end is not None:
-                # straight to the last known state of the branch, and on from there
+                # step directly to the last known state of the branch, and continue from there
                 aim = end.beyond if at_end else end.last
                 size = size if at_end else aim - last
             kind: Kind = "requested" if aim == parameter else "between"
@@ -149,17 +150,18 @@ def _cut(path: Path, parameters: Iterable[float]) -> Iterator[Found]:
                     continue
                 found = _fallen(path, aim, kind, error)
             if found.kind == "jump":
-                # a new branch is begun with whole steps, of the old one little may be left
+                # a new branch begins with whole steps
                 size = whole / 2
             if found.parameter != aim:
-                # a state inside of the step
+                # a state inside the step
                 aim, size = found.parameter, found.parameter - last
             size *= 2
             whole_rest = aim == parameter
             if found.negative is None:
                 found = found._replace(negative=path.negative_eigenvalues(found))
             if found.negative is None and is_last and whole_rest:
-                # a path that goes further has not been asked here: a stable state stays as it is
+                # count at the last state only to see instability: a longer path would not count here, and
+                # a stable state must be stored as there
                 found = found._replace(negative=path.negative_eigenvalues(found, always=True) or None)
             if found.negative:
                 for over in gone_over(path, found):
@@ -175,15 +177,15 @@ def _cut(path: Path, parameters: Iterable[float]) -> Iterator[Found]:
 
 
 def _fallen(path: Path, parameter: float, kind: Kind, error: ConvergenceError | None = None) -> Found:
-    """What a path falls to where its branch ends or, by an error, its smallest step fails."""
+    """Return the state that a path jumps to where its branch ends or its smallest step fails (`error`)."""
     found = path.jump(parameter) if error is None else _jump_after_failure(path, error, parameter)
-    # a search may have found what Newton's method did not
+    # the descent may have found the state that Newton's method did not find: then it is no jump
     smooth = found.kind == "jump" and path.moves_to(parameter) and path.is_smooth(found)
     return found._replace(kind=kind) if smooth else found
 
 
 def _with_last(parameters: Iterable[float]) -> Iterator[tuple[float, bool]]:
-    """Values, and whether each is the last one."""
+    """Yield each value, and whether it is the last one."""
     values = iter(parameters)
     value = next(values, None)
     while value is not None:
@@ -193,9 +195,9 @@ def _with_last(parameters: Iterable[float]) -> Iterator[tuple[float, bool]]:
 
 
 def _shortest(path: Path, whole: float) -> float:
-    """Size of a step that is not halved again: a share of a whole one, or of the last one if that was less.
+    """Return the size at which a step is not halved again: a share of a whole step or of a shorter last one.
 
-    Where a body buckles, say, steps must be small against the way since the bifurcation.
+    Where a body buckles, for example, steps must be small against the distance from the bifurcation.
     """
     made = [abs(other.parameter - one.parameter) for one, other in pairwise(path.history[-2:])]
     least = abs(whole) * 0.5**_MOST_HALVINGS
@@ -203,9 +205,9 @@ def _shortest(path: Path, whole: float) -> float:
 
 
 def _without_gain(path: Path, found: Found) -> Found:
-    """What was found, where it has not gained energy without work; raises ConvergenceError.
+    """Return an equilibrium that has gained no energy without work; raises ConvergenceError otherwise.
 
-    What falls to another branch has been passed by published studies; nothing rises to one.
+    A fall of energy to another branch is accepted, as in published studies; a rise is not.
     """
     misfit = path.misfit(found)
     if misfit is NO_MISFIT or not misfit.gains:
@@ -217,11 +219,11 @@ def _without_gain(path: Path, found: Found) -> Found:
 
 
 def _balanced(path: Path, found: Found, *, cuts: bool) -> Found:
-    """What was found, where its energy comes from the work of the drive; raises ConvergenceError.
+    """Return an equilibrium whose energy comes from the work of the drive; raises ConvergenceError otherwise.
 
-    Where the ends of the step do not suffice to say so it is cut, if it `cuts`; if not, the branch inside is
-    followed, and its first state is returned. Where no more than the error of the trapezoidal rule is in
-    doubt, the step stays whole.
+    Where the ends of the step do not suffice to decide: if the step may be cut (`cuts`), the error makes the
+    path cut it; if not, the branch inside the step is followed, and its first state is returned. A step whose
+    misfit may be the error of the trapezoidal rule stays whole.
     """
     misfit = path.misfit(found)
     if misfit is NO_MISFIT:
@@ -240,17 +242,18 @@ def _unbalanced(path: Path, found: Found, misfit: Misfit) -> ConvergenceError:
     if misfit.gains:
         reason = f"the energy grows by {energy} without work of the drive: it is another branch"
     elif misfit.gained < 0:
-        reason = f"the step releases an energy of {energy}, by a jump or by what it leaves out"
+        reason = f"the step releases an energy of {energy}: it passes a jump, or is too long"
     else:
         reason = "the step has met another branch"
     return ConvergenceError(reason, found.result.iterations, found.parameter, "energy without work")
 
 
 def _jump_after_failure(path: Path, error: ConvergenceError, parameter: float) -> Found:
-    """What a path jumps to where its smallest step fails; raises ConvergenceError with the cause of that.
+    """Return the state that a path jumps to where its smallest step fails.
 
-    Where its branch goes on to the parameter after all, or less far and nothing is met by falling energy, the
-    first state on the way.
+    Where its branch continues to the parameter after all, the first state on the branch is returned; likewise
+    where the branch continues less far and no jump is found. Raises ConvergenceError with the cause of
+    failure.
     """
     if not path.has_energy:
         raise _diagnosed(path, error, parameter) from error
@@ -269,17 +272,17 @@ def _jump_after_failure(path: Path, error: ConvergenceError, parameter: float) -
 
 
 def _along_the_curve(path: Path, values: Sequence[float], index: int, *, jumps: bool) -> Iterator[Found]:
-    """Steps of the parameter where the path is regular, and of the arc length elsewhere.
+    """Yield steps of the parameter where the path is regular, and steps of the arc length elsewhere.
 
-    Such a step is cheap, as its tangent is kept. Along the arc length each of the values is met as often as
-    the curve passes it, until it is regular again.
+    A step of the parameter is cheap, by its chord tangent. Along the arc length each value is met as often as
+    the curve passes it, until the curve is regular again.
     """
     while index < len(values):
         if not path.history or path.history[-1].parameter == values[index]:
             try:
                 yield _without_gain(path, path.equilibrium(values[index]))
             except ConvergenceError:
-                # a stage that lets go of what was held begins with a jump, whatever the path control
+                # a stage that releases what was held begins with a jump, whatever the path control
                 if not path.has_energy:
                     raise
                 yield path.jump_from(path.guesses(values[index]), values[index])
@@ -292,7 +295,7 @@ def _along_the_curve(path: Path, values: Sequence[float], index: int, *, jumps: 
 
 
 def _stretch(path: Path, values: Sequence[float], index: int, *, jumps: bool) -> Generator[Found, None, int]:
-    """Follow the curve until it is regular again, or jumps; return which value comes next."""
+    """Yield points of the curve until it is regular again or jumps; return the index of the next value."""
     step = values[index] - path.history[-1].parameter
     curve = Curve(path.system, path.settings, path.last_exact(), path.history[-1].parameter, step)
     first, end = _leg(values, index, step)
@@ -305,7 +308,7 @@ def _stretch(path: Path, values: Sequence[float], index: int, *, jumps: bool) ->
                 yield Found(at.parameter, at.result, "limit point", at.negative, resumes=False)
                 if jumps and point.negative == 0:
                     yield _jump(path, curve, at)._replace(resumes=False)
-                    # what comes next lies beyond the limit point
+                    # the next value lies beyond the limit point
                     while index < end and (values[index] - at.parameter) * forwards <= 0:
                         index += 1
                     return index
@@ -319,16 +322,19 @@ def _stretch(path: Path, values: Sequence[float], index: int, *, jumps: bool) ->
         if point.parameter not in values[first:end]:
             yield Found(point.parameter, point.result, "between", point.negative, resumes=False)
     raise ConvergenceError(
-        f"{_MOST_POINTS} points of the curve do not lead on", (), point.parameter, "iteration limit"
+        f"{_MOST_POINTS} points of the curve do not reach the next value",
+        (),
+        point.parameter,
+        "iteration limit",
     )
 
 
 def _next(
     path: Path, curve: Curve, point: Point, radius: float, step: float, values: Sequence[float]
 ) -> tuple[Point, list[tuple[int | None, Point]], float]:
-    """The next point, what lies on the way to it, and the radius to go on with.
+    """Return the next point of the curve, what it passes on the way to it, and the next radius.
 
-    On the way lie the values of the parameter, by their numbers, and a limit point without one. Raises
+    It passes values of the parameter, given by their indices, and limit points, given by None. Raises
     ConvergenceError where the shortest step fails.
     """
     while True:
@@ -370,7 +376,7 @@ def _met_between(
 
 
 def _jump(path: Path, curve: Curve, limit: Point) -> Found:
-    """The stable equilibrium at the parameter of a limit point that its fall in energy leads to."""
+    """Return the stable equilibrium that a descent of the energy reaches from a limit point."""
     energy = _accepted_state(path, limit).energy
     for push in _PUSHES:
         start = limit.unknown_values + push * curve.radius * limit.along
@@ -393,7 +399,7 @@ def _accepted_state(path: Path, point: Point) -> AcceptedState:
 
 
 def _leg(values: Sequence[float], index: int, step: float) -> tuple[int, int]:
-    """First and end of the values around one that go the same way as a step."""
+    """Return first and end of the values around an index that follow in the direction of a step."""
     first, end = index, index + 1
     while first > 0 and (values[first] - values[first - 1]) * step > 0:
         first -= 1
@@ -403,7 +409,7 @@ def _leg(values: Sequence[float], index: int, step: float) -> tuple[int, int]:
 
 
 def _passed(values: Sequence[float], one: float, other: float) -> list[int]:
-    """Numbers of the values beyond one parameter, up to another, in the order in which they are passed."""
+    """Return the indices of the values beyond one parameter, up to another, in the order of passing."""
     found = [
         k for k, value in enumerate(values) if 0 < (value - one) * np.sign(other - one) <= abs(other - one)
     ]

@@ -1,9 +1,10 @@
-"""Start values along a path, and what its past tells of its slope.
+"""Predictors along a path: start values of the next step, and the slope of the path.
 
-A path is a curve (p(s), y(s)): parameter and unknowns. Polynomials in s through its last points lead on, to
-where p(s) is the parameter that is asked for. The parameter itself may be s. Where a front peels, the
-adhesive energy is the better measure of the way: it grows steadily with the front, while the parameter halts
-at limit points, and hesitates near them. Best of all is what the front did on the element before.
+A path is a curve (p(s), y(s)) of parameter and unknowns over a path measure s. Polynomials in s through the
+accepted states are extrapolated to the place where p(s) is the requested parameter. The parameter itself may
+be s. Where a front peels, the adhesive energy is the better path measure: it grows steadily with the front,
+while the parameter is stationary at limit points. The best predictor is often the translation of the states
+one element before.
 """
 
 from collections.abc import Mapping
@@ -18,19 +19,19 @@ from isopeel.solve.extrapolation import MOST_STATES, lagrange, select_predictor,
 from isopeel.solve.step import AcceptedState
 from isopeel.solve.translation_predictor import TranslationPredictor
 
-#: States that are remembered: those of two elements and some more, of which a front of the published study
-#: passes each in 9 to 14 steps.
+#: Number of accepted states that are stored: those of two elements and some more. A front of the published
+#: study passes an element in 9 to 14 steps.
 STATES_TO_GO_ON = 36
-#: States that a slope is taken from, at most: more of them gain nothing over their own errors.
+#: Most states from which a slope is computed: more of them gain nothing over their own errors.
 SLOPE_STATES = 5
-#: Places along the adhesive side where states are compared, about.
+#: Approximate number of places along the adhesive side where states are compared.
 _PLACES = 100
-#: Of notes of states: those beyond the remembered ones are room for the next.
+#: Rows of the arrays of data of states: those beyond the stored states are room for the next.
 _ROWS = 3 * STATES_TO_GO_ON
 
 
 class Predictor:
-    """The last states of a path, and where they lead to."""
+    """The last accepted states of a path, and their extrapolation."""
 
     def __init__(self, system: System) -> None:
         self._system = system
@@ -38,35 +39,35 @@ class Predictor:
         side = np.unique(system.adhesive.functions)
         ahead = side if self._translation is None else self._translation.ahead[side]
         self._functions = np.stack([side, ahead])
-        # a turn of the body as a whole, which dwarfs all else, leaves second differences as they are
+        # second differences are unchanged by a rotation of the whole body, which would dominate
         self._order = min(2, len(side) - 1)
         self._every = 1 + len(side) // _PLACES
         #: The newest at the end.
         self.states: list[AcceptedState] = []
-        # notes of the states are the last of `end` rows: parameters, as they are and translated, and adhesive
-        # energies; bends, as they are and translated; and what polynomials would have missed them by
+        # the data of the states are the last of `end` rows: parameters, as they are and translated, and
+        # adhesive energies; bends, as they are and translated; and the errors of the polynomials
         self._end = 0
         self._numbers = np.empty((3, _ROWS))
         self._bends = np.empty((_ROWS, 2, 2 * -(-(len(side) - self._order) // self._every)))
         self._misses = np.empty((_ROWS, 2, MOST_STATES))
         self._displacement = np.empty((0, 2))  # of the last state
-        # whether the adhesive energy was the better measure of the way at the last guess
+        # whether the adhesive energy was the selected path measure at the last guess
         self._by_energy = False
 
     @property
     def _rows(self) -> slice:
-        """Of the notes."""
+        """Rows of the data of the states."""
         return slice(self._end - len(self.states), self._end)
 
     def remember(self, state: AcceptedState, displacement: FloatArray) -> None:
-        """Take a state, of coefficients u (size, 2)."""
+        """Store an accepted state, whose coefficients are the displacement (size, 2)."""
         parameter, translation = state.parameter, self._translation
-        # a drive that turns back meets a parameter again: its last state counts
+        # where a drive turns back and meets a parameter again, the last state there is kept
         (known,) = np.nonzero(self._numbers[0, self._rows] != parameter)
         if self._end == _ROWS or len(known) < len(self.states):
             rows = self._rows.start + known
             if len(known) < len(self.states):
-                # other states lead to them now
+                # their polynomials pass through other states now
                 self._misses.fill(np.nan)
             self.states, self._end = [self.states[k] for k in known], len(known)
             self._numbers[:, : self._end] = self._numbers[:, rows]
@@ -82,11 +83,11 @@ class Predictor:
         self._displacement = displacement
 
     def forget(self) -> None:
-        """Leave all states."""
+        """Drop all states."""
         self.states, self._end = [], 0
 
     def guess(self, parameter: float) -> FloatArray:
-        """Unknowns (count,) that the path leads to; zeros without a state."""
+        """Return the predicted unknowns (count,) at a parameter; zeros without a state."""
         guess = np.zeros(self._system.count)
         if not self.states:
             return guess
@@ -112,7 +113,7 @@ class Predictor:
                 daxpy(state.unknown_values, values, a=weight)
 
     def slope(self, covector: FloatArray) -> float:
-        """Derivative of covector (count,) . unknowns by the parameter, at the last state."""
+        """Return the derivative of covector (count,) . unknowns by the parameter, at the last state."""
         last = self.states[-SLOPE_STATES:]
         parameters, _, energies = self._numbers[:, self._end - len(last) : self._end]
         values = np.array([ddot(covector, state.unknown_values) for state in last])
@@ -120,9 +121,9 @@ class Predictor:
 
 
 def extrapolate(history: Mapping[float, FloatArray], parameter: float, count: int) -> FloatArray:
-    """Evaluate the polynomial in the parameter through past states: unknowns (count,) at each parameter.
+    """Return the unknowns (count,) at a parameter, by the polynomial through the states of a history.
 
-    Lagrange's formula; zeros where there is no past state.
+    The history maps parameters to unknowns (count,). Lagrange's formula; zeros where there is no state.
     """
     start = np.zeros(count)
     nodes, basis = np.array(list(history), np.float64), np.empty((2, len(history)))

@@ -1,4 +1,4 @@
-"""Stability of an equilibrium under what is held, and the motion that it is lost by."""
+"""Stability of an equilibrium under its constraints, and the critical motion."""
 
 from typing import NamedTuple
 
@@ -19,18 +19,18 @@ _ITERATIONS = 6
 
 
 class Stability(NamedTuple):
-    """Negative eigenvalues of the tangent under what is held, and its factor."""
+    """Number of negative eigenvalues of the constrained tangent, and its factor."""
 
     negative: int
     factor: Factor
 
 
 def stability(system: System, y: FloatArray, parameter: float) -> Stability | None:
-    """Count the motions that lower the energy, at an equilibrium y (count,) of forces with a potential.
+    """Count the negative eigenvalues of K at an equilibrium y (count,) of forces with a potential.
 
-    By Sylvester's law of inertia. A load whose size is unknown holds one direction c: of K on what keeps its
-    displacement there is one negative eigenvalue less where c . K^-1 c < 0 (Haynsworth's additivity of the
-    inertia, Linear Algebra Appl. 1, 1968). None where the factor does not tell.
+    By Sylvester's law of inertia. An unknown load prescribes the displacement along one direction c: on the
+    motions that keep it, K has one negative eigenvalue less where c . K^-1 c < 0 (Haynsworth's additivity of
+    the inertia, Linear Algebra Appl. 1, 1968). Returns None where the tangent is singular.
     """
     u, load = system.state(y, parameter)
     _, matrix = system.linearize(u, "symmetric", load)
@@ -46,7 +46,7 @@ def stability(system: System, y: FloatArray, parameter: float) -> Stability | No
 
 
 def _inertia(matrix: BandMatrix) -> tuple[int, Factor]:
-    """Negative eigenvalues and a factor: Cholesky's, which is the faster one, where there are none."""
+    """Return the number of negative eigenvalues and a factor, the faster Cholesky factor where it is zero."""
     try:
         return 0, factorize(matrix)
     except NotPositiveDefiniteError:
@@ -55,12 +55,12 @@ def _inertia(matrix: BandMatrix) -> tuple[int, Factor]:
 
 
 def critical_motion(system: System, factor: Factor) -> FloatArray:
-    """The motion (count,) of the least eigenvalue by magnitude, largest entry of the displacement one."""
+    """Return the eigenvector (count,) of the eigenvalue of least magnitude; largest displacement one."""
     n = system.constraints.count
-    # multiples of the golden ratio, less what is whole of them: it has a share of all motions
+    # fractional parts of multiples of the golden ratio: a start with a share of all eigenvectors
     motion: FloatArray = np.mod(np.arange(system.count) * GOLDEN_RATIO, 1.0) - 0.5
     for _ in range(_ITERATIONS):
-        motion[n:] = 0.0  # the control of a load is kept
+        motion[n:] = 0.0  # the prescribed displacement of a load is kept
         motion = factor.solve(motion)
         motion /= np.abs(motion[:n]).max()
     motion[n:] = 0.0

@@ -1,8 +1,8 @@
-"""Translation of a state by one element: on even elements, a front peels each one as it did the last.
+"""Translation predictor: a state shifted by one element. On equal elements a front peels each like the last.
 
-All functions take over what those of the next element are, on the way to the driven side. Near that side,
-whose own deformation would be translated with them, the body moves as a rigid one: it follows the functions
-of the hinge, where it is bent evenly, and turns by what the body bends there on one element.
+Each function takes the coefficients of the same function of the next element towards the driven side. Near
+that side, whose own deformation must not be shifted, the body moves rigidly: it follows the functions of the
+hinge, where the bending is uniform, and rotates by the bending of one element there.
 """
 
 from dataclasses import dataclass
@@ -17,24 +17,24 @@ from isopeel.common.compilation import compiled
 from isopeel.splines.nurbs import Side
 from isopeel.splines.space import SplineSpace
 
-#: Where a side's own deformation has decayed (Saint-Venant), in lengths of the side.
+#: Distance at which a side's own deformation has decayed (Saint-Venant), in lengths of the side.
 _DECAYED = 2.0
 
 
 @dataclass(frozen=True, eq=False)
 class TranslationPredictor:
-    """What each function takes over, and what is rigid."""
+    """The function that each function takes its coefficients from, and the functions that move rigidly."""
 
     system: System
-    ahead: IntArray  # (size,) number of the same function of the next element
-    rigid: IntArray  # numbers of the functions near the driven side
-    hinge: IntArray  # (3,) a function next to them, and the same of the elements before and beyond
+    ahead: IntArray  # (size,) index of the same function of the next element
+    rigid: IntArray  # indices of the functions near the driven side
+    hinge: IntArray  # (3,) a function next to them, and the same function of the elements before and beyond
     points: FloatArray  # (size, 2) control points of the body
-    followers: FloatArray  # (count,) coefficients that follow each unknown
+    followers: FloatArray  # (count,) number of coefficients tied to each unknown
 
     @classmethod
     def of(cls, system: System) -> Self | None:
-        """For a front that runs along rows of elements, from a side at their end; None for others."""
+        """Return the predictor of a front that runs along rows of elements from their end, or else None."""
         side, space = system.problem.drive.side, system.space
         along = side in ("left", "right") and system.problem.adhesion.side in ("bottom", "top")
         if not along or space.elements[0] < 2:
@@ -63,7 +63,7 @@ class TranslationPredictor:
         return cls(system, ahead, rigid, hinge, points, followers.astype(np.float64))
 
     def change(self, change: FloatArray, displacement: FloatArray) -> FloatArray:
-        """What a small change of the unknowns (count,) becomes, at coefficients u (size, 2)."""
+        """Return a small change of unknowns (count,) shifted by one element, at coefficients (size, 2)."""
         ahead = np.zeros(self.system.constraints.count)
         _translate(
             self.system.constraints.unknowns,
@@ -79,19 +79,19 @@ class TranslationPredictor:
         return ahead
 
     def parameter(self, parameter: float, displacement: FloatArray) -> float:
-        """What the parameter of a drive that moves its side becomes, of coefficients u (size, 2)."""
+        """Return the parameter of the drive after a translation by one element of coefficients (size, 2)."""
         constraints = self.system.constraints
         rate = constraints.rate(parameter)
         size = float(np.vdot(rate, rate))
         if size == 0.0:
-            # a load stays as it is
+            # a prescribed load does not change
             return parameter
         work = _rise(self.points, displacement, self.hinge, constraints.driven, rate)
         return parameter + work / size
 
 
 def _stride(row: SplineSpace, side: Side) -> int:
-    """From a function of a row to the same one of the next element, on the way to a side at its end."""
+    """Return the index difference of a function and the same one of the next element towards a side."""
     numbers = row.first_functions
     middle = len(numbers) // 2
     stride = int(numbers[middle] - numbers[middle - 1])
@@ -99,13 +99,13 @@ def _stride(row: SplineSpace, side: Side) -> int:
 
 
 def _extent(points: FloatArray) -> float:
-    """From the first of some points (n, 2) to the last."""
+    """Return the distance from the first of some points (n, 2) to the last."""
     return float(np.linalg.norm(points[-1] - points[0]))
 
 
 @compiled
 def _turn(points: FloatArray, displacement: FloatArray, hinge: IntArray) -> tuple[float, float]:
-    """Cosine and sine of the rotation from one element to the next, at the hinge."""
+    """Return cosine and sine of the rotation from one element to the next, at the hinge."""
     at = np.empty((3, 2))
     for k in range(3):
         for i in range(2):
@@ -121,7 +121,7 @@ def _turn(points: FloatArray, displacement: FloatArray, hinge: IntArray) -> tupl
 def _rise(
     points: FloatArray, displacement: FloatArray, hinge: IntArray, driven: IntArray, rate: FloatArray
 ) -> float:
-    """What the driven functions move by when they are translated with the hinge, times a rate (n, 2)."""
+    """Return the motion of the driven functions in a translation with the hinge, times a rate (n, 2)."""
     cosine, sine = _turn(points, displacement, hinge)
     here, beyond = hinge[0], hinge[2]
     x0, y0 = points[here, 0] + displacement[here, 0], points[here, 1] + displacement[here, 1]
@@ -147,7 +147,7 @@ def _translate(
     followers: FloatArray,
     result: FloatArray,
 ) -> None:
-    """Set the result (count,), of zeros, to a change of the unknowns (count,), one element ahead."""
+    """Set the result (count,), which is zero, to a change of the unknowns (count,) shifted by one element."""
     u, translated, position = np.zeros(unknowns.shape), np.empty(unknowns.shape), np.empty(unknowns.shape)
     here, before, beyond = hinge[0], hinge[1], hinge[2]
     for f in range(len(u)):
@@ -173,7 +173,7 @@ def _translate(
 
 @compiled
 def _angle(position: FloatArray, change: FloatArray, one: int, other: int) -> float:
-    """What a small change of all positions (size, 2) turns the line from one of them to another by."""
+    """Return the rotation of the line between two positions by a small change of all positions (size, 2)."""
     x, y = position[other, 0] - position[one, 0], position[other, 1] - position[one, 1]
     turned = x * (change[other, 1] - change[one, 1]) - y * (change[other, 0] - change[one, 0])
     return float(turned / (x * x + y * y))
