@@ -24,7 +24,7 @@ def test_a_state_has_the_forces_and_energies_of_the_system(drive: Drive) -> None
     expected = system.equilibrium(u, load)
     at = Iterate(y, np.full(shape, np.nan), np.full(shape, np.nan), np.full(system.count, np.nan))
     moved, external = system.constraints.moved(parameter), system.external(load)
-    energies = evaluate(system.equations, system.openings.ravel(), moved, external, at)
+    energies = evaluate(system.equations, system.maximum_openings.ravel(), moved, external, at)
     np.testing.assert_array_equal(at.displacement, u)
     # sums in another order
     largest = np.abs(expected.forces).max()

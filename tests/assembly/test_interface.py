@@ -60,7 +60,7 @@ def test_tractions_and_energies_integrate_to_those_assembled(name: str) -> None:
     problem = problem_with(SIDES[name])
     system = System(problem, SPACE)
     system.accept(WIDE)
-    history, points = system.openings, InterfacePoints.of_contact(problem, SPACE)
+    history, points = system.maximum_openings, InterfacePoints.of_contact(problem, SPACE)
     found = points.state(CLOSER, history)
     assembled = system.equilibrium(CLOSER)
     # of the adhesion alone: without the same body whose joint exerts no force
@@ -89,7 +89,7 @@ def test_unloading_lies_on_the_secant_at_points_of_the_assembly_and_in_between()
         lift[:, 1] = height
         system.accept(lift)
     tried = np.linspace(0.0, 0.7, 15)[:-1, None] + 0.05 * np.linspace(0.0, 1.0, 7)
-    found = InterfacePoints(problem, SPACE, tried).state(lift, system.openings)
+    found = InterfacePoints(problem, SPACE, tried).state(lift, system.maximum_openings)
     d = 0.02 / (np.e * 0.05)
     envelope = -0.02 * 0.6 / d**2 * np.exp(-0.6 / d)
     # round-off of the opening, a difference of numbers below 1, over 0.25
@@ -108,7 +108,7 @@ def test_further_opening_leaves_the_envelope_between_the_points_of_the_assembly(
     system = System(problem, SPACE)
     system.accept(u)
     points = InterfacePoints(problem, SPACE, np.linspace(0.0, 0.7, 141)[:, None])
-    found = points.state(u, system.openings)
+    found = points.state(u, system.maximum_openings)
     reversible = replace(problem, adhesion=replace(problem.adhesion, irreversible=False))
     virgin = InterfacePoints(reversible, SPACE, points.parameters).state(u)
     # the history is exact where nothing has closed: round-off of openings of 0.02 and more
@@ -136,7 +136,7 @@ def test_history_between_points_of_the_assembly_converges_with_the_elements() ->
         largest = 0.5 * np.exp(-(np.minimum(np.abs(x - 12), np.abs(x - 8)) ** 2) / 16)
         # the kink is at 10, and beyond the last points of the assembly the history is constant
         smooth = (np.abs(x - 10) > 1.1) & (np.abs(x - 10) < 9)
-        errors.append(float(np.abs(points.state(u, system.openings).opening - largest)[smooth].max()))
+        errors.append(float(np.abs(points.state(u, system.maximum_openings).opening - largest)[smooth].max()))
     # halved elements: a quarter, to within the higher orders; at first 1 % of the opening
     assert errors[0] < 5e-3
     assert errors[1] < 0.35 * errors[0]
@@ -148,7 +148,7 @@ def test_a_joint_that_has_not_closed_has_no_history() -> None:
     system = System(problem, SPACE)
     u = np.zeros((SPACE.size, 2))
     points = InterfacePoints.of_contact(problem, SPACE)
-    found = points.state(u, system.openings)
+    found = points.state(u, system.maximum_openings)
     assert not found.opening.any()
     reversible = replace(problem, adhesion=replace(problem.adhesion, irreversible=False))
     virgin = InterfacePoints.of_contact(reversible, SPACE).state(u)

@@ -58,7 +58,7 @@ def test_an_array_of_other_dimensions_is_refused() -> None:
 def test_terms_of_a_list_add_up() -> None:
     system = System(strip(irreversible=True), row_space("N2", (12, 2)))
     terms, u = system.equations.terms, system.state(np.full(system.count, 0.01), 0.1)[0]
-    history = system.openings.ravel()
+    history = system.maximum_openings.ravel()
 
     def forces(listed: TermList) -> tuple[FloatArray, tuple[float, ...]]:
         found = np.zeros(u.shape)
@@ -93,7 +93,7 @@ def test_no_solver_function_is_compiled_anew_for_other_terms() -> None:
         moved, external = system.constraints.moved(0.1), system.external(0.0)
         for kept in ([], [0], [1, 1, 0]):
             some = system.equations._replace(terms=system.equations.terms.only(kept))
-            evaluate(some, system.openings.ravel(), moved, external, at)
+            evaluate(some, system.maximum_openings.ravel(), moved, external, at)
 
     go(strip(), "N2.1")
     known = signatures()

@@ -55,7 +55,7 @@ def told_by(text: str) -> Told:
         for step in trace(stage.problem, space, stage.parameters, settings, base=base):
             steps.append(step)
             at = stage.problem.drive.parameter_column.shown(step.parameter)
-            fields.take(float(at), Field(step.displacement, step.openings))
+            fields.take(float(at), Field(step.displacement, step.maximum_openings))
         before, base = base, steps[-1].state
     attributes = run_attributes(stage.problem, space, Provenance.of_this_process())
     run = StoredRun(

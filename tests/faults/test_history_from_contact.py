@@ -83,7 +83,7 @@ def test_a_joint_that_has_never_closed_is_as_it_was() -> None:
     near = stage("near", -0.047, 0.0047) + stage("away", 0.04, 0.004)
     for steps in run(near):
         assert {step.dissipated_energy for step in steps} == {0.0}
-        assert (steps[-1].openings == NOT_CLOSED).all()
+        assert (steps[-1].maximum_openings == NOT_CLOSED).all()
     pulled = run(near)[0][-1].reaction
     assert pulled == pytest.approx(run(near, irreversible=False)[0][-1].reaction, rel=1e-9)
     assert pulled > 1e-3  # within reach of the law
@@ -98,8 +98,8 @@ def test_a_path_goes_on_with_points_that_have_not_closed() -> None:
         steps.append(step)
         states.append(step.state)
     assert steps[1].dissipated_energy == 0.0
-    assert (steps[0].openings < 0).all()
-    assert (steps[-1].openings >= 0).all()
+    assert (steps[0].maximum_openings < 0).all()
+    assert (steps[-1].maximum_openings >= 0).all()
     met = int(np.flatnonzero(pressed.parameters == steps[2].parameter)[0]) + 1
     rest = trace(pressed.problem, space, pressed.parameters[met:], settings, start=[states[2]])
     assert [step.reaction for step in rest] == [step.reaction for step in steps[3:]]

@@ -188,7 +188,7 @@ def integral(stage: StoredStage, at: float) -> FloatArray:
     """The force on the body, of the tractions that are read from the file."""
     problem, run = stage.stage.problem, stage.run
     points = InterfacePoints.of_contact(problem, stage.space)
-    state = points.state(run.fields[at], run.openings[at])
+    state = points.state(run.fields[at], run.maximum_openings[at])
     force: FloatArray = np.einsum("nk,nkc->c", points.lengths, state.traction)
     return force
 
@@ -202,7 +202,7 @@ def test_stored_tractions_integrate_to_the_assembled_force(name: str, folders: d
         largest = 0.0
         for at, displacement in run.fields.items():
             if problem.adhesion.irreversible:
-                system.openings = run.openings[at]
+                system.maximum_openings = run.maximum_openings[at]
             loose = system.without_joint().equilibrium(displacement).forces
             forces = loose - system.equilibrium(displacement).forces
             expected = forces[stage.space.side_functions("bottom")].sum(axis=0)
@@ -238,10 +238,14 @@ def test_the_block_carries_force_over_area_in_every_stage_and_output(folders: di
             if number and opening > 0:
                 # the block stretches by 1e-5 of its height
                 assert force == pytest.approx(secant * opening, rel=1e-4)
-            openings = run.openings[at]
-            (grid,) = side_grids(problem, space, side_mesh(problem, space, 2), [displacement], [openings])
+            maximum_openings = run.maximum_openings[at]
+            (grid,) = side_grids(
+                problem, space, side_mesh(problem, space, 2), [displacement], [maximum_openings]
+            )
             outputs = {
-                "profile": -front_profile(problem, space, displacement, openings=openings).adhesive_traction,
+                "profile": -front_profile(
+                    problem, space, displacement, maximum_openings=maximum_openings
+                ).adhesive_traction,
                 "export": -grid.point_data["normal adhesive traction [E0]"],
                 "page": drawn[at],
             }
@@ -256,7 +260,7 @@ def test_the_cantilever_has_a_front_where_it_was_unloaded(folders: dict[str, Pat
     """Damage stays: while the arm closes, the front stays where it was, and the joint weakens beyond it."""
     opened, closed, _ = read_stages(folders["cantilever"])
     zones = [
-        list(process_zones(one.stage.problem, one.space, one.run.fields, one.run.openings).values())
+        list(process_zones(one.stage.problem, one.space, one.run.fields, one.run.maximum_openings).values())
         for one in (opened, closed)
     ]
     assert len(zones[0]) >= 3
@@ -273,9 +277,9 @@ def test_a_resumed_run_has_the_history_of_one_that_was_not(folders: dict[str, Pa
     run_case(case.overridden(to="0.5 mm"), tmp_path / "out", QUIET)
     resume_case(tmp_path / "out", QUIET, to="0.9 mm")
     for one, other in zip(read_stages(tmp_path / "out"), read_stages(folders["cantilever"]), strict=True):
-        assert one.run.openings[list(one.run.fields)[-1]].any()
+        assert one.run.maximum_openings[list(one.run.fields)[-1]].any()
         for at in other.run.fields:
-            np.testing.assert_array_equal(one.run.openings[at], other.run.openings[at])
+            np.testing.assert_array_equal(one.run.maximum_openings[at], other.run.maximum_openings[at])
             np.testing.assert_array_equal(integral(one, at), integral(other, at))
 
 
@@ -308,7 +312,9 @@ def test_a_file_without_history_is_read_and_says_so(tmp_path: Path) -> None:
     # what goes on after it knows its own history, and not that of the states before
     resume_case(out, QUIET, to="0.6 mm")
     run = read_run(last.folder / "run.h5")
-    known = {at: not np.isnan(openings).any() for at, openings in run.openings.items()}
+    known = {
+        at: not np.isnan(maximum_openings).any() for at, maximum_openings in run.maximum_openings.items()
+    }
     assert known[list(known)[-1]]
     assert not known[0.4] if 0.4 in known else True
     assert run.lacks_history

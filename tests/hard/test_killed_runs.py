@@ -106,7 +106,7 @@ def check_files(reference: Reference, out: Path, ended: Outcome, reached: dict[P
         assert last == run.curve.parameter[-1]
         if last in whole.fields:
             assert run.fields[last].tobytes() == whole.fields[last].tobytes()
-            assert run.openings[last].tobytes() == whole.openings[last].tobytes()
+            assert run.maximum_openings[last].tobytes() == whole.maximum_openings[last].tobytes()
 
 
 @pytest.mark.parametrize("name", CASES)

@@ -70,8 +70,10 @@ def _changes(text: str) -> tuple[list[MeshChange], Curve]:
     curve = Curve.of(steps, stage.problem.drive)
     fields = {at: step.displacement for at, step in zip(curve.parameter.tolist(), steps, strict=True)}
     kept = {at: fields[at] for at in [*list(fields)[::4], list(fields)[-1]]}
-    openings = {at: step.openings for at, step in zip(curve.parameter.tolist(), steps, strict=True)}
-    run = StoredRun(case.text, curve, kept, {}, "completed", openings=openings)
+    maximum_openings = {
+        at: step.maximum_openings for at, step in zip(curve.parameter.tolist(), steps, strict=True)
+    }
+    run = StoredRun(case.text, curve, kept, {}, "completed", maximum_openings=maximum_openings)
     return mesh_changes(stage.problem, case.space(), run), curve
 
 

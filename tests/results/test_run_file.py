@@ -35,7 +35,7 @@ def steps(degrees: list[float]) -> list[Step]:
             stored_energy=float(random.normal()),
             adhesive_energy=float(random.normal()),
             dissipated_energy=float(random.normal()),
-            openings=np.zeros((2, 3)),
+            maximum_openings=np.zeros((2, 3)),
             iterations=(1e-3, 1e-9, 1e-20)[: k + 1],
             seconds=0.1,
             unknown_values=random.normal(size=7),
@@ -80,8 +80,8 @@ def test_the_journal_of_a_killed_run_holds_the_openings(
     history = np.maximum.accumulate(random.normal(size=(4, 2, 3)), axis=0)
     history[:2] = closed
     taken = [
-        replace(step, openings=openings)
-        for step, openings in zip(steps([0, 10, 20, 25]), history, strict=True)
+        replace(step, maximum_openings=maximum_openings)
+        for step, maximum_openings in zip(steps([0, 10, 20, 25]), history, strict=True)
     ]
     file = writer(tmp_path / "run.h5")
     for step in taken:
@@ -89,13 +89,13 @@ def test_the_journal_of_a_killed_run_holds_the_openings(
     run = read_run(tmp_path / "run.h5")
     assert run.journaled == 3
     assert not run.lacks_history
-    for at, openings in zip(run.fields, history, strict=True):
-        np.testing.assert_array_equal(run.openings[at], openings)
+    for at, maximum_openings in zip(run.fields, history, strict=True):
+        np.testing.assert_array_equal(run.maximum_openings[at], maximum_openings)
     file.end("completed")
     file.__exit__(None, None, None)
     whole = read_run(tmp_path / "run.h5")
-    for at, openings in zip(whole.fields, history, strict=True):
-        np.testing.assert_array_equal(whole.openings[at], openings)
+    for at, maximum_openings in zip(whole.fields, history, strict=True):
+        np.testing.assert_array_equal(whole.maximum_openings[at], maximum_openings)
 
 
 def columns(curve: Curve) -> list[list[float]]:

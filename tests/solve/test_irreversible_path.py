@@ -33,7 +33,7 @@ def test_tangent_with_a_history_is_the_derivative_of_the_residual() -> None:
     """Points that open further, that close along their secant, and that are pressed on."""
     system = System(problem(), row_space("N2", (20, 2)))
     rng = np.random.default_rng(5)
-    system.openings = 0.3 * rng.random(system.openings.shape)
+    system.maximum_openings = 0.3 * rng.random(system.maximum_openings.shape)
     z = 0.1 * rng.standard_normal(system.constraints.count)
 
     def residual(values: FloatArray) -> FloatArray:
@@ -104,7 +104,7 @@ def test_a_joint_goes_on_with_its_damage() -> None:
     degrees = np.array([*np.arange(0.0, 71.0, 2.0), *np.arange(68.0, 49.0, -2.0)])
     whole = path(degrees)
     cut = 40
-    start = [State(s.parameter, s.displacement, s.openings) for s in whole[cut - 3 : cut]]
+    start = [State(s.parameter, s.displacement, s.maximum_openings) for s in whole[cut - 3 : cut]]
     rest = list(trace(problem(), SPACE, np.radians(degrees[cut:]), start=start))
     for step, known in zip(rest, whole[cut:], strict=True):
         assert step.reaction == pytest.approx(known.reaction, rel=1e-10)  # round-off of the start

@@ -75,7 +75,7 @@ class InterfacePoints:
         return cls(problem, space, *side_points(space, adhesion.side, part, count))
 
     def history(self, displacement: FloatArray, openings: FloatArray | None) -> FloatArray:
-        """Largest openings (n, k) so far of an irreversible joint, `NOT_CLOSED` where it has not closed yet.
+        """Maximum openings (n, k) of an irreversible joint, `NOT_CLOSED` where it has not closed yet.
 
         They follow from the largest `openings` (E, Q) so far at the points of the assembly, as a step has
         them, in a state with coefficients (size, 2). Between these points, what they exceed the present
@@ -156,7 +156,7 @@ class InterfacePoints:
             return here.reshape(self.parameters.shape)
         elements = element_ends(self._space, adhesion.side, (adhesion.start, adhesion.end)).size - 1
         if openings is None or openings.ndim != 2 or len(openings) != elements or not openings.size:
-            allowed = f"an irreversible joint needs its largest openings so far, on {elements} elements"
+            allowed = f"an irreversible joint needs its maximum openings, on {elements} elements"
             raise InputError("openings", None if openings is None else openings.shape, allowed)
         if self._contact is None or self._contact.parameters.shape != openings.shape:
             self._contact = InterfacePoints.of_contact(self._problem, self._space, openings.shape[1])

@@ -96,9 +96,9 @@ class System:
         of_side = InterfaceTerm(adhesion, self.adhesive, tangents, ROUND_OFF * extent(problem))
         #: What forces and tangent are the sum of.
         self.terms: tuple[Term, ...] = of_body, of_side
-        #: Largest openings so far at the points of the adhesive force, (E, Q), for irreversible adhesion:
-        #: those of the body as it is made, as a base that comes with a history brings its openings.
-        self.openings: FloatArray = of_side.initial().reshape(self.adhesive.weights.shape)
+        #: Maximum openings (E, Q) at the points of the adhesive force, for irreversible adhesion. At first
+        #: those of the body as it is made: a base with a history comes with its own.
+        self.maximum_openings: FloatArray = of_side.initial().reshape(self.adhesive.weights.shape)
         #: Young's modulus times the area of the body: what energies are measured against.
         self.energy_scale: float = problem.body.material.youngs_modulus * self.body.area
         self._workspaces: dict[Storage, FloatArray] = {}
@@ -194,9 +194,11 @@ class System:
         return worst
 
     def accept(self, displacement: FloatArray) -> None:
-        """Take note of the openings of an equilibrium, coefficients (size, 2), for the next one."""
+        """Update the maximum openings by an equilibrium, coefficients (size, 2)."""
         of_side = self.terms[1]
-        self.openings = of_side.commit(displacement, self.openings.ravel()).reshape(self.openings.shape)
+        self.maximum_openings = of_side.commit(displacement, self.maximum_openings.ravel()).reshape(
+            self.maximum_openings.shape
+        )
 
     def equilibrium(self, displacement: FloatArray, load: float = 0.0) -> Equilibrium:
         """Energies, forces and residual of coefficients u (size, 2) under a load of a size."""
@@ -234,7 +236,7 @@ class System:
         diagonal = 0 if matrix is None or matrix.storage == "symmetric" else 2 * self.half_bandwidth
         forces = np.zeros(displacement.shape)
         sums = Sums(forces, band, diagonal, matrix is not None)
-        noted = self.openings if openings is None else openings
+        noted = self.maximum_openings if openings is None else openings
         # loops are compiled for contiguous arrays alone
         energies = add_terms(self.equations.terms, noted.ravel(), np.ascontiguousarray(displacement), sums)
         unbalanced = forces

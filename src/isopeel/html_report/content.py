@@ -121,8 +121,10 @@ def _state(stored: StoredStage, steps: Mapping[int, float], number: int) -> Body
     # of a graded mesh small elements get no more of them than large ones, as a page would not hold them all
     cells = [ceil(smooth / count) for smooth, count in zip(SMOOTH, stored.space.elements, strict=True)]
     run, problem = stored.run, stored.stage.problem
-    openings = run.openings.get(parameter)
-    return body_state(problem, stored.space, parameter, run.fields[parameter], (cells[0], cells[1]), openings)
+    maximum_openings = run.maximum_openings.get(parameter)
+    return body_state(
+        problem, stored.space, parameter, run.fields[parameter], (cells[0], cells[1]), maximum_openings
+    )
 
 
 def _size(stored: StoredStage, state: BodyState) -> int:
@@ -238,10 +240,10 @@ def _traction_points(stored: StoredStage) -> FloatArray:
 def _side(stored: StoredStage, state: BodyState) -> Content:
     """Where along the face that adheres the tractions are told."""
     run, problem, space = stored.run, stored.stage.problem, stored.space
-    displacement, openings = run.fields[state.parameter], run.openings.get(state.parameter)
+    displacement, maximum_openings = run.fields[state.parameter], run.maximum_openings.get(state.parameter)
     points = _traction_points(stored)
-    profile = front_profile(problem, space, displacement, points, openings)
-    rest = body_state(problem, space, 0.0, np.zeros_like(displacement), (1, 1), openings).adhering
+    profile = front_profile(problem, space, displacement, points, maximum_openings)
+    rest = body_state(problem, space, 0.0, np.zeros_like(displacement), (1, 1), maximum_openings).adhering
     chords = np.linalg.norm(np.diff(rest, axis=0), axis=1)
     # where the points of the deformed face are on the undeformed one
     places = profile.position[0, 0] + np.append(0.0, np.cumsum(chords))[_along_face(rest)]
@@ -260,8 +262,8 @@ def _along_face(adhering: FloatArray) -> IntArray:
 def _shown_state(stored: StoredStage, number: int, state: BodyState, front: Window, scale: float) -> Content:
     problem, run = stored.stage.problem, stored.run
     displacement = run.fields[state.parameter]
-    openings = run.openings.get(state.parameter)
-    profile = front_profile(problem, stored.space, displacement, _traction_points(stored), openings)
+    maximum_openings = run.maximum_openings.get(state.parameter)
+    profile = front_profile(problem, stored.space, displacement, _traction_points(stored), maximum_openings)
     resolution = (front.x[1] - front.x[0]) / _DOTS
     return {
         "step": number,

@@ -82,7 +82,7 @@ def _pixels(size: str) -> tuple[int, int]:
 def _pictures(stage: StoredStage, size: tuple[int, int], next_one: Callable[[], None]) -> Iterator[Picture]:
     run = stage.run
     figure = MovingFigure(
-        stage.stage.problem, stage.space, run.curve, run.fields, size, stage.laboratory, run.openings
+        stage.stage.problem, stage.space, run.curve, run.fields, size, stage.laboratory, run.maximum_openings
     )
     for number in range(len(figure)):
         check()

@@ -72,9 +72,9 @@ def _export(stage: StoredStage, out: Path, linear: int | None) -> list[Path]:
         "E0": case.units.stress,
         "time": f"{parameter.name} [{parameter.unit}]",
     }
-    states, openings = list(run.fields.values()), [run.openings.get(at) for at in run.fields]
+    states, maximum_openings = list(run.fields.values()), [run.maximum_openings.get(at) for at in run.fields]
     body = body_grids(problem, space, body_mesh(problem, space, linear), states)
-    side = side_grids(problem, space, side_mesh(problem, space, linear), states, openings)
+    side = side_grids(problem, space, side_mesh(problem, space, linear), states, maximum_openings)
     times: dict[str, dict[str, float]] = {_BODY: {}, _SIDE: {}}
     for number, (time, *grids) in enumerate(zip(run.fields, body, side, strict=True)):
         for name, grid in zip(times, grids, strict=True):

@@ -119,22 +119,26 @@ def _plateau(shown: _Shown) -> Figure:
 def _shapes(shown: _Shown) -> Figure:
     stored = shown.stored
     run, problem = stored.run, stored.stage.problem
-    return shapes_figure(problem, stored.space, run.fields, shown.units, shown.at, run.openings)
+    return shapes_figure(problem, stored.space, run.fields, shown.units, shown.at, run.maximum_openings)
 
 
 def _front(shown: _Shown) -> Figure:
     stored = shown.stored
     run, problem = stored.run, stored.stage.problem
     last = (shown.at or list(run.fields))[-1]
-    return front_figure(problem, stored.space, last, run.fields[last], shown.units, run.openings.get(last))
+    return front_figure(
+        problem, stored.space, last, run.fields[last], shown.units, run.maximum_openings.get(last)
+    )
 
 
 def _tractions(shown: _Shown) -> Figure:
     stored = shown.stored
-    problem, fields, openings = stored.stage.problem, stored.run.fields, stored.run.openings
+    problem, fields, maximum_openings = stored.stage.problem, stored.run.fields, stored.run.maximum_openings
     at = shown.at or spread(list(fields), MOST_SHAPES)
     profiles = {
-        value: front_profile(problem, stored.space, fields[value], openings=openings.get(value))
+        value: front_profile(
+            problem, stored.space, fields[value], maximum_openings=maximum_openings.get(value)
+        )
         for value in at
     }
     return tractions_figure(profiles, problem.drive.parameter_column, shown.units)

@@ -105,7 +105,7 @@ class Viewer:
         self._column = stage.stage.problem.drive.parameter_column
         problem = stage.stage.problem
         self._stage, self._parameters = stage, list(stage.run.fields)
-        window, scale = common_view(problem, stage.space, stage.run.fields, stage.run.openings)
+        window, scale = common_view(problem, stage.space, stage.run.fields, stage.run.maximum_openings)
         first = self._state(0)
         #: The number, from zero, of the state that is shown.
         self.shown: int = 0
@@ -143,8 +143,10 @@ class Viewer:
 
     def _state(self, number: int) -> BodyState:
         at, stage, run = self._parameters[number], self._stage, self._stage.run
-        openings = run.openings.get(at)
-        return body_state(stage.stage.problem, stage.space, at, run.fields[at], openings=openings)
+        maximum_openings = run.maximum_openings.get(at)
+        return body_state(
+            stage.stage.problem, stage.space, at, run.fields[at], maximum_openings=maximum_openings
+        )
 
     def show(self, number: int) -> None:
         """Show a state, by its number from zero; numbers beyond the ends mean the ends."""

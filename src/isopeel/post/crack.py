@@ -38,11 +38,11 @@ def fronts(
     problem: Problem,
     space: RowSpace,
     fields: Mapping[float, FloatArray],
-    openings: Mapping[float, FloatArray] | None = None,
+    maximum_openings: Mapping[float, FloatArray] | None = None,
 ) -> dict[float, Front]:
     """Find the front in states, as `process_zones` takes them, by parameter; those without are left out."""
     origin = load_position(problem)
-    zones = process_zones(problem, space, fields, openings)
+    zones = process_zones(problem, space, fields, maximum_openings)
     return {
         parameter: Front(zone, None if origin is None else abs(zone.position - origin))
         for parameter, zone in zones.items()

@@ -81,7 +81,7 @@ def find(
         form = None if slides else replace(form, onset=None)
     period = form.period if form else None
     plateau = read_plateau(curve, window, period) if window else None
-    found = fronts(problem, space, run.fields, run.openings)
+    found = fronts(problem, space, run.fields, run.maximum_openings)
     steady = window if window and plateau_mean(curve, window) is not None else None
     test = drive_test(problem, curve)
     reason = None
@@ -112,7 +112,7 @@ def find(
     bends = form is None or test != "tape" or any(one.name == "initiation force" for one in readings)
     doubts = locking_notes(problem, space, laboratory, bends=bends)
     if not is_only_pressed(problem, curve) and (
-        zones.measured or peels(problem, space, run.fields, run.openings)
+        zones.measured or peels(problem, space, run.fields, run.maximum_openings)
     ):
         doubts = zone_notes(problem, space, zones, laboratory) + doubts
     if not doubts:

@@ -72,18 +72,18 @@ def front_profile(
     space: RowSpace,
     displacement: FloatArray,
     points: FloatArray = POINTS,
-    openings: FloatArray | None = None,
+    maximum_openings: FloatArray | None = None,
 ) -> FrontProfile:
     """Tractions of coefficients (size, 2) of a displacement at points (k,), 0 to 1, of every element.
 
-    An element that adheres in part is looked at in that part. An irreversible joint needs its largest
-    `openings` so far, as `InterfacePoints.state` takes them. Raises InputError for points that do not rise
+    An element that adheres in part is looked at in that part. An irreversible joint needs its
+    `maximum_openings`, as `InterfacePoints.state` takes them. Raises InputError for points that do not rise
     from 0 to 1 at most, coefficients of another space, or missing openings.
     """
     if points.size < 2 or not (points[0] >= 0 and points[-1] <= 1 and np.all(np.diff(points) > 0)):
         raise InputError("points", points.tolist(), "two or more that rise, from 0 to 1 at most")
     parameters = _adhering(problem, space, points)
-    state = InterfacePoints(problem, space, parameters).state(displacement, openings)
+    state = InterfacePoints(problem, space, parameters).state(displacement, maximum_openings)
     fields = sample_side(problem, space, displacement, problem.adhesion.side, parameters)
     return FrontProfile(
         position=_distance(problem, space, parameters),
@@ -107,15 +107,15 @@ def process_zones(
     problem: Problem,
     space: RowSpace,
     fields: Mapping[float, FloatArray],
-    openings: Mapping[float, FloatArray] | None = None,
+    maximum_openings: Mapping[float, FloatArray] | None = None,
 ) -> dict[float, ProcessZone]:
     """The zones of `process_zone` in states, by parameter; those without a front are left out.
 
-    An irreversible joint needs the largest `openings` (E, Q) so far in each state.
+    An irreversible joint needs the `maximum_openings` (E, Q) in each state.
     """
     parameters = _adhering(problem, space, POINTS)
     position = _distance(problem, space, parameters).ravel()
-    points, history, found = InterfacePoints(problem, space, parameters), openings or {}, {}
+    points, history, found = InterfacePoints(problem, space, parameters), maximum_openings or {}, {}
     for at, displacement in fields.items():
         state = points.state(displacement, history.get(at))
         zone = _zone(position, -state.normal_traction.ravel(), state.softening.ravel())

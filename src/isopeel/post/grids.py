@@ -63,18 +63,18 @@ def side_grids(
     space: RowSpace,
     mesh: Mesh,
     displacements: Iterable[FloatArray],
-    openings: Iterable[FloatArray | None] | None = None,
+    maximum_openings: Iterable[FloatArray | None] | None = None,
 ) -> Iterator[vtk.Grid]:
     """Grids of the side that adheres, in states with coefficients (size, 2).
 
-    An irreversible joint needs its largest `openings` (E, Q) so far in each state. Raises as `body_grids`
-    does, and InputError where openings are missing.
+    An irreversible joint needs its `maximum_openings` (E, Q) in each state. Raises as
+    `body_grids` does, and InputError where openings are missing.
     """
     kind, cells, centres = _cells(mesh)
     along = 1 if problem.adhesion.side in ("left", "right") else 0
     at_points, central = (InterfacePoints(problem, space, at[along]) for at in (mesh.places, centres))
     shape = mesh.points.shape[:-1]
-    for displacement, history in zip(displacements, openings or repeat(None), strict=False):
+    for displacement, history in zip(displacements, maximum_openings or repeat(None), strict=False):
         data = {
             name: mesh.interpolated(values.reshape(*shape, *values.shape[2:]))
             for name, values in _side_data(at_points.state(displacement, history)).items()

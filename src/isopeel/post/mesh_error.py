@@ -80,14 +80,14 @@ def mesh_changes(
     for parameter in looked_at:
         displacement = run.fields[parameter]
         stored = transferred(weighted, displacement, target)
-        openings = system.openings
+        maximum_openings = system.maximum_openings
         if problem.adhesion.irreversible:
-            openings = frozen(points.history(displacement, run.openings.get(parameter)))
-        system.openings = openings
+            maximum_openings = frozen(points.history(displacement, run.maximum_openings.get(parameter)))
+        system.maximum_openings = maximum_openings
         largest = None
         if parameter != looked_at[-1]:
             largest = _change_of_largest(system, problem, run, stored, parameter)
-            system.openings = openings
+            system.maximum_openings = maximum_openings
         changes.append(largest or _change(system, problem, run, stored, parameter))
     return [change for change in changes if change is not None]
 

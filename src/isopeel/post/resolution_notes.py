@@ -61,21 +61,21 @@ def peels(
     problem: Problem,
     space: RowSpace,
     fields: Mapping[float, FloatArray],
-    openings: Mapping[float, FloatArray] | None = None,
+    maximum_openings: Mapping[float, FloatArray] | None = None,
 ) -> bool:
     """Whether a joint was pulled by half of its strength somewhere in one of the last and largest states.
 
     One that was not is a support, whose front is nowhere; `fields` are displacements (size, 2) by parameters,
-    and `openings` the largest ones so far.
+    and `maximum_openings` those of an irreversible joint.
     """
     try:
         strength = law_character(problem.adhesion.law).strength
     except InputError:
         return False
     states = {max(fields, key=abs), list(fields)[-1]} if fields else set()
-    history = openings or {}
+    history = maximum_openings or {}
     pulls = (
-        -front_profile(problem, space, fields[at], openings=history.get(at)).adhesive_traction.min()
+        -front_profile(problem, space, fields[at], maximum_openings=history.get(at)).adhesive_traction.min()
         for at in states
     )
     return not fields or any(pull > strength / 2 for pull in pulls)

@@ -53,16 +53,17 @@ def body_state(
     parameter: float,
     displacement: FloatArray,
     per_element: tuple[int, int] | None = None,
-    openings: FloatArray | None = None,
+    maximum_openings: FloatArray | None = None,
 ) -> BodyState:
     """Sample what a picture shows of coefficients (size, 2) of a displacement, as `sample_fields` does.
 
-    An irreversible joint needs its largest `openings` so far (`InterfacePoints.state`). Without a number of
-    cells per element there are so many that bends and fields look smooth on coarse and on graded meshes too.
+    An irreversible joint needs its `maximum_openings` (`InterfacePoints.state`). Without a
+    number of cells per element there are so many that bends and fields look smooth on coarse and on graded
+    meshes too.
     """
     adhesion = problem.adhesion
     along = np.linspace(adhesion.start, adhesion.end, 10 * max(space.elements) + 1)
-    interface = InterfacePoints(problem, space, along[:, None]).state(displacement, openings)
+    interface = InterfacePoints(problem, space, along[:, None]).state(displacement, maximum_openings)
     opposite = side_positions(problem, space, displacement, _OPPOSITE[adhesion.side], along)
     driven = side_positions(problem, space, displacement, problem.drive.side, np.array([0.0, 0.5, 1.0]))
     largest = (np.diff(axis.breakpoints).max() for axis in (space.rows[0], space.across))
@@ -121,17 +122,17 @@ def common_view(
     problem: Problem,
     space: RowSpace,
     fields: Mapping[float, FloatArray],
-    openings: Mapping[float, FloatArray] | None = None,
+    maximum_openings: Mapping[float, FloatArray] | None = None,
 ) -> tuple[Window, float]:
     """A window for all states of a run, and the largest |I1| of them; of one state at a time, to save room.
 
-    `fields` maps parameters to coefficients (size, 2) of displacements, and `openings` to the largest ones so
-    far of an irreversible joint. The window holds the body; where that
-    is thick for what adheres, such as a cylinder, the fronts alone, of which nothing would be seen else.
+    `fields` maps parameters to coefficients (size, 2) of displacements, and `maximum_openings` to those of an
+    irreversible joint. The window holds the body; where that is thick for what adheres, such as a cylinder,
+    the fronts alone, of which nothing would be seen else.
     """
-    windows, scale, history = [], 0.0, openings or {}
+    windows, scale, history = [], 0.0, maximum_openings or {}
     for value, displacement in fields.items():
-        state = body_state(problem, space, value, displacement, openings=history.get(value))
+        state = body_state(problem, space, value, displacement, maximum_openings=history.get(value))
         length = float(np.linalg.norm(np.diff(state.adhering, axis=0), axis=1).sum())
         thickness = float(np.linalg.norm(state.opposite - state.adhering, axis=1).max())
         windows.append(whole_window([state]) if thickness < length else front_window(problem, state))

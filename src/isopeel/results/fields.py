@@ -12,10 +12,10 @@ _ROUND_OFF = 1e-9
 
 
 class Field(NamedTuple):
-    """The displacement coefficients (functions, 2) of a state, and its largest openings (E, Q) so far."""
+    """The displacement coefficients (functions, 2) of a state, and its maximum openings (E, Q)."""
 
     displacement: FloatArray
-    openings: FloatArray
+    maximum_openings: FloatArray
 
 
 Kept = TypeVar("Kept")

@@ -33,7 +33,7 @@ _CHECKSUM = struct.Struct("<Q")
 
 
 class Record(NamedTuple):
-    """A step: its curve of one row, its displacement (functions, 2) and its largest openings (E, Q)."""
+    """A step: its curve of one row, its displacement (functions, 2) and its maximum openings (E, Q)."""
 
     curve: Curve
     field: Field
@@ -59,12 +59,12 @@ class Journal:
     def append(self, number: int, record: Record) -> None:
         """Write a step, the one of this number from zero on."""
         row = record.curve
-        u, openings = (np.ascontiguousarray(array) for array in record.field)
-        openings = openings if openings.any() else openings[:0]
-        parts = [_HEAD.pack(number, len(row.energy_residuals), openings.size)]
+        u, maximum_openings = (np.ascontiguousarray(array) for array in record.field)
+        maximum_openings = maximum_openings if maximum_openings.any() else maximum_openings[:0]
+        parts = [_HEAD.pack(number, len(row.energy_residuals), maximum_openings.size)]
         parts += [getattr(row, name).tobytes() for name in _columns()]
         head = b"".join(parts)
-        self._write([head, u.data.cast("B"), openings.tobytes(), _CHECKSUM.pack(zlib.crc32(head))])
+        self._write([head, u.data.cast("B"), maximum_openings.tobytes(), _CHECKSUM.pack(zlib.crc32(head))])
 
     def clear(self) -> None:
         """Forget all records: the run's file holds them now."""
@@ -98,7 +98,7 @@ def read_journal(run_file: Path, identity: str, curve: Curve, last: Field) -> It
         return
     columns = _columns()
     types = [getattr(curve, name).dtype for name in columns]
-    points = last.openings.size
+    points = last.maximum_openings.size
     with path.open("rb") as file:
         if file.read(len(_MARK) + _IDENTITY) != _MARK + bytes.fromhex(identity):
             return
@@ -124,7 +124,7 @@ def read_journal(run_file: Path, identity: str, curve: Curve, last: Field) -> It
                 Curve(curve.parameter_column, curve.reaction_column, **values),
                 Field(
                     np.frombuffer(displacement, np.float64).reshape(last.displacement.shape),
-                    history.reshape(last.openings.shape),
+                    history.reshape(last.maximum_openings.shape),
                 ),
             )
             expected += 1

@@ -70,11 +70,11 @@ class StoredRun:
     """What the file of a run holds.
 
     `fields` maps the parameter, in the unit of its column, to displacement coefficients (functions, 2): at
-    the first step at or beyond each multiple of `field_interval`, and at the last step. `openings` maps it to
-    the largest openings (E, Q) of an irreversible joint so far, nan where the file does not hold them: those
-    of version 0.1.0 had the openings of the last state alone. `attributes` are those of `run_attributes`.
-    Where the run was killed, `journaled` of its steps come from its journal, which is known by the `identity`
-    of the file, and `last` is the state before them.
+    the first step at or beyond each multiple of `field_interval`, and at the last step. `maximum_openings`
+    maps it to the maximum openings (E, Q) of an irreversible joint, nan where the file does not hold
+    them: those of version 0.1.0 had the openings of the last state alone. `attributes` are those of
+    `run_attributes`. Where the run was killed, `journaled` of its steps come from its journal, which is known
+    by the `identity` of the file, and `last` is the state before them.
     """
 
     case_text: str
@@ -88,25 +88,25 @@ class StoredRun:
     field_interval: float = 10.0
     identity: str = field(default_factory=lambda: uuid4().hex)
     journaled: int = 0
-    openings: Mapping[float, FloatArray] = field(default_factory=dict)
+    maximum_openings: Mapping[float, FloatArray] = field(default_factory=dict)
 
     @property
     def states(self) -> dict[float, Field]:
         """The fields with their openings."""
-        return {at: Field(u, self.openings.get(at, _UNKNOWN)) for at, u in self.fields.items()}
+        return {at: Field(u, self.maximum_openings.get(at, _UNKNOWN)) for at, u in self.fields.items()}
 
     def with_states(self, states: Mapping[float, Field]) -> "StoredRun":
         """The same with other fields and openings."""
         return replace(
             self,
             fields=MappingProxyType({at: one.displacement for at, one in states.items()}),
-            openings=MappingProxyType({at: one.openings for at, one in states.items()}),
+            maximum_openings=MappingProxyType({at: one.maximum_openings for at, one in states.items()}),
         )
 
     @property
     def lacks_history(self) -> bool:
         """Whether openings of a stored field are not known."""
-        return any(np.isnan(one.openings).any() for one in self.states.values())
+        return any(np.isnan(one.maximum_openings).any() for one in self.states.values())
 
 
 def run_attributes(problem: Problem, space: RowSpace, provenance: Provenance) -> dict[str, str | int]:
@@ -148,8 +148,8 @@ def read_run(path: Path, *, journal: bool = True) -> StoredRun:
             run = _stored(file)
         if not journal or run.last is None:
             return run
-        openings = _UNKNOWN if run.last.openings is None else run.last.openings
-        last = Field(run.last.displacement, openings)
+        maximum_openings = _UNKNOWN if run.last.maximum_openings is None else run.last.maximum_openings
+        last = Field(run.last.displacement, maximum_openings)
         return _followed_by(run, read_journal(path, run.identity, run.curve, last))
     except OSError as error:
         if error.errno in (EMFILE, ENFILE):
@@ -184,12 +184,12 @@ def _image(run: StoredRun) -> bytes:
             file["curve"].attrs[role] = getattr(run.curve, f"{role}_column").name
         file["fields/parameter"] = np.array(list(run.fields), dtype=np.float64)
         file["fields/displacement"] = np.array(list(run.fields.values()) or np.empty((0, 0, 2)))
-        openings = [one.openings for one in run.states.values()]
-        known = [one for one in openings if not np.isnan(one).any()]
+        maximum_openings = [one.maximum_openings for one in run.states.values()]
+        known = [one for one in maximum_openings if not np.isnan(one).any()]
         if any(one.any() for one in known):
             shape = known[0].shape
             file["fields/openings"] = np.array(
-                [np.full(shape, np.nan) if np.isnan(one).any() else one for one in openings]
+                [np.full(shape, np.nan) if np.isnan(one).any() else one for one in maximum_openings]
             )
         file["fields"].attrs["interval"] = run.field_interval
         if run.last is not None:
@@ -206,8 +206,8 @@ def _image(run: StoredRun) -> bytes:
 def _write_state(group: h5py.Group, state: State) -> None:
     group.attrs["parameter"] = state.parameter
     group["displacement"] = state.displacement
-    if state.openings is not None:
-        group["openings"] = state.openings
+    if state.maximum_openings is not None:
+        group["openings"] = state.maximum_openings
     if state.accepted_states:
         parameters, unknowns, *energies, fully_converged = zip(*state.accepted_states, strict=True)
         group["past/parameter"] = np.array(parameters)
@@ -249,7 +249,7 @@ def _write_solver_state(group: h5py.Group, solver_state: SolverState) -> None:
         {"parameter": solver_state.parameter, "steps": solver_state.steps, "slow": solver_state.slow}
     )
     group["unknown_values"] = solver_state.unknown_values
-    group["openings"] = solver_state.openings
+    group["openings"] = solver_state.maximum_openings
     group["corrections"] = solver_state.lbfgs_pairs.corrections.astype(np.float64)
     group["changes"] = solver_state.lbfgs_pairs.changes.astype(np.float64)
 
@@ -306,21 +306,23 @@ def _stored(file: h5py.File) -> StoredRun:
         identity,
     )
     if run.fields:
-        run = replace(run, openings=MappingProxyType(_openings(fields, run)))
+        run = replace(run, maximum_openings=MappingProxyType(_maximum_openings(fields, run)))
     every = [*run.fields.values(), *([] if run.last is None else [run.last.displacement])]
     if not run.field_interval > 0 or any(u.ndim != 2 or u.shape != (len(every[-1]), 2) for u in every):
         raise UntrustedError("its fields do not fit together")
     return run
 
 
-def _openings(group: h5py.Group, run: StoredRun) -> dict[float, FloatArray]:
+def _maximum_openings(group: h5py.Group, run: StoredRun) -> dict[float, FloatArray]:
     """Openings of the fields in a file, zero where none were written, nan where they are not known."""
-    last = None if run.last is None else run.last.openings
+    last = None if run.last is None else run.last.maximum_openings
     if "openings" in group:
-        openings = untrusted.floats(group, "openings", 3)
-        if np.isinf(openings).any() or (last is not None and openings.shape[1:] != last.shape):
+        maximum_openings = untrusted.floats(group, "openings", 3)
+        if np.isinf(maximum_openings).any() or (
+            last is not None and maximum_openings.shape[1:] != last.shape
+        ):
             raise UntrustedError("its openings do not fit together")
-        return dict(zip(run.fields, map(frozen, openings), strict=True))
+        return dict(zip(run.fields, map(frozen, maximum_openings), strict=True))
     known = last is not None and not last.any()
     return dict.fromkeys(run.fields, frozen(np.zeros_like(last)) if known else _UNKNOWN)
 

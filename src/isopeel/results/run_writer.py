@@ -29,7 +29,7 @@ class RunWriter:
     The steps in between are in its journal, one by one. The first save removes the `outdated` files, which
     were made from an earlier run, and lists them in `removed`; `saved` says that it was made.
 
-    The displacement and the largest openings are kept at the first step at or beyond each multiple of
+    The displacement and the maximum openings are kept at the first step at or beyond each multiple of
     `field_interval` (in the unit of the parameter's column), and at the last step; `base` is the displacement
     of the state that a stage begins with. Each save replaces the file as a whole, so that it is sound
     whatever ends the process: an exception, a kill, a full disk. A run that goes on after a stored one, read
@@ -108,7 +108,7 @@ class RunWriter:
         row = replace(
             step,
             displacement=empty,
-            openings=empty,
+            maximum_openings=empty,
             unknown_values=empty[:, 0],
             accepted_states=(),
             solver_state=None,
@@ -117,7 +117,7 @@ class RunWriter:
         self._resumes = step.resumes
         if step.resumes:
             self._last = step.state
-        kept = Field(step.displacement, step.openings)
+        kept = Field(step.displacement, step.maximum_openings)
         self._fields.take(float(self._drive.parameter_column.shown(step.parameter)), kept)
         if self._is_behind:
             return

@@ -387,7 +387,7 @@ def _write_results(
             ("curve.png", reaction_figure(curve, plateau, closed_form)),
             (
                 "shapes.png",
-                shapes_figure(stage.problem, space, run.fields, found.laboratory, (), run.openings),
+                shapes_figure(stage.problem, space, run.fields, found.laboratory, (), run.maximum_openings),
             ),
         ):
             check()

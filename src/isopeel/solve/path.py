@@ -123,7 +123,7 @@ class Path:
             dissipated_energy=at.dissipated_energy,
             iterations=result.iterations,
             seconds=perf_counter() - began,
-            openings=system.openings,
+            maximum_openings=system.maximum_openings,
             unknown_values=y,
             released_energy=released_energy,
             kind=found.kind,

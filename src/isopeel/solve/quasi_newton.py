@@ -69,14 +69,16 @@ class SolverState:
 
     unknown_values: FloatArray  # (count,)
     parameter: float
-    openings: FloatArray  # (E, Q), for irreversible adhesion
+    maximum_openings: FloatArray  # (E, Q), for irreversible adhesion
     lbfgs_pairs: LbfgsPairs
     steps: int = 0
     slow: bool = False  # the last step
 
     def followed_by(self, pairs: LbfgsPairs, *, slow: bool) -> "SolverState":
         """Return the solver state after one more step."""
-        return SolverState(self.unknown_values, self.parameter, self.openings, pairs, self.steps + 1, slow)
+        return SolverState(
+            self.unknown_values, self.parameter, self.maximum_openings, pairs, self.steps + 1, slow
+        )
 
 
 class QuasiNewton:
@@ -172,7 +174,7 @@ class QuasiNewton:
             return None
         self._factor, self._softest = made.factor, (made.soft, made.needed)
         self.solver_state = SolverState(
-            made_at, parameter, self._system.openings, LbfgsPairs.none(len(start))
+            made_at, parameter, self._system.maximum_openings, LbfgsPairs.none(len(start))
         )
         result = self._solve(start, parameter, None, _EXACT * self._settings.tolerance, 0.0)
         if result is None:
@@ -206,7 +208,7 @@ class QuasiNewton:
             pairs = solver_state.lbfgs_pairs.with_room(_MOST_CORRECTIONS)
             outcome, made, first, end, threshold, energies = corrected(
                 system.equations,
-                system.openings.ravel(),
+                system.maximum_openings.ravel(),
                 moved,
                 external,
                 factor.values,
@@ -248,14 +250,14 @@ class QuasiNewton:
         return self._factor, solver_state
 
     def _new_tangent(self, y: FloatArray, parameter: float) -> tuple[BandCholesky, SolverState]:
-        solver_state = SolverState(y, parameter, self._system.openings, LbfgsPairs.none(len(y)))
+        solver_state = SolverState(y, parameter, self._system.maximum_openings, LbfgsPairs.none(len(y)))
         self._factor = self._made(solver_state)
         self._is_new = True
         return self._factor, solver_state
 
     def _made(self, solver_state: SolverState) -> BandCholesky:
         u, load = self._system.state(solver_state.unknown_values, solver_state.parameter)
-        made = approximate(self._system.linearize(u, "symmetric", load, solver_state.openings)[1])
+        made = approximate(self._system.linearize(u, "symmetric", load, solver_state.maximum_openings)[1])
         self._softest = made.soft, made.needed
         return made.factor
 

@@ -38,7 +38,7 @@ class State(NamedTuple):
 
     parameter: float
     displacement: FloatArray
-    openings: FloatArray | None = None
+    maximum_openings: FloatArray | None = None
     accepted_states: tuple[AcceptedState, ...] = ()
     solver_state: SolverState | None = None
 
@@ -74,7 +74,7 @@ class Step:
     dissipated_energy: float  # by irreversible adhesion
     iterations: tuple[float, ...]  # energy residual per unknown before each Newton correction
     seconds: float  # wall time of the step
-    openings: FloatArray  # (E, Q) maximum openings at the points of the adhesive force, read-only
+    maximum_openings: FloatArray  # (E, Q) maximum openings at the points of the adhesive force, read-only
     unknown_values: FloatArray  # (count,) of the solver, read-only
     released_energy: float = 0.0  # since the last step, see above
     kind: Kind = "requested"
@@ -91,7 +91,9 @@ class Step:
         To keep the solver state of every step would take more memory than the rest of the step.
         """
         solver_state = None if self.solver_state is None else self.solver_state()
-        return State(self.parameter, self.displacement, self.openings, self.accepted_states, solver_state)
+        return State(
+            self.parameter, self.displacement, self.maximum_openings, self.accepted_states, solver_state
+        )
 
 
 class Found(NamedTuple):

@@ -53,11 +53,11 @@ def trace(
         if state.displacement.shape != (space.size, 2):
             raise InputError("start", state.displacement.shape, f"the space has {space.size} functions")
     system = System(problem, space, contact_points, None if base is None else base.displacement)
-    if given and given[-1].openings is not None:
-        if given[-1].openings.shape != system.openings.shape:
-            allowed = f"the adhesive force has {system.openings.shape} points"
-            raise InputError("start", given[-1].openings.shape, allowed)
-        system.openings = frozen(given[-1].openings)
+    if given and given[-1].maximum_openings is not None:
+        if given[-1].maximum_openings.shape != system.maximum_openings.shape:
+            allowed = f"the adhesive force has {system.maximum_openings.shape} points"
+            raise InputError("start", given[-1].maximum_openings.shape, allowed)
+        system.maximum_openings = frozen(given[-1].maximum_openings)
     begins = base is not None and not start
     if base is not None and not start:
         start = [base._replace(parameter=0.0, accepted_states=(), solver_state=None)]

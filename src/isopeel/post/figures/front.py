@@ -37,17 +37,17 @@ def front_figure(
     parameter: float,
     displacement: FloatArray,
     units: Laboratory | None = None,
-    openings: FloatArray | None = None,
+    maximum_openings: FloatArray | None = None,
 ) -> Figure:
     """Draw the front of coefficients (size, 2) of a displacement, at a parameter in its column's unit.
 
     Above, the body with I1 on its elements, and the force of the adhesion on it as arrows; below, along the
     same part of the face, the tension of the adhesion and that in the body, which are equal in equilibrium,
     and the length of the process zone, if there is a front. Elements are shaded by turns. An irreversible
-    joint needs its largest `openings` so far.
+    joint needs its `maximum_openings`.
     """
-    state = body_state(problem, space, parameter, displacement, openings=openings)
-    profile = front_profile(problem, space, displacement, openings=openings)
+    state = body_state(problem, space, parameter, displacement, maximum_openings=maximum_openings)
+    profile = front_profile(problem, space, displacement, maximum_openings=maximum_openings)
     zone = process_zone(profile)
     window = front_window(problem, state)
     if zone is not None:

@@ -25,8 +25,8 @@ class MovingFigure:
     """A picture of (width, height) pixels, drawn anew for each of the states.
 
     `fields` maps values of the drive's parameter, in the unit of its column, to displacement coefficients
-    (size, 2), and `openings` to the largest ones so far of an irreversible joint. Window and colours are the
-    same for all states.
+    (size, 2), and `maximum_openings` to those of an irreversible joint. Window and colours
+    are the same for all states.
     """
 
     def __init__(
@@ -37,14 +37,14 @@ class MovingFigure:
         fields: Mapping[float, FloatArray],
         size: tuple[int, int],
         units: Laboratory | None = None,
-        openings: Mapping[float, FloatArray] | None = None,
+        maximum_openings: Mapping[float, FloatArray] | None = None,
     ) -> None:
         self._problem, self._units = problem, units
-        self._openings = openings or {}
+        self._maximum_openings = maximum_openings or {}
         shown = curve if units is None else units.curve(curve)
         self._space, self._fields = space, fields
         self._parameters = list(fields)
-        window, self._scale = common_view(problem, space, fields, openings)
+        window, self._scale = common_view(problem, space, fields, maximum_openings)
         width, height = size
         with style():
             # letters are as large beside the picture as on paper; the tiny part is for the sizes to come out
@@ -81,8 +81,10 @@ class MovingFigure:
 
     def _state(self, number: int) -> BodyState:
         parameter = self._parameters[number]
-        openings = self._openings.get(parameter)
-        return body_state(self._problem, self._space, parameter, self._fields[parameter], openings=openings)
+        maximum_openings = self._maximum_openings.get(parameter)
+        return body_state(
+            self._problem, self._space, parameter, self._fields[parameter], maximum_openings=maximum_openings
+        )
 
     def picture(self, number: int) -> Picture:
         """Draw a state, by its number from zero: red, green and blue of pixels (height, width, 3)."""

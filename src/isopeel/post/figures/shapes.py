@@ -36,22 +36,24 @@ def shapes_figure(
     fields: Mapping[float, FloatArray],
     units: Laboratory | None = None,
     at: Sequence[float] = (),
-    openings: Mapping[float, FloatArray] | None = None,
+    maximum_openings: Mapping[float, FloatArray] | None = None,
 ) -> Figure:
     """Draw deformed shapes coloured by I1 = tr(sigma)/E, and below the delamination front of the last one.
 
     `fields` maps values of the drive's parameter, in the unit of its column, to displacement coefficients
     (size, 2), in the order of the run. The last one is drawn, and up to MOST_SHAPES - 1 before it, evenly
     spread, whose driven ends are far enough apart to be told from each other; or all those `at` parameters
-    that are given. Lengths are in `units`, and in L0 without. An irreversible joint needs its largest
-    `openings` so far in each state. Raises InputError where there are no fields, or openings are missing.
+    that are given. Lengths are in `units`, and in L0 without. An irreversible joint needs its
+    `maximum_openings` in each state. Raises InputError where there are no fields, or openings are
+    missing.
     """
     if not fields:
         raise InputError("fields", dict(fields), "give the displacement of at least one state")
     shown = at or spread(list(fields), MOST_SHAPES)
-    history = openings or {}
+    history = maximum_openings or {}
     states = [
-        body_state(problem, space, value, fields[value], openings=history.get(value)) for value in shown
+        body_state(problem, space, value, fields[value], maximum_openings=history.get(value))
+        for value in shown
     ]
     states = states if at else _apart(states)
     last = states[-1]
