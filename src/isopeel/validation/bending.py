@@ -95,7 +95,7 @@ def _problem(case: Strip) -> tuple[Problem, float]:
 
 
 def judge(outcomes: Sequence[Plateau]) -> Result:
-    """Hold plateaus against the closed form; above the strains for which it is meant, they are told."""
+    """Compare plateaus with the closed form; above its range of strains they are for information."""
     rows = tuple(
         Row(
             found.moment,

@@ -96,7 +96,7 @@ def judge(outcomes: Sequence[Factors]) -> Result:
             " pairs of points: {curvature-factors}. That is what the factors are; they are not those of a"
             " cylinder in plane strain. In a hollow substrate (R < 0) the layers end at the centre, while the"
             " law counts them beyond it: a share of about (r/R)^3 of the attraction, which is allowed for"
-            " down to a radius of ten gaps, and told below."
+            " down to a radius of ten gaps, and reported below."
         ),
         settings=(("laws", "r0 = 0.2 r and 1.4 r; f1 and f2 follow from two tractions"),),
         columns=("substrate", "R/r", "factor"),

@@ -68,8 +68,8 @@ def validate(names: Sequence[str], out: Path, console: Console, *, force: bool =
     """
     part = "" if len(names) == len(CHECKS) else "-".join(names)
     folder = take_folder(out, part, lambda name: set(name.split("-")) <= set(CHECKS), force=force)
-    if told := replaced(folder):
-        console.print(told, soft_wrap=True)
+    if message := replaced(folder):
+        console.print(message, soft_wrap=True)
     provenance = Provenance.of_this_process()
     done = _computed(names, console)
     results = {name: CHECKS[name].judge([d.outcome for d in done[name]]) for name in names}
@@ -186,7 +186,7 @@ def _allowed(row: Row) -> str:
 
 def _verdict(row: Row) -> str:
     if row.allowed is None:
-        return "told"
+        return "for information"
     return "pass" if row.passed else "FAIL"
 
 
