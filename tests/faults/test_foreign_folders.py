@@ -244,7 +244,7 @@ def test_an_unfinished_run_is_gone_on_with_unless_forced(
     capsys.readouterr()
     assert main(["run", "strip", *SMALL, "3"]) == 2
     error = the_error(capsys)
-    assert "`isopeel resume out/strip` goes on with it, and --force begins anew" in error
+    assert "`isopeel resume out/strip` continues it, and --force starts a new run" in error
     assert contents(OUT) == before
     assert main(["resume", "out/strip", "--to", "3"]) == 0
     assert main(["run", "strip", *SMALL, "3"]) == 0

@@ -57,7 +57,7 @@ def test_an_interrupted_run_goes_on(
     with monkeypatch.context() as patch:
         interrupt_at(3, patch)
         assert main(["run", "strip", *SMALL]) == 130
-    told = "interrupted; what converged before is in out/strip, and `isopeel resume out/strip` goes on"
+    told = "interrupted; what converged before is in out/strip, and `isopeel resume out/strip` continues it"
     assert capsys.readouterr().err == f"isopeel: {told}\n"
     assert rows() == rows(Path("whole"))[:4]
     assert {path.name for path in OUT.iterdir()} == {"run.h5", "curve.csv", "summary.json"}
@@ -111,7 +111,7 @@ def test_a_run_without_an_equilibrium_stays_as_it_is(capsys: pytest.CaptureFixtu
 def test_another_control_goes_on_where_one_found_no_equilibrium(capsys: pytest.CaptureFixture[str]) -> None:
     coarse = ("--mesh", "10x1", "--space", "L1", "--to", "80", "--step", "20")
     assert main(["run", "strip", *coarse, "--control", "newton"]) == 3
-    assert "`isopeel resume out/strip --control CONTROL` goes on" in capsys.readouterr().err
+    assert "`isopeel resume out/strip --control CONTROL` continues it" in capsys.readouterr().err
     failed = read_run(OUT / "run.h5")
     assert main(["resume", "out/strip", "--control", "auto"]) == 0
     found = read_run(OUT / "run.h5")
@@ -197,7 +197,7 @@ def test_a_full_disk_keeps_what_was_saved(
         patch.setattr(RunWriter, "append", filling)
         assert main(["run", "strip", *SMALL]) == 2
     error = capsys.readouterr().err
-    assert "No space left on device; `isopeel resume out/strip` goes on with what is saved" in error
+    assert "No space left on device; `isopeel resume out/strip` continues from the saved steps" in error
     assert error.count("\n") == 1
     assert len(isopeel.read_run(OUT / "run.h5").curve) == 3
     assert main(["resume", "out/strip"]) == 0

@@ -81,9 +81,9 @@ def stage_parameters(dimension: Dimension, to: object, step: object) -> FloatArr
 def check_work(counts: Sequence[int]) -> None:
     """Raise InputError where stages of these numbers of steps are more work than any run is meant for."""
     if sum(counts) > MOST_STEPS_IN_ALL:
-        told = f"{len(counts)} stages of {sum(counts)} steps in all"
+        written = f"{len(counts)} stages of {sum(counts)} steps in all"
         allowed = f"at most {MOST_STEPS_IN_ALL} steps are made; take larger steps or fewer stages"
-        raise InputError("drive", told, allowed)
+        raise InputError("drive", written, allowed)
 
 
 def check_number(stages: object) -> object:

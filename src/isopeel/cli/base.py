@@ -73,14 +73,16 @@ def fail(code: int, message: str) -> int:
 def unwritten(error: OSError, folder: Path | None = None) -> str:
     """What is told of a file that could not be written, of the run in a folder if there is one."""
     if error.errno in (EMFILE, ENFILE):
-        told = f"{error.filename or 'a file'} cannot be opened: {error.strerror}; `ulimit -n` allows more"
+        text = f"{error.filename or 'a file'} cannot be opened: {error.strerror}; `ulimit -n` allows more"
     else:
-        told = f"{error.filename or 'a file'} cannot be written: {error.strerror or error}"
+        text = f"{error.filename or 'a file'} cannot be written: {error.strerror or error}"
     if folder is None or not any(folder.glob("**/run.h5")):
-        return told
-    return f"{told}; `isopeel resume {shlex.quote(str(folder))}` goes on with what is saved"
+        return text
+    return f"{text}; `isopeel resume {shlex.quote(str(folder))}` continues from the saved steps"
 
 
-def goes_on(folder: Path) -> str:
+def interrupted_message(folder: Path) -> str:
     """What is told of an interrupted run in a folder."""
-    return f"what converged before is in {folder}, and `isopeel resume {shlex.quote(str(folder))}` goes on"
+    return (
+        f"what converged before is in {folder}, and `isopeel resume {shlex.quote(str(folder))}` continues it"
+    )

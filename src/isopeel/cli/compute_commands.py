@@ -12,11 +12,11 @@ from isopeel.cli.base import (
     command,
     console,
     fail,
-    goes_on,
+    interrupted_message,
     unwritten,
 )
 from isopeel.common.errors import InputError
-from isopeel.common.interrupts import INTERRUPTED, telling
+from isopeel.common.interrupts import INTERRUPTED, reporting
 
 if TYPE_CHECKING:
     from isopeel.running.run import Result
@@ -109,7 +109,7 @@ def run(
         # takes a while to import: what is wrong with the case was told before
         from isopeel.running.warm_up import warmed_up_beside
 
-        with telling("interrupted", f"interrupted; {goes_on(folder)}"), warmed_up_beside():
+        with reporting("interrupted", f"interrupted; {interrupted_message(folder)}"), warmed_up_beside():
             from isopeel.running.run import run_case
 
             result = run_case(chosen, folder, console(), strict, force=force)
@@ -139,12 +139,12 @@ def resume(
     try:
         from isopeel.running.warm_up import warmed_up_beside
 
-        with telling(f"interrupted; {goes_on(folder)}"), warmed_up_beside():
+        with reporting(f"interrupted; {interrupted_message(folder)}"), warmed_up_beside():
             from isopeel.running.resume import resume_case
 
             result = resume_case(folder, console(), to, control)
     except KeyboardInterrupt:
-        return fail(INTERRUPTED, f"interrupted; {goes_on(folder)}")
+        return fail(INTERRUPTED, f"interrupted; {interrupted_message(folder)}")
     except OSError as error:
         return fail(BAD_INPUT, unwritten(error, folder))
     return _ended(result, folder)
@@ -157,7 +157,7 @@ def _ended(result: "Result", folder: Path) -> int:
 
     run, stage_folder = result
     if run.ending == "interrupted":
-        return fail(INTERRUPTED, f"interrupted; {goes_on(folder)}")
+        return fail(INTERRUPTED, f"interrupted; {interrupted_message(folder)}")
     if run.failure is not None:
         (stored,) = read_stages(stage_folder)
         at = stored.laboratory.parameter(run.curve.parameter_column, run.failure.parameter)
@@ -182,15 +182,15 @@ def paper(
 ) -> int:
     """Run the published study, and report on it beside the published figures.
 
-    Runs that are finished are kept, so that the same command goes on where it was interrupted.
+    Runs that are finished are kept, so that the same command continues an interrupted study.
     """
-    kept = f"finished runs are in {out}, and the same command goes on"
+    kept = f"finished runs are in {out}, and the same command continues"
     try:
         from isopeel.common.processes import WorkerLostError
         from isopeel.paper.report import chosen_meshes, chosen_parts, make_report
 
         try:
-            with telling(f"interrupted; {kept}"):
+            with reporting(f"interrupted; {kept}"):
                 parts, meshes = chosen_parts(only or []), chosen_meshes(mesh or [])
                 page = make_report(parts, meshes, out, console(), force=force)
         except WorkerLostError as error:

@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from isopeel.cli.base import COMPLETED, command, console, fail
-from isopeel.common.interrupts import INTERRUPTED, telling
+from isopeel.common.interrupts import INTERRUPTED, reporting
 
 _ForceOption = Annotated[
     bool, typer.Option("--force", help="Replace a file of the same name that isopeel did not write.")
@@ -71,14 +71,14 @@ def export(
     force: _ForceOption = False,
 ) -> int:
     """Write the fields of a run for ParaView, as Bezier cells that hold curved shapes exactly."""
-    told = "interrupted; the same command writes all files anew"
+    message = "interrupted; the same command writes all files anew"
     try:
-        with telling(told):
+        with reporting(message):
             from isopeel.output.export import export_run
 
             export_run(folder, out, linear, console(), force=force)
     except KeyboardInterrupt:
-        return fail(INTERRUPTED, told)
+        return fail(INTERRUPTED, message)
     return COMPLETED
 
 

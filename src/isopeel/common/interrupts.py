@@ -45,7 +45,7 @@ class _Noted:
         self.line_is_free = Lock()  # which whoever says the one line does not release
         self.raised = False  # no threading.Event: an interrupt in the middle would leave its lock taken
         self.patience = 0.0
-        self.told = self.told_later = "interrupted"
+        self.message = self.message_later = "interrupted"
         self.left_over: list[Callable[[], object]] = []
 
 
@@ -109,13 +109,13 @@ def ending_this_process() -> Iterator[None]:
 
 
 @contextmanager
-def telling(told: str, told_later: str | None = None) -> Iterator[None]:
+def reporting(message: str, message_later: str | None = None) -> Iterator[None]:
     """Say something where Ctrl-C ends the process in the context; something else once there are steps."""
-    _noted.told, _noted.told_later = told, told_later or told
+    _noted.message, _noted.message_later = message, message_later or message
     try:
         yield
     finally:
-        _noted.told = _noted.told_later = "interrupted"
+        _noted.message = _noted.message_later = "interrupted"
         _noted.patience = 0.0
 
 
@@ -126,7 +126,7 @@ def may_tell() -> bool:
 
 def leave_time() -> None:
     """From now on there is something to write, or to end: Ctrl-C leaves some time for it."""
-    _noted.patience, _noted.told = _PATIENCE, _noted.told_later
+    _noted.patience, _noted.message = _PATIENCE, _noted.message_later
 
 
 @contextmanager
@@ -186,7 +186,7 @@ def _end() -> None:
         if os.isatty(1):
             os.write(1, _CLEARED)
         if may_tell():
-            os.write(2, f"isopeel: {_noted.told}\n".encode(errors="backslashreplace"))
+            os.write(2, f"isopeel: {_noted.message}\n".encode(errors="backslashreplace"))
         else:
             sleep(_TO_TELL)
     for how in reversed(_noted.left_over):

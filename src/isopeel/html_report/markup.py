@@ -33,16 +33,16 @@ def paragraph(text: str, kind: str = "") -> str:
 def ending(stored: StoredStage) -> str:
     """How a stage ended, with cause and hint where it did not come to its end."""
     run, column = stored.run, stored.run.curve.parameter_column
-    told = partial(stored.laboratory.parameter, column)
+    value = partial(stored.laboratory.parameter, column)
     steps = f"{len(run.curve)} {'step' if len(run.curve) == 1 else 'steps'}"
     if len(run.curve):
-        steps += f", to {_units(told(float(run.curve.parameter[-1])))}"
+        steps += f", to {_units(value(float(run.curve.parameter[-1])))}"
     if run.failure is not None:
         return _box(
             _failure(
                 run.failure,
                 stored.laboratory.sentence(run.failure.reason),
-                _units(told(run.failure.parameter)),
+                _units(value(run.failure.parameter)),
             )
             + paragraph(f"What converged before: {steps}.")
         )
@@ -50,9 +50,14 @@ def ending(stored: StoredStage) -> str:
         case "completed":
             return paragraph(f"Completed: {steps}.")
         case "interrupted":
-            words = f"This run was interrupted. What converged before: {steps}. `isopeel resume` goes on."
+            words = (
+                f"This run was interrupted. What converged before: {steps}. `isopeel resume` continues it."
+            )
         case _:
-            words = f"This run was killed, or is under way: {steps}. Where killed, `isopeel resume` goes on."
+            words = (
+                f"This run was killed, or is still running: {steps}."
+                " If it was killed, `isopeel resume` continues it."
+            )
     return _box(paragraph(words))
 
 
@@ -70,13 +75,13 @@ def _box(content: str) -> str:
     return f'<div class="ending bad" role="note">\n{content}</div>\n'
 
 
-def summary(stored: StoredStage, told: dict[str, Any], found: Findings) -> str:
+def summary(stored: StoredStage, read: dict[str, Any], found: Findings) -> str:
     """The summary of a run, beside what theory says, with its notes and units."""
-    rows = summary_rows(told, stored.run.curve, found)
+    rows = summary_rows(read, stored.run.curve, found)
     columns = 4 if any(row.theory for row in rows) else 2
     headings = ("", "run", "closed form", "deviation")[:columns]
     shown = table(headings, ((row.name, *map(_units, row[1:columns])) for row in rows))
-    notes = [f"Note: {note['text']}." for note in told["notes"]]
+    notes = [f"Note: {note['text']}." for note in read["notes"]]
     notes += [f"{words[0].upper()}{words[1:]}." for words in (found.halves, found.laboratory.note()) if words]
     return shown + "".join(paragraph(note, "legend") for note in notes)
 
@@ -95,9 +100,9 @@ def states_table(stored: StoredStage, shown: int) -> str:
         for k in steps
     )
     less = f", of which {shown} are shown above, to keep the page small" if shown < len(steps) else ""
-    told = f"{len(steps)} stored states of {len(curve)} steps{less}"
+    caption = f"{len(steps)} stored states of {len(curve)} steps{less}"
     content = f'<div class="wide">\n{table(headings, rows)}</div>\n'
-    return f"<details>\n<summary>{escape(told)}</summary>\n{content}</details>\n"
+    return f"<details>\n<summary>{escape(caption)}</summary>\n{content}</details>\n"
 
 
 def curve_legend(stored: StoredStage, plateau: bool) -> str:

@@ -69,13 +69,13 @@ def _shown(name: str, stage: StoredStage) -> Compared:
 def _check_alike(folder: Path, stage: StoredStage, first: StoredStage) -> None:
     """Raise InputError where the curve of a stage is not of the quantities of the first."""
 
-    def told(one: StoredStage) -> str:
+    def quantities(one: StoredStage) -> str:
         curve = one.laboratory.curve(one.run.curve)
         parameter, reaction = curve.parameter_column, curve.reaction_column
         return f"{reaction.name} ({reaction.unit}) over {parameter.name} ({parameter.unit})"
 
-    if told(stage) != told(first):
-        allowed = f"its curve is {told(stage)}; that of the first run is {told(first)}"
+    if quantities(stage) != quantities(first):
+        allowed = f"its curve is {quantities(stage)}; that of the first run is {quantities(first)}"
         raise InputError("DIR", str(folder), allowed)
 
 

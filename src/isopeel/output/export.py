@@ -46,15 +46,15 @@ def export_run(
             check_overwritten("--out", known, force)
             removed = _export(stage, place, linear)
             unit = run.curve.parameter_column.unit
-            told = "" if run.ending == "completed" else f" (the run {_ENDINGS[run.ending]})"
-            states = f"{len(run.fields)} states, to {list(run.fields)[-1]:g} {unit}{told}"
+            suffix = "" if run.ending == "completed" else f" (the run {_ENDINGS[run.ending]})"
+            states = f"{len(run.fields)} states, to {list(run.fields)[-1]:g} {unit}{suffix}"
             console.print(f"{states}: {place / _BODY}.pvd and {_SIDE}.pvd", soft_wrap=True)
             if removed:
                 console.print(f"removed {', '.join(map(str, removed))}", soft_wrap=True)
 
 
 _ENDINGS = {
-    "running": "goes on, or was killed",
+    "running": "is still running, or was killed",
     "interrupted": "was interrupted",
     "not converged": "found no equilibrium beyond",
 }

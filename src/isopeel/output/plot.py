@@ -85,11 +85,11 @@ def plot_run(
         for part in only or PARTS:
             draw = PARTS[part]
             if part == "plateau" and shown.found.plateau is None:
-                told = _unread(shown)
+                reason = _unread(shown)
                 if only and len(stages) == 1:
-                    raise InputError("--only", part, told)
+                    raise InputError("--only", part, reason)
                 if only or shown.found.window is not None:
-                    console.print(f"no {part} of {stage.title}: {told}", soft_wrap=True)
+                    console.print(f"no {part} of {stage.title}: {reason}", soft_wrap=True)
                 continue
             path = into / f"{part}.{suffix}"
             with replacing(path) as written:
@@ -101,8 +101,8 @@ def _unread(shown: _Shown) -> str:
     found, curve = shown.found, shown.stored.run.curve
     if found.window is None:
         return "the case names no window to read it in"
-    told = partial(found.laboratory.parameter, curve.parameter_column)
-    return str(unreadable(curve, found.window, found.period, told))
+    reason = partial(found.laboratory.parameter, curve.parameter_column)
+    return str(unreadable(curve, found.window, found.period, reason))
 
 
 def _curve(shown: _Shown) -> Figure:

@@ -68,6 +68,6 @@ def _nearest(stage: StoredStage, written: str, console: Console) -> float:
         raise InputError("--at", written, reach)
     nearest = float(stored[np.abs(stored - value).argmin()])
     if abs(nearest - value) > same:
-        told = f"--at {written}: the nearest state that is stored is at {shown(nearest)}"
-        console.print(f"{told}; `isopeel run --fields-every` stores more", soft_wrap=True)
+        note = f"--at {written}: the nearest state that is stored is at {shown(nearest)}"
+        console.print(f"{note}; `isopeel run --fields-every` stores more", soft_wrap=True)
     return nearest

@@ -99,8 +99,8 @@ def make_report(
     if outdated:
         what = f"replaces {first_names(outdated)}: not finished, or computed by other code"
         console.print(what, soft_wrap=True)
-    if told := replaced(folder):
-        console.print(told, soft_wrap=True)
+    if message := replaced(folder):
+        console.print(message, soft_wrap=True)
     with Monitor(console, missing) as monitor:
         execute(missing, store, workers or cores(), monitor)
     # a variant whose base ended before it starts was not computed

@@ -176,15 +176,15 @@ def _bending_notes(problem: Problem, space: RowSpace, laboratory: Laboratory) ->
     if found is None or not _matters(problem, space, found):
         return []
     along, across = (laboratory.text(size, "length", 3) for size in _largest(problem, space))
-    told = (
+    message = (
         f"bending: the body is {_by(found.excess)} too stiff on elements of {along} x {across} "
         f"(space {space.name}, degree {space.across.degree} across)"
     )
     for richer, words in _richer(space):
         better = bending(problem, richer)
         if better is not None and not _matters(problem, richer, better):
-            return [Note("locking", f"{told}; {words} would do ({_by(better.excess)})")]
-    return [Note("locking", f"{told}; take smaller elements too, and space N2.1 with across_degree = 3")]
+            return [Note("locking", f"{message}; {words} would do ({_by(better.excess)})")]
+    return [Note("locking", f"{message}; take smaller elements too, and space N2.1 with across_degree = 3")]
 
 
 def _by(excess: float) -> str:

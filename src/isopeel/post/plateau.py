@@ -62,21 +62,26 @@ def unreadable(
     start, end = window
     parameter, _ = rising(curve)
     inside = parameter[_inside(parameter, window)]
-    told = shown or f"{{:.6g}} {curve.parameter_column.unit}".format
-    ends = f"{told(start)} to {told(end)}"
+    write = shown or f"{{:.6g}} {curve.parameter_column.unit}".format
+    ends = f"{write(start)} to {write(end)}"
     if not _covers(parameter, window):
-        reached = f"the run reached {told(float(curve.parameter[-1]))}" if len(curve) else "no step converged"
+        reached = (
+            f"the run reached {write(float(curve.parameter[-1]))}" if len(curve) else "no step converged"
+        )
         return f"their window is {ends}, and {reached}"
     if len(inside) < 4:
         return f"their window of {ends} holds {len(inside)} steps"
     if period is not None:
         step = float(np.diff(inside).max())
         if end - start < period:
-            return f"their window is shorter than a period of the oscillation, {told(float(f'{period:.3g}'))}"
+            return (
+                f"their window is shorter than a period of the oscillation, {write(float(f'{period:.3g}'))}"
+            )
         if step > period / STEPS_PER_PERIOD:
             largest, passes = (float(f"{value:.3g}") for value in (period / STEPS_PER_PERIOD, period))
             return (
-                f"steps of {told(step)} are too large for a period of {told(passes)}, at most {told(largest)}"
+                f"steps of {write(step)} are too large for a period of {write(passes)},"
+                f" at most {write(largest)}"
             )
     return None
 

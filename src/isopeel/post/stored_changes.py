@@ -23,11 +23,12 @@ def stored_changes(summary: Path, run: StoredRun) -> list[MeshChange] | None:
         check_readable(summary)
         if run.ending == "interrupted" or summary.stat().st_size > _LARGEST_SUMMARY:
             return None
-        told = json.loads(summary.read_text("utf-8"))
-        if told["run"] != run.identity:
+        summary_values = json.loads(summary.read_text("utf-8"))
+        if summary_values["run"] != run.identity:
             return None
         changes = [
-            MeshChange(one[parameter], one[reaction], one["on_finer_mesh"]) for one in told["finer_mesh"]
+            MeshChange(one[parameter], one[reaction], one["on_finer_mesh"])
+            for one in summary_values["finer_mesh"]
         ]
     except (OSError, InputError, ValueError, LookupError, TypeError, RecursionError):
         return None

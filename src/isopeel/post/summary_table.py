@@ -39,8 +39,8 @@ def summary_rows(summary: Mapping[str, Any], curve: Curve, found: Findings) -> l
     ):
         form = found.closed_form
         kind = kind_of(curve.reaction_column)
-        told = f"{laboratory.text(form.reaction, kind)}\n  {form.source}" if form else ""
-        rows.append(Row(f"steady {curve.reaction_column.name}", "-", told))
+        steady = f"{laboratory.text(form.reaction, kind)}\n  {form.source}" if form else ""
+        rows.append(Row(f"steady {curve.reaction_column.name}", "-", steady))
     plateau = found.plateau
     if plateau is not None:
         reaction, at = laboratory.column(curve.reaction_column), laboratory.column(parameter)
@@ -67,12 +67,12 @@ def summary_rows(summary: Mapping[str, Any], curve: Curve, found: Findings) -> l
     for change in summary["finer_mesh"]:
         relative = change["relative_change"]
         name = curve.reaction_column.name
-        told = "no equilibrium near it" if relative is None else f"{name} changes by {relative:.2%}"
+        finer = "no equilibrium near it" if relative is None else f"{name} changes by {relative:.2%}"
         at_which = laboratory.parameter(parameter, change[parameter.name])
-        rows.append(Row("half the elements' length", f"{told}, at {at_which}"))
+        rows.append(Row("half the elements' length", f"{finer}, at {at_which}"))
     per_step = summary["corrections_per_step"]
-    told = "-" if per_step is None else f"{per_step:.2f} per step"
-    rows.append(Row("corrections", f"{summary['corrections']}, {told}"))
+    average = "-" if per_step is None else f"{per_step:.2f} per step"
+    rows.append(Row("corrections", f"{summary['corrections']}, {average}"))
     rows.append(Row("time", f"{summary['wall_time_s']:.1f} s"))
     return rows
 
@@ -97,15 +97,15 @@ def _row(reading: Reading, parameter: Column, laboratory: Laboratory) -> Row:
 def _zone_rows(found: Findings, parameter: Column) -> list[Row]:
     """How many elements the process zone has, and needs."""
     laboratory, zones = found.laboratory, found.zones
-    told, needed = [], None
+    counts, needed = [], None
     if zones.last is not None:
         at, zone = zones.last
-        told.append(f"{zone.elements:.2g} at {laboratory.parameter(parameter, at)}")
+        counts.append(f"{zone.elements:.2g} at {laboratory.parameter(parameter, at)}")
         needed = zone.needed
     if zones.estimated is not None:
-        told.append(f"{zones.estimated.elements:.2g} estimated")
+        counts.append(f"{zones.estimated.elements:.2g} estimated")
         needed = zones.estimated.needed
-    return [Row("elements in the zone", f"{', '.join(told)}; {needed:.2g} needed")] if told else []
+    return [Row("elements in the zone", f"{', '.join(counts)}; {needed:.2g} needed")] if counts else []
 
 
 def _angle(value: float | None) -> str:

@@ -33,7 +33,7 @@ class Curve:
     seconds: FloatArray
     energy_residuals: FloatArray  # per unknown, of the corrections of all steps, one step after the other
     kind: IntArray  # numbers of KINDS
-    negative_eigenvalues: IntArray  # of the tangent, none in a stable state; -1 where not counted
+    negative_eigenvalues: IntArray  # of the tangent: 0 in a stable state, -1 where not counted
 
     @classmethod
     def of(cls, steps: Iterable[Step], drive: Drive) -> "Curve":
@@ -73,7 +73,7 @@ class Curve:
         )
 
     def followed_by(self, others: Iterable["Curve"]) -> "Curve":
-        """Join the rows of other curves of the same columns to these."""
+        """Return the curve with the rows of other curves of the same columns appended."""
         curves = [self, *others]
         columns = (field.name for field in fields(self) if isinstance(getattr(self, field.name), np.ndarray))
         joined: dict[str, Any] = {
@@ -88,12 +88,12 @@ class Curve:
         return len(self.parameter)
 
     def residuals_of(self, step: int) -> FloatArray:
-        """Energy residuals per unknown, |R . dz|/n, before each Newton correction of a step."""
+        """Return the energy residuals per unknown, |R . dz|/n, before each Newton correction of a step."""
         ends = np.cumsum(self.iterations)
         return self.energy_residuals[ends[step] - self.iterations[step] : ends[step]]
 
     def table(self) -> tuple[tuple[Column, Any], ...]:
-        """The columns of the curve and their values (steps,), those of one step in a row."""
+        """Return the columns of the curve and their values (steps,)."""
         energies = ("stored_energy", "adhesive_energy", "dissipated_energy", "released_energy")
         return (
             (self.parameter_column, self.parameter),

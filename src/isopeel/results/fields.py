@@ -1,4 +1,4 @@
-"""Which displacements of a run are kept."""
+"""The selection of the displacements of a run that are stored."""
 
 from collections.abc import Mapping
 from types import MappingProxyType
@@ -22,9 +22,9 @@ Kept = TypeVar("Kept")
 
 
 class Fields(Generic[Kept]):
-    """What is kept of the states that come, by their parameter.
+    """The states of a run that are stored, by their parameter.
 
-    They are those of the first step at or beyond each multiple of an interval, and of the last step.
+    They are the states of the first step at or beyond each multiple of an interval, and of the last step.
     """
 
     def __init__(self, interval: float) -> None:
@@ -34,7 +34,7 @@ class Fields(Generic[Kept]):
         self._last: dict[float, Kept] = {}
 
     def take(self, parameter: float, state: Kept) -> None:
-        """Keep one until the next one comes, or for good."""
+        """Store a state: for good where it is selected, else until the next one."""
         self._last = {parameter: state}
         passed = float(np.floor(abs(parameter) / self._interval + _ROUND_OFF))
         if passed != self._passed:
@@ -42,10 +42,10 @@ class Fields(Generic[Kept]):
             self._passed = passed
 
     def take_all(self, states: Mapping[float, Kept]) -> None:
-        """Take what was kept before."""
+        """Take the states that were stored before."""
         for parameter, state in states.items():
             self.take(parameter, state)
 
     def all(self) -> Mapping[float, Kept]:
-        """Those kept, and the last one."""
+        """Return the selected states and the last one, by parameter."""
         return MappingProxyType(self._kept | self._last)

@@ -1,4 +1,4 @@
-"""Writing a file as a whole, and telling files that isopeel wrote from others."""
+"""Write a file as a whole, and recognize the files that isopeel wrote."""
 
 import errno
 import json
@@ -10,13 +10,13 @@ from pathlib import Path
 
 from isopeel.common.interrupts import cleared_up
 
-#: Bytes at either end of a file in which its mark stands; an mp4 has its comment at the end.
+#: Number of bytes at either end of a file in which its mark is searched; an mp4 has its comment at the end.
 _ENDS = 1 << 16
-#: More than any summary has.
+#: Largest size of a summary.
 _LARGEST_SUMMARY = 10_000_000
-#: Who made a file, in words that its kind has a place for.
+#: The maker of a file, for the kinds of file that have a place for it.
 MAKER = "isopeel"
-#: What files of a kind hold that isopeel wrote, as it writes it.
+#: The mark in the files of a kind that isopeel writes.
 _MARKS = {
     ".png": (b"Creator\0isopeel",),
     ".svg": (b"<dc:title>isopeel</dc:title>",),
@@ -34,12 +34,12 @@ _MARKS = {
 
 @contextmanager
 def replacing(path: Path, *, durable: bool = False) -> Iterator[Path]:
-    """Give another name to write a file under; it takes the place of the old file when it is whole.
+    """Yield a temporary name to write a file under; the file replaces the old one when it is whole.
 
-    Whatever ends the process, the file has its old content or its new one; where it is `durable`, also what
-    ends the machine: the content is on the disk before the file takes its name. The file of the other name
-    is made here: a link that somebody has put in its place is removed, and never written through. Raises
-    OSError, which names the file, also where the path is a link, or no file.
+    Whatever ends the process, the file has its old content or its new content. With `durable` this holds
+    where the machine fails too: the content is on the disk before the file takes its name. The temporary file
+    is made here: a link in its place is removed, and never written through. Raises OSError, which names the
+    file, also where the path is a link, or not a file.
     """
     part = part_of(path)
     try:
@@ -54,24 +54,24 @@ def replacing(path: Path, *, durable: bool = False) -> Iterator[Path]:
             if durable:
                 _to_disk(path.parent)
     except OSError as error:
-        # a disk that is full does not say where, and the other name means nothing to a user
+        # the error of a full disk has no name, and the temporary name means nothing to a user
         if error.errno is not None and error.filename in (None, str(part), part):
             raise OSError(error.errno, os.strerror(error.errno), str(path)) from error
         raise
 
 
 def part_of(path: Path) -> Path:
-    """The name that a file is written under; its suffix tells the format of a figure."""
+    """Return the temporary name of a file; its suffix stays, as it selects the format of a figure."""
     return path.with_name(f".{path.stem}.part{path.suffix}")
 
 
 def new_file(path: Path) -> int:
-    """Make a file where there is nothing, not even a link, and open it for writing. Raises OSError."""
+    """Make a new file, where not even a link exists, and open it for writing. Raises OSError."""
     return os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_NOFOLLOW", 0), 0o666)
 
 
 def check_is_file(path: Path) -> None:
-    """Raise OSError where something else than a file has a name: a link, a folder, a pipe or a device."""
+    """Raise OSError where a path exists and is not a file: a link, a folder, a pipe or a device."""
     try:
         mode = path.lstat().st_mode
     except FileNotFoundError:
@@ -82,7 +82,7 @@ def check_is_file(path: Path) -> None:
 
 
 def check_readable(path: Path) -> None:
-    """Raise OSError where a path leads to no file, as to a pipe, which would be waited for, or to nothing."""
+    """Raise OSError where a path is not a file, or does not exist; reading a pipe would wait for ever."""
     number = os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0))
     try:
         kind = kind_of(os.fstat(number).st_mode)
@@ -93,7 +93,7 @@ def check_readable(path: Path) -> None:
 
 
 def kind_of(mode: int) -> str:
-    """What something is by its mode, if it is no file."""
+    """Return what a path with a mode is, in words, where it is not a file."""
     kinds = {
         stat.S_ISLNK: "a symbolic link",
         stat.S_ISDIR: "a folder",
@@ -106,7 +106,7 @@ def kind_of(mode: int) -> str:
 
 
 def is_written_by_isopeel(path: Path) -> bool:
-    """Whether a file holds the mark of those that isopeel writes of its kind; nothing is followed."""
+    """Return whether a file holds the mark of isopeel for its kind; links are not followed."""
     try:
         if kind_of(path.lstat().st_mode):
             return False
@@ -133,9 +133,9 @@ def _is_summary(text: bytes) -> bool:
 
 
 def _to_disk(path: Path) -> None:
-    """Wait until a file, or the names in a folder, are on the disk."""
+    """Wait until a file, or the list of names of a folder, is on the disk."""
     if path.is_dir() and os.name == "nt":
-        return  # which does not open folders
+        return  # Windows does not open folders
     number = os.open(path, os.O_RDONLY)
     try:
         os.fsync(number)

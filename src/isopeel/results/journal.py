@@ -1,14 +1,14 @@
-"""The journal of a run: the steps since its file was saved, one record each, as soon as they have converged.
+"""The journal of a run: the steps since its file was saved, one record each, written when they converge.
 
-Writing the whole file at every step would take longer than the step. A record is handed to the operating
-system at once, so that a kill loses nothing but the step in flight. The path goes on from the file, not from
-the journal: making its steps again gives the same to the last bit, in the time that they took.
+To write the whole file at every step would take longer than the step. A record is passed to the operating
+system at once, so that a kill loses only the step that is being computed. A resumed path continues from the
+file, not from the journal: it computes the journaled steps again, with the same result to the last bit.
 
-Layout: a mark, the identity of the file that it goes on from, and the records: the number of the step, the
-numbers of its energy residuals and of its openings, which are left out where all are zero, its row of the
-curve, its displacement, its openings, and a checksum of all but the latter two, which is written last. Where
-the file has been saved, records are written from the beginning again, over those that it holds by then: what
-follows the last whole one is of no meaning.
+Layout: a mark, the identity of the file before it, and the records. A record holds the number of the step,
+the numbers of its energy residuals and of its maximum openings (none where all are zero), its row of the
+curve, its displacement, its maximum openings, and a checksum of the record without displacement and openings.
+After the file has been saved, new records overwrite the old ones from the beginning; the bytes after the last
+whole record have no meaning.
 """
 
 import os
@@ -40,15 +40,15 @@ class Record(NamedTuple):
 
 
 def journal_path(run_file: Path) -> Path:
-    """Where the journal of a run's file is."""
+    """Return the path of the journal of a run's file."""
     return run_file.with_suffix(".journal")
 
 
 class Journal:
-    """The journal of a run that is under way. Raises OSError where it cannot be written."""
+    """The journal of a run while it is computed. Raises OSError where it cannot be written."""
 
     def __init__(self, run_file: Path, identity: str) -> None:
-        """Begin an empty one, in place of another."""
+        """Begin an empty journal, which replaces an older one."""
         self._path = journal_path(run_file)
         check_is_file(self._path)
         self._path.unlink(missing_ok=True)
@@ -57,7 +57,7 @@ class Journal:
         self._begin = self._file.tell()
 
     def append(self, number: int, record: Record) -> None:
-        """Write a step, the one of this number from zero on."""
+        """Write a step, by its number from zero."""
         row = record.curve
         u, maximum_openings = (np.ascontiguousarray(array) for array in record.field)
         maximum_openings = maximum_openings if maximum_openings.any() else maximum_openings[:0]
@@ -67,23 +67,23 @@ class Journal:
         self._write([head, u.data.cast("B"), maximum_openings.tobytes(), _CHECKSUM.pack(zlib.crc32(head))])
 
     def clear(self) -> None:
-        """Forget all records: the run's file holds them now."""
-        # without a truncation, which would take longer than to write them
+        """Drop all records, as the run's file holds them now."""
+        # truncation would take longer than to write them
         self._file.seek(self._begin)
 
     def close(self) -> None:
-        """End it."""
+        """Close the journal."""
         self._file.close()
 
     def remove(self) -> None:
-        """Remove it, once the run's file holds all."""
+        """Remove the journal, once the run's file holds all steps."""
         self._path.unlink(missing_ok=True)
 
     def _write(self, parts: list[bytes | memoryview]) -> None:
         try:
             written = os.writev(self._file.fileno(), parts)
             if written < sum(map(len, parts)):
-                # a disk that fills up says so at the second try only
+                # a full disk is reported at the second try only
                 rest = memoryview(b"".join(parts))[written:]
                 while rest:
                     rest = rest[self._file.write(rest) or 0 :]
@@ -92,7 +92,7 @@ class Journal:
 
 
 def read_journal(run_file: Path, identity: str, curve: Curve, last: Field) -> Iterator[Record]:
-    """Yield the whole records that go on from a run's file, whose curve and last field are given."""
+    """Yield the whole records after a run's file, whose curve and last field are given."""
     path = journal_path(run_file)
     if not path.is_file():
         return
@@ -132,5 +132,5 @@ def read_journal(run_file: Path, identity: str, curve: Curve, last: Field) -> It
 
 @cache
 def _columns() -> tuple[str, ...]:
-    """The columns of a curve that hold numbers."""
+    """Return the names of the columns of a curve that hold numbers."""
     return tuple(field.name for field in fields(Curve) if not field.name.endswith("_column"))

@@ -1,4 +1,4 @@
-"""What a run says of its own numbers: where they can be doubted, and what could not be read."""
+"""Notes on the numbers of a run: which of them are doubtful, and which could not be read."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -11,9 +11,9 @@ Subject: TypeAlias = Literal[
 
 
 class Remedy(NamedTuple):
-    """A discretization that would do: elements along and across, and their grading where it is changed.
+    """A sufficient discretization: elements along and across, and their grading where it is changed.
 
-    `instead` are other ways, each of which would do on the mesh as it is.
+    Each of `instead` is another remedy, which is sufficient on the mesh as it is.
     """
 
     mesh: tuple[int, int]
@@ -22,7 +22,7 @@ class Remedy(NamedTuple):
 
     @property
     def text(self) -> str:
-        """As the keys of a case."""
+        """The remedy as keys of a case file."""
         ways = [f"mesh = '{self.mesh[0]}x{self.mesh[1]}'"]
         if self.grading is not None:
             ways[0] += f" with grading = [{self.grading[0]:g}, {self.grading[1]:g}]"
@@ -39,10 +39,10 @@ class Note:
 
 
 def with_one_remedy(notes: Sequence[Note]) -> list[Note]:
-    """The notes with one discretization among them, at the end of the first that has one: the finest.
+    """Return the notes with one remedy only, the finest discretization, at the end of the first that has one.
 
-    A graded one is finer at the front than any other. Ways to do without another mesh are left out where
-    notes differ, as each was found for its own note.
+    A graded mesh counts as finer at the front than any other. Remedies on the mesh as it is are left out
+    where the notes have different ones, as each was found for its own note.
     """
     remedies = list(dict.fromkeys(note.remedy for note in notes if note.remedy is not None))
     if not remedies:

@@ -19,7 +19,7 @@ _GIT_SECONDS = 5
 
 @dataclass(frozen=True)
 class Provenance:
-    """What one needs to know to make a result again. `git_revision` is None outside of a checkout."""
+    """The data needed to compute a result again. `git_revision` is None outside of a checkout."""
 
     versions: Mapping[str, str]
     platform: str
@@ -29,7 +29,7 @@ class Provenance:
 
     @classmethod
     def of_this_process(cls) -> "Provenance":
-        """Collect it, now."""
+        """Return the provenance of this process, as of now."""
         versions = {
             "isopeel": isopeel.__version__,
             "python": platform.python_version(),
@@ -46,9 +46,9 @@ class Provenance:
 
 
 def git_revision() -> str | None:
-    """Commit of the checkout that the package runs from, with "-dirty" where files differ from it.
+    """Return the commit of the checkout that the package runs from, plus "-dirty" where files differ from it.
 
-    None where the package is installed elsewhere, or where git is not there or does not answer.
+    Returns None where the package is installed elsewhere, or where git is missing or fails.
     """
     root = Path(isopeel.__file__).resolve().parents[2]
     if not (root / ".git").exists():

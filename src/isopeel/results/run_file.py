@@ -1,17 +1,21 @@
-"""The file of a run, run.h5: its curve, displacements at chosen angles, the case, and where it comes from.
+"""The file of a run, run.h5: its curve, displacements at chosen parameters, the case, and its provenance.
 
-Layout: `case`, the TOML text; `curve/NAME` (n,) for each column, with its `unit`, among them
-`curve/energy_residuals` (m,), one for each Newton correction of all steps; `fields/parameter` (k,) in the
-unit of the parameter's column, `fields/displacement` (k, functions, 2), and `fields/openings` (k, E, Q), the
-largest ones so far of an irreversible joint, unless all are zero; `last`, the state of the last
-step, from which the path goes on: `parameter` in the solver's unit, `displacement` (functions, 2), `openings`
-(E, Q); `last/past`, the solver's last states: `parameter` (l,), `unknown_values` (l, count), `energies`
-(l, 3), and `polished` (l, count), of nan where there is none; `last/memory`, what the solver kept: where its
-tangent was made and the pairs (k, count) of `corrections` and `changes` since; `base` (functions, 2), the
-displacement that a stage after another began with; `failure`, where there was one; attributes of the root for
-all else.
+Layout:
+* `case`: the TOML text;
+* `curve/NAME` (n,) for each column, with its `unit`; among them `curve/energy_residuals` (m,), one for each
+  Newton correction of all steps;
+* `fields/parameter` (k,) in the unit of the parameter's column, `fields/displacement` (k, functions, 2), and
+  `fields/openings` (k, E, Q), the maximum openings of an irreversible joint, unless all are zero;
+* `last`, the state of the last step, from which the path continues: `parameter` in the solver's unit,
+  `displacement` (functions, 2), `openings` (E, Q);
+* `last/past`, the accepted states of the solver: `parameter` (l,), `unknown_values` (l, count), `energies`
+  (l, 3), and `polished` (l, count), the fully converged unknowns, nan where there are none;
+* `last/memory`, the solver state: the state of its chord tangent, and the L-BFGS pairs (k, count) of
+  `corrections` and `changes` since;
+* `base` (functions, 2), the displacement at the start of a stage that follows another stage;
+* `failure`, where a step found no equilibrium; the attributes of the root hold all else.
 
-Beside it, while the run goes on and where it was killed, lies its journal (`isopeel.results.journal`).
+While the run is running, and where it was killed, its journal lies beside it (`isopeel.results.journal`).
 """
 
 from collections.abc import Iterable, Mapping
@@ -41,13 +45,13 @@ from isopeel.solve.quasi_newton import SolverState
 from isopeel.solve.step import KINDS, PARABOLA_POINTS, AcceptedState, State
 from isopeel.splines.rows import RowSpace
 
-#: How a run ended; "running" is what the file of a killed run says.
+#: How a run ended; the file of a killed run says "running".
 Ending = Literal["running", "completed", "not converged", "interrupted"]
 
 _FORMAT = "isopeel run 6"
 _IDENTITY = 16  # bytes
 _UNKNOWNS = ("unknown_values", "polished")
-#: Openings that are not known.
+#: Maximum openings that are not known.
 _UNKNOWN = frozen(np.full((1, 1), np.nan))
 
 
@@ -67,7 +71,7 @@ class Failure(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class StoredRun:
-    """What the file of a run holds.
+    """The content of the file of a run.
 
     `fields` maps the parameter, in the unit of its column, to displacement coefficients (functions, 2): at
     the first step at or beyond each multiple of `field_interval`, and at the last step. `maximum_openings`
@@ -83,8 +87,8 @@ class StoredRun:
     attributes: Mapping[str, str | int]
     ending: Ending
     failure: Failure | None = None
-    last: State | None = None  # where `trace` goes on bit for bit
-    base: FloatArray | None = None  # displacement that a later stage began with, (functions, 2)
+    last: State | None = None  # from which `trace` continues bit for bit
+    base: FloatArray | None = None  # displacement (functions, 2) at the start of a later stage
     field_interval: float = 10.0
     identity: str = field(default_factory=lambda: uuid4().hex)
     journaled: int = 0
@@ -92,11 +96,11 @@ class StoredRun:
 
     @property
     def states(self) -> dict[float, Field]:
-        """The fields with their openings."""
+        """The stored displacements with their maximum openings, by parameter."""
         return {at: Field(u, self.maximum_openings.get(at, _UNKNOWN)) for at, u in self.fields.items()}
 
     def with_states(self, states: Mapping[float, Field]) -> "StoredRun":
-        """The same with other fields and openings."""
+        """Return the same run with other displacements and maximum openings."""
         return replace(
             self,
             fields=MappingProxyType({at: one.displacement for at, one in states.items()}),
@@ -105,12 +109,12 @@ class StoredRun:
 
     @property
     def lacks_history(self) -> bool:
-        """Whether openings of a stored field are not known."""
+        """Whether the maximum openings of a stored field are not known."""
         return any(np.isnan(one.maximum_openings).any() for one in self.states.values())
 
 
 def run_attributes(problem: Problem, space: RowSpace, provenance: Provenance) -> dict[str, str | int]:
-    """Describe the discretization and the provenance of a run; `git_revision` only where there is one."""
+    """Return the attributes of a run: its discretization and provenance; `git_revision` if known."""
     revision = provenance.git_revision
     return {
         "space": space.name,
@@ -126,9 +130,9 @@ def run_attributes(problem: Problem, space: RowSpace, provenance: Provenance) ->
 
 
 def write_run(path: Path, run: StoredRun) -> None:
-    """Write the file of a run, in one go: it has its old content or its new one. Raises OSError.
+    """Write the file of a run. It has its old content or its new content, never a part. Raises OSError.
 
-    The new content is on the disk before it takes the place of the old one, whatever ends the machine.
+    The new content is on the disk before it replaces the old one, also where the machine fails.
     """
     with replacing(path, durable=True) as part:
         part.write_bytes(_image(run))
@@ -137,7 +141,7 @@ def write_run(path: Path, run: StoredRun) -> None:
 def read_run(path: Path, *, journal: bool = True) -> StoredRun:
     """Read the file of a run, with the steps of its journal if there are any.
 
-    Both may come from anywhere: nothing outside of them is read. Raises InputError where it is not the file
+    Neither file is trusted, and nothing outside of them is read. Raises InputError where it is not the file
     of a run.
     """
     try:
@@ -153,7 +157,7 @@ def read_run(path: Path, *, journal: bool = True) -> StoredRun:
         return _followed_by(run, read_journal(path, run.identity, run.curve, last))
     except OSError as error:
         if error.errno in (EMFILE, ENFILE):
-            raise  # which is not the fault of the file
+            raise  # too many open files: not an error of this file
         raise InputError("FILE", str(path), f"the file of a run is needed: {error}") from error
     except (KeyError, ValueError, TypeError, RuntimeError, ArithmeticError) as error:
         raise InputError("FILE", str(path), f"the file of a run is needed: {error}") from error
@@ -171,7 +175,7 @@ def _followed_by(run: StoredRun, records: Iterable[Record]) -> StoredRun:
 
 
 def _image(run: StoredRun) -> bytes:
-    # HDF5 leaves an unreadable file where a disk fills up, so it only ever writes to memory
+    # HDF5 leaves an unreadable file where a disk fills up, so it writes to memory only
     with h5py.File("run.h5", "w", driver="core", backing_store=False) as file:
         file["case"] = run.case_text
         file.attrs.update(
@@ -213,7 +217,7 @@ def _write_state(group: h5py.Group, state: State) -> None:
         group["past/parameter"] = np.array(parameters)
         group["past/unknown_values"] = np.array(unknowns)
         group["past/energies"] = np.stack(energies, axis=1)
-        # no others than the last ones are ever polished
+        # only the last states are ever fully converged
         nothing = np.full_like(unknowns[0], np.nan)
         last = fully_converged[-PARABOLA_POINTS:]
         group["past/polished"] = np.array([nothing if y is None else y for y in last])
@@ -271,12 +275,12 @@ def _solver_state(group: h5py.Group) -> SolverState:
 
 def _stored(file: h5py.File) -> StoredRun:
     attributes = {name: untrusted.attribute(file, name) for name in file.attrs}
-    told, identity = (untrusted.words(file, name) for name in ("ending", "identity"))
+    written_ending, identity = (untrusted.words(file, name) for name in ("ending", "identity"))
     for name in ("format", "ending", "identity"):
         del attributes[name]
     endings: dict[str, Ending] = {ending: ending for ending in get_args(Ending)}
-    if told not in endings or len(bytes.fromhex(identity)) != _IDENTITY:
-        raise UntrustedError(f"it says that it ended {told!r}, and that it is {identity!r}")
+    if written_ending not in endings or len(bytes.fromhex(identity)) != _IDENTITY:
+        raise UntrustedError(f"it says that it ended {written_ending!r}, and that it is {identity!r}")
     curve = _stored_curve(untrusted.group(file, "curve"))
     fields = untrusted.group(file, "fields")
     displacements = map(frozen, untrusted.floats(fields, "displacement", 3))
@@ -298,7 +302,7 @@ def _stored(file: h5py.File) -> StoredRun:
             dict(zip(untrusted.floats(fields, "parameter", 1).tolist(), displacements, strict=True))
         ),
         MappingProxyType(attributes),
-        endings[told],
+        endings[written_ending],
         failure,
         _state(untrusted.group(file, "last")) if "last" in file else None,
         frozen(untrusted.floats(file, "base", 2)) if "base" in file else None,
@@ -314,7 +318,7 @@ def _stored(file: h5py.File) -> StoredRun:
 
 
 def _maximum_openings(group: h5py.Group, run: StoredRun) -> dict[float, FloatArray]:
-    """Openings of the fields in a file, zero where none were written, nan where they are not known."""
+    """Return the maximum openings (E, Q) by parameter: zero where none are stored, nan where unknown."""
     last = None if run.last is None else run.last.maximum_openings
     if "openings" in group:
         maximum_openings = untrusted.floats(group, "openings", 3)

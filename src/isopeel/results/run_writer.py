@@ -1,4 +1,4 @@
-"""Writing the file of a run while it goes on."""
+"""Write the file of a run while the run is computed."""
 
 import os
 from collections.abc import Mapping, Sequence
@@ -20,24 +20,24 @@ from isopeel.results.run_file import Ending, Failure, StoredRun, write_run
 from isopeel.solve.step import Step
 
 _SAVE_SECONDS = 1.0
-_SAVE_SHARE = 0.02  # of the time may go into saving
+_SAVE_SHARE = 0.02  # of the time, at most, for saving
 
 
 class RunWriter:
-    """Consumer of steps that keeps the file of a run up to date: about once a second, and when it is closed.
+    """A consumer of steps that saves the file of a run about once a second, and when it is closed.
 
     The steps in between are in its journal, one by one. The first save removes the `outdated` files, which
-    were made from an earlier run, and lists them in `removed`; `saved` says that it was made.
+    were made from an earlier run, and lists them in `removed`; `saved` is whether it was made.
 
     The displacement and the maximum openings are kept at the first step at or beyond each multiple of
     `field_interval` (in the unit of the parameter's column), and at the last step; `base` is the displacement
-    of the state that a stage begins with. Each save replaces the file as a whole, so that it is sound
-    whatever ends the process: an exception, a kill, a full disk. A run that goes on after a stored one, read
-    without its journal, takes the steps after that; until all that the journal holds have come again, file
-    and journal stay as they are.
+    of the initial state of a stage. Each save replaces the file as a whole, so that the file stays valid
+    whatever ends the process: an exception, a kill, a full disk. A run that continues a stored one, read
+    without its journal, appends the steps after that; file and journal do not change until all steps of the
+    journal have been computed again.
 
-    Raises OSError where the file cannot be written. A folder that vanished is made again first, with all that
-    has come.
+    Raises OSError where the file cannot be written. A folder that has vanished is made again first, with all
+    steps so far.
     """
 
     def __init__(
@@ -67,7 +67,7 @@ class RunWriter:
             base=base,
             field_interval=field_interval,
         )
-        #: What has been stored before, and how the run stands but for the steps since then.
+        #: The run as it was stored before, without the steps since then.
         self._run = replace(after or nothing, case_text=case_text, ending="running", failure=None)
         self._fields.take_all(self._run.states)
         self._last = self._run.last
@@ -79,7 +79,7 @@ class RunWriter:
         self.removed: list[Path] = []
 
     def __enter__(self) -> Self:
-        """Touch nothing yet: the first step replaces an earlier run, and so does an end without one."""
+        """Change no file yet: the first step replaces an earlier run, and so does an end without a step."""
         return self
 
     def __exit__(
@@ -88,7 +88,7 @@ class RunWriter:
         error: BaseException | None,
         traceback: TracebackType | None,
     ) -> None:
-        """Save what has come."""
+        """Save the steps so far."""
         try:
             ended = self.ending not in ("running", "interrupted")
             whole = ended or (len(self._rows) > 0 and self._resumes and not self._is_behind)
@@ -97,13 +97,13 @@ class RunWriter:
         finally:
             if self._journal is not None:
                 self._journal.close()
-        # else, or where the save failed, the journal holds what the file does not
+        # else, or where the save failed, the journal holds the steps that the file lacks
         if self._journal is not None and whole:
             self._journal.remove()
 
     def append(self, step: Step) -> None:
-        """Take a step."""
-        # the row without its field, which would fill the memory
+        """Add a step."""
+        # the row without its arrays, which would fill the memory
         empty = np.empty((0, 2))
         row = replace(
             step,
@@ -129,21 +129,21 @@ class RunWriter:
 
     @property
     def _is_behind(self) -> bool:
-        """Whether the journal of the run that goes on holds more than has come since."""
+        """Whether the journal of the continued run holds more steps than have been computed since."""
         return len(self._rows) <= self._journaled and self._journaled > 0
 
     @property
     def curve(self) -> Curve:
-        """The curve as far as it has come."""
+        """The curve so far."""
         return self._run.curve.followed_by([Curve.of(self._rows, self._drive)])
 
     @property
     def ending(self) -> Ending:
-        """How the run ended, if it did."""
+        """How the run ended; "running" before its end."""
         return self._run.ending
 
     def end(self, ending: Ending, failure: Failure | None = None) -> None:
-        """Note how the run ended."""
+        """Set how the run ended."""
         self._run = replace(self._run, ending=ending, failure=failure)
 
     def _save(self) -> None:
@@ -152,7 +152,7 @@ class RunWriter:
         try:
             write_run(self._path, run)
         except FileNotFoundError as error:
-            # who removes the folder of a run that goes on does not mean to lose what is in the memory only
+            # whoever removed the folder of a running run did not mean to lose the steps in memory
             self._path.parent.mkdir(parents=True)
             write_run(self._path, run)
             reason = "its folder vanished; it is there again, with all that converged"

@@ -1,6 +1,6 @@
-"""Reading HDF5 that may come from anywhere.
+"""Read HDF5 files that are not trusted.
 
-Nothing outside of the file is read, and nothing takes more memory than it has bytes in the file.
+Nothing outside of the file is read, and no data set takes more memory than it has bytes in the file.
 """
 
 from math import prod
@@ -15,11 +15,11 @@ _MOST_IN_AN_ATTRIBUTE = 100_000  # values
 
 
 class UntrustedError(ValueError):
-    """What is stored is not what is said; says what."""
+    """The content of a file contradicts its format."""
 
 
 def group(parent: h5py.Group, name: str) -> h5py.Group:
-    """Return a group inside another, neither linked from elsewhere nor of another kind."""
+    """Return a group inside another one; raises UntrustedError where it is a link or not a group."""
     return _inside(parent, name, h5py.Group)
 
 
@@ -75,7 +75,7 @@ def words(of: h5py.Group | h5py.Dataset, name: str) -> str:
 
 
 def _inside(parent: h5py.Group, name: str, kind: type) -> Any:
-    # links to other places, such as other files, are not followed, nor paths that lead through them
+    # links, for example to other files, are not followed, nor are paths through them
     if "/" in name or not isinstance(parent.get(name, getlink=True), h5py.HardLink):
         raise UntrustedError(f"it has no {parent.name.rstrip('/')}/{name}")
     found = parent[name]
@@ -88,7 +88,7 @@ def _array(parent: h5py.Group, name: str, dimensions: int, dtype: str) -> Any:
     data = _inside(parent, name, h5py.Dataset)
     if data.dtype != np.dtype(dtype) or data.ndim != dimensions:
         raise UntrustedError(f"{data.name} is no array of {dimensions} dimensions of {np.dtype(dtype).name}")
-    # numbers that lie in the file one after the other; packed ones may be more than the memory holds
+    # the numbers must be contiguous in the file: packed ones could unpack to more than the memory
     plain = data.chunks is None and not data.is_virtual and not data.external
     if not plain or data.id.get_storage_size() != data.nbytes:
         raise UntrustedError(f"{data.name} does not hold its numbers")

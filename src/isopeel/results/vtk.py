@@ -23,7 +23,7 @@ from isopeel.results.files import replacing
 LINE, QUAD, BEZIER_CURVE, BEZIER_QUADRILATERAL = 3, 9, 75, 77
 
 _TYPES = {"<f8": "Float64", "<i8": "Int64", "|u1": "UInt8", "|i1": "Int8"}
-# the fast end: packing harder takes three times as long for a tenth of the size
+# the fastest level: a higher one takes three times as long and saves a tenth of the size
 _PACKING = 1
 
 
@@ -46,7 +46,7 @@ class Grid:
 
 
 def quadrilateral_order(p: int, q: int) -> IntArray:
-    """Numbers (q + 1) i + j of the points (i, j) of a Bezier quadrilateral, as VTK lists them."""
+    """Return the numbers (q + 1) i + j of the points (i, j) of a Bezier quadrilateral, in VTK's order."""
     inner_i, inner_j = range(1, p), range(1, q)
     order = [(0, 0), (p, 0), (p, q), (0, q)]
     order += [(i, 0) for i in inner_i] + [(p, j) for j in inner_j]
@@ -56,7 +56,7 @@ def quadrilateral_order(p: int, q: int) -> IntArray:
 
 
 def curve_order(p: int) -> IntArray:
-    """Numbers (p + 1,) of the points of a Bezier curve as VTK lists them."""
+    """Return the numbers (p + 1,) of the points of a Bezier curve, in VTK's order."""
     return np.array([0, p, *range(1, p)])
 
 
@@ -98,7 +98,7 @@ def write_grid(path: Path, grid: Grid, time: float, notes: Mapping[str, str]) ->
 
 
 def write_series(path: Path, times: Mapping[str, float]) -> None:
-    """Write a .pvd file of other files, seen from its folder, and their times. Raises OSError."""
+    """Write a .pvd file that lists other files, relative to its folder, and their times. Raises OSError."""
     sets = "".join(
         f"<DataSet timestep={quoteattr(repr(time))} part={quoteattr('0')} file={quoteattr(name)}/>\n"
         for name, time in times.items()

@@ -181,8 +181,8 @@ def is_of_nobody(path: Path) -> bool:
 
 def first_names(names: Sequence[str]) -> str:
     """The first of some names, and how many there are more."""
-    told = ", ".join(names[:_MOST_NAMES])
-    return told + (f" and {len(names) - _MOST_NAMES} more" if len(names) > _MOST_NAMES else "")
+    listed = ", ".join(names[:_MOST_NAMES])
+    return listed + (f" and {len(names) - _MOST_NAMES} more" if len(names) > _MOST_NAMES else "")
 
 
 def _check_kind(field: str, folder: Path, path: Path) -> None:

@@ -96,19 +96,19 @@ def check_previous(case: Case, stages: Sequence[Stage], out: Path) -> str:
     if not any(len(run.curve) for run in runs):
         return ""
     there = [_reached(run) for run in runs]
-    told = "; then ".join(length.words for length in there)
+    lengths = "; then ".join(length.words for length in there)
     if runs[-1].ending in ("running", "interrupted"):
         allowed = (
-            f"it holds a run of {name!r} that was interrupted: {told}; `isopeel resume {quote(str(out))}`"
-            " goes on with it, and --force begins anew"
+            f"it holds a run of {name!r} that was interrupted: {lengths}; `isopeel resume {quote(str(out))}`"
+            " continues it, and --force starts a new run"
         )
         raise InputError("--out", str(out), allowed)
     new = [_planned(stage) for stage in stages]
     if _is_shorter(new, there):
         shorter = "; then ".join(length.words for length in new)
-        allowed = f"it holds a longer run of {name!r}: {told}, and this one has {shorter}; {_ANOTHER}"
+        allowed = f"it holds a longer run of {name!r}: {lengths}, and this one has {shorter}; {_ANOTHER}"
         raise InputError("--out", str(out), f"{allowed}, which replaces it")
-    return f"replaces the run of {name} in {out}: {told}"
+    return f"replaces the run of {name} in {out}: {lengths}"
 
 
 def keep_finished(out: Path) -> None:

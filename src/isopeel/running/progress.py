@@ -18,7 +18,7 @@ def progress(
     drive: Drive,
     steps: int,
     before: int = 0,
-    told: Callable[[Column, float], str] | None = None,
+    shown: Callable[[Column, float], str] | None = None,
 ) -> Iterator[Callable[[Step], None]]:
     """Show a bar while the context is open, and give the function that moves it to a step.
 
@@ -26,7 +26,7 @@ def progress(
     arrives. Nothing is shown where the console is no terminal.
     """
     bar = _bar(console)
-    write = told or (lambda column, value: f"{value:.6g} {column.unit}")
+    write = shown or (lambda column, value: f"{value:.6g} {column.unit}")
     parameter, reaction = drive.parameter_column, drive.reaction_column
 
     met: set[float] = set()

@@ -307,7 +307,7 @@ def failure_message(failure: Failure, at: str, out: Path, folder: Path) -> str:
         *["iteration  energy residual per unknown"][: len(failure.iterations)],
         *(f"{number:9d}  {measure:.3e}" for number, measure in enumerate(failure.iterations, start=1)),
         f"everything that converged before is in {out}",
-        f"`isopeel resume {quote(str(folder))} --control CONTROL` goes on by another control",
+        f"`isopeel resume {quote(str(folder))} --control CONTROL` continues it with another path control",
     ]
     return "\n".join(lines)
 

@@ -63,10 +63,10 @@ def _read_stage(file: Path) -> StoredStage:
     of_case = space.name, "{}x{}".format(*space.elements)
     same = (run.attributes.get("space"), run.attributes.get("mesh")) == of_case
     if missing or not number or not sizes <= {space.size} or not same:
-        told = (
+        reason = (
             f"lacks {', '.join(missing)}" if missing else "holds fields, a space or a stage of another case"
         )
-        raise InputError("FILE", str(file), f"the file of a run is needed: it {told}")
+        raise InputError("FILE", str(file), f"the file of a run is needed: it {reason}")
     stage = stages[number - 1]
     columns = stage.problem.drive.parameter_column, stage.problem.drive.reaction_column
     if (run.curve.parameter_column, run.curve.reaction_column) != columns:

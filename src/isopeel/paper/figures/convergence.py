@@ -74,19 +74,19 @@ def convergence_figure(entries: Sequence[Amplitude]) -> Figure:
 
     Panels of a row share a scale. Raises InputError where there is no amplitude at all.
     """
-    told = [entry for entry in entries if any(entry.values)]
-    if not told:
+    with_values = [entry for entry in entries if any(entry.values)]
+    if not with_values:
         raise InputError("entries", list(entries), "give one amplitude at least")
-    spaces = in_table_order(entry.space for entry in told)
+    spaces = in_table_order(entry.space for entry in with_values)
     rows = ceil(len(spaces) / _COLUMNS)
     with style():
         figure = Figure(figsize=(TWO_COLUMNS, 0.6 + 1.9 * rows), layout="constrained")
         panels = figure.subplots(rows, _COLUMNS, squeeze=False, sharex=True, sharey="row")
         for axes, space in zip(panels.ravel(), spaces, strict=False):
-            _draw(axes, [entry for entry in told if entry.space == space])
+            _draw(axes, [entry for entry in with_values if entry.space == space])
             axes.set_title(space, loc="left")
             axes.set(xscale="log", yscale="log")
-        meshes = {entry.element_length: entry.mesh for entry in told}
+        meshes = {entry.element_length: entry.mesh for entry in with_values}
         panels[0, 0].set_xticks(list(meshes), [f"{length:.3g}\n{mesh}" for length, mesh in meshes.items()])
         panels[0, 0].xaxis.set_minor_locator(NullLocator())
         panels[0, 0].margins(x=0.15)

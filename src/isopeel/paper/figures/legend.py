@@ -19,15 +19,15 @@ def space_handles(spaces: Iterable[str]) -> list[Line2D]:
     """Entries of spaces. That of X tells L1+X too, with one more entry for all such hollow ones."""
     names = list(spaces)
     styles = {name: space_style(name) for name in names}
-    told_by_others = [
+    covered_by_others = [
         name for name in names if styles[name].hollow and str(parse_space_name(name).contact) in names
     ]
     handles = [
         Line2D([], [], **look.marked, label=name)
         for name, look in styles.items()
-        if name not in told_by_others
+        if name not in covered_by_others
     ]
-    if told_by_others:
+    if covered_by_others:
         hollow = SpaceStyle(GREY, "o", "-", hollow=True)
         handles.append(Line2D([], [], **hollow.marked, label="L1+X"))
     return handles
