@@ -29,13 +29,14 @@ if TYPE_CHECKING:
     from isopeel.physics.substrates import Circle, Flat, Wavy
     from isopeel.physics.substrates.formula import FormulaSubstrate
     from isopeel.problem import (
-        AdhesiveSide,
         Body,
-        FixedSide,
+        Boundary,
+        Interface,
         MovedSide,
         Problem,
         PulledSide,
         RotatedSide,
+        Support,
         strip,
     )
     from isopeel.problem.shapes import (
@@ -56,9 +57,9 @@ if TYPE_CHECKING:
 __version__ = "0.1.0"
 
 __all__ = [
-    "AdhesiveSide",
     "Bilinear",
     "Body",
+    "Boundary",
     "Case",
     "Circle",
     "ConvergenceError",
@@ -66,13 +67,13 @@ __all__ = [
     "CurvedStrip",
     "Dugdale",
     "Exponential",
-    "FixedSide",
     "Flat",
     "FormulaAdhesion",
     "FormulaMaterial",
     "FormulaSubstrate",
     "HalfCylinder",
     "InputError",
+    "Interface",
     "LennardJones",
     "Mirrored",
     "MooneyRivlin",
@@ -91,6 +92,7 @@ __all__ = [
     "Step",
     "StoredRun",
     "Strip",
+    "Support",
     "TaperedStrip",
     "Trapezoidal",
     "VanDerWaals",
@@ -123,13 +125,14 @@ _MODULES = {
     "physics.adhesion.mirrored": ("Mirrored",),
     "physics.materials.prestretched": ("Prestretched",),
     "problem": (
-        "AdhesiveSide",
         "Body",
-        "FixedSide",
+        "Boundary",
+        "Interface",
         "MovedSide",
         "Problem",
         "PulledSide",
         "RotatedSide",
+        "Support",
         "strip",
     ),
     "problem.shapes": (

@@ -7,12 +7,13 @@ import numpy as np
 import pytest
 
 from isopeel import (
-    AdhesiveSide,
     Body,
+    Boundary,
     Circle,
     Exponential,
     Flat,
     InputError,
+    Interface,
     NeoHooke,
     Problem,
     VanDerWaals,
@@ -32,7 +33,7 @@ RANDOM = np.random.default_rng(5)
 WIDE = 0.4 * RANDOM.random((SPACE.size, 2))
 CLOSER = 0.3 * WIDE + 0.05 * RANDOM.random((SPACE.size, 2))
 
-flat = AdhesiveSide("bottom", LAW, Flat(-0.3), end=0.7)
+flat = Interface(Boundary("body", "bottom", end=0.7), LAW, Flat(-0.3))
 SIDES = {
     "flat": flat,
     "projected": replace(flat, traction="projected"),
@@ -46,13 +47,19 @@ SIDES = {
         flat, irreversible=True, substrate=Circle(5e3, "inside", (5.0, -5000.25))
     ),
     "irreversible, projected": replace(flat, law=PEAKED, irreversible=True, traction="projected"),
-    "top": replace(flat, side="top", substrate=Circle(50.0, "inside", (5.0, 52.4))),
-    "right": replace(flat, side="right", end=0.8, substrate=Circle(30.0, "inside", (50.4, 1.0))),
+    "top": replace(
+        flat, boundary=Boundary("body", "top", end=0.7), substrate=Circle(50.0, "inside", (5.0, 52.4))
+    ),
+    "right": replace(
+        flat,
+        boundary=Boundary("body", "right", end=0.8),
+        substrate=Circle(30.0, "inside", (50.4, 1.0)),
+    ),
 }
 
 
-def problem_with(side: AdhesiveSide) -> Problem:
-    return replace(strip(), body=Body(rectangle(20.0, 2.0), NeoHooke(1.0, 0.2)), adhesion=side)
+def problem_with(side: Interface) -> Problem:
+    return strip().changed(body=Body(rectangle(20.0, 2.0), NeoHooke(1.0, 0.2)), adhesion=side)
 
 
 @pytest.mark.parametrize("name", SIDES)
@@ -109,7 +116,7 @@ def test_further_opening_leaves_the_envelope_between_the_points_of_the_assembly(
     system.accept(u)
     points = InterfacePoints(problem, SPACE, np.linspace(0.0, 0.7, 141)[:, None])
     found = points.state(u, system.maximum_openings)
-    reversible = replace(problem, adhesion=replace(problem.adhesion, irreversible=False))
+    reversible = problem.changed(adhesion=replace(problem.adhesion, irreversible=False))
     virgin = InterfacePoints(reversible, SPACE, points.parameters).state(u)
     # the history is exact where nothing has closed: round-off of openings of 0.02 and more
     np.testing.assert_allclose(found.traction, virgin.traction, rtol=1e-12)
@@ -126,7 +133,9 @@ def test_history_between_points_of_the_assembly_converges_with_the_elements() ->
     errors = []
     for elements in (20, 40, 80):
         space = row_space("N2", (elements, 2))
-        problem = problem_with(replace(flat, law=PEAKED, irreversible=True, end=1.0))
+        problem = problem_with(
+            replace(flat, boundary=Boundary("body", "bottom"), law=PEAKED, irreversible=True)
+        )
         system = System(problem, space)
         for centre in (12.0, 8.0):
             u = space.interpolate(partial(bump, centre=centre))
@@ -150,7 +159,7 @@ def test_a_joint_that_has_not_closed_has_no_history() -> None:
     points = InterfacePoints.of_contact(problem, SPACE)
     found = points.state(u, system.maximum_openings)
     assert not found.opening.any()
-    reversible = replace(problem, adhesion=replace(problem.adhesion, irreversible=False))
+    reversible = problem.changed(adhesion=replace(problem.adhesion, irreversible=False))
     virgin = InterfacePoints.of_contact(reversible, SPACE).state(u)
     np.testing.assert_array_equal(found.traction, virgin.traction)
     assert not found.dissipated.any()

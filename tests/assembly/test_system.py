@@ -7,15 +7,16 @@ import pytest
 from scipy.interpolate import BarycentricInterpolator
 
 from isopeel import (
-    AdhesiveSide,
     Body,
+    Boundary,
     Circle,
-    FixedSide,
     Flat,
     InputError,
+    Interface,
     NeoHooke,
     Problem,
     RotatedSide,
+    Support,
     VanDerWaals,
     row_space,
     strip,
@@ -40,14 +41,19 @@ def problem_of(
     shape: NurbsSurface, traction: Traction = "reference", side: Side = "bottom", law: VanDerWaals = LAW
 ) -> Problem:
     lowest = float(shape.control_points[..., 1].min())
-    adhesion = AdhesiveSide(
-        side=side,
+    adhesion = Interface(
+        Boundary("body", side, end=0.7),
         law=law,
         substrate=Flat(lowest - 0.27),
-        end=0.7,
         traction=traction,
     )
-    return Problem("test", Body(shape, MATERIAL), adhesion, (FixedSide("left", (0,)),), RotatedSide("right"))
+    return Problem(
+        "test",
+        (Body(shape, MATERIAL),),
+        (adhesion,),
+        (Support(Boundary("body", "left"), (0,)),),
+        RotatedSide("right"),
+    )
 
 
 def dense(matrix: BandMatrix) -> FloatArray:
@@ -148,8 +154,12 @@ def test_tangent_is_the_derivative_of_the_residual(
 @pytest.mark.parametrize("traction", ["reference", "projected"])
 def test_tangent_turns_with_the_normal_of_a_curved_substrate(traction: Traction) -> None:
     problem = problem_of(rectangle(8.0, 2.0), traction)
-    curved = replace(problem.adhesion, substrate=Circle(4.0, centre=(3.0, -4.3)), end=0.9)
-    system = System(replace(problem, adhesion=curved), row_space("N2", (6, 2)))
+    curved = replace(
+        problem.adhesion,
+        boundary=Boundary("body", "bottom", end=0.9),
+        substrate=Circle(4.0, centre=(3.0, -4.3)),
+    )
+    system = System(problem.changed(adhesion=curved), row_space("N2", (6, 2)))
     rng = np.random.default_rng(8)
     z, direction = 0.02 * rng.standard_normal((2, system.constraints.count))
     _, matrix = system.linearize(system.constraints.displacement(z, 0.02))
@@ -245,8 +255,8 @@ def test_the_band_is_narrow(name: str, expected: int) -> None:
     # p columns of 2 x 11 unknowns, one row up, one component on
     assert System(strip(), row_space(name, (24, 10))).half_bandwidth == expected
     # turned by a right angle the strip has as narrow a band: unknowns are numbered along its length
-    upright = replace(
-        strip(), body=Body(rectangle(10.0, 200.0), MATERIAL), fixed=(FixedSide("bottom", (0,)),)
+    upright = strip().changed(
+        body=Body(rectangle(10.0, 200.0), MATERIAL), supports=(Support(Boundary("body", "bottom"), (0,)),)
     )
     turned = replace(upright, drive=RotatedSide("top"))
     assert System(turned, row_space("L1", (10, 24))).half_bandwidth == 25
@@ -295,7 +305,7 @@ def test_an_inverted_element_is_found() -> None:
 
 
 def test_a_held_side_that_the_drive_moves_is_refused() -> None:
-    problem = replace(strip(), fixed=(FixedSide("right", (0,)),))
+    problem = strip().changed(supports=(Support(Boundary("body", "right"), (0,)),))
     with pytest.raises(InputError, match="meets the side right, which the drive moves"):
         System(problem, row_space("L1", (20, 2)))
 

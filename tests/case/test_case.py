@@ -36,7 +36,11 @@ def test_the_shipped_strip_is_the_one_of_the_literature() -> None:
     # exactly: quantities are converted without rounding
     assert problem.body.material == published.body.material
     assert problem.adhesion == published.adhesion
-    assert (problem.fixed, problem.drive, problem.name) == (published.fixed, published.drive, published.name)
+    assert (problem.supports, problem.drive, problem.name) == (
+        published.supports,
+        published.drive,
+        published.name,
+    )
     assert np.array_equal(problem.body.shape.control_points, published.body.shape.control_points)
     assert (case.space().name, case.space().elements) == ("N2.1", (200, 10))
     assert case.reading is not None

@@ -16,7 +16,7 @@ from isopeel.physics.materials import NeoHooke
 from isopeel.physics.materials.prestretched import Prestretched
 from isopeel.physics.substrates import Circle, Flat, Wavy
 from isopeel.physics.substrates.formula import FormulaSubstrate
-from isopeel.problem import FixedSide, MovedSide, PulledSide, RotatedSide
+from isopeel.problem import Boundary, MovedSide, PulledSide, RotatedSide, Support
 from isopeel.problem.shapes import CurvedStrip, Patch
 
 PARTS = {
@@ -43,7 +43,7 @@ def test_what_is_left_out_is_the_strip_s() -> None:
     (stage,) = case.stages()
     problem = stage.problem
     assert problem.drive == RotatedSide("right")
-    assert problem.fixed == (FixedSide("left", (0,)),)
+    assert problem.supports == (Support(Boundary("body", "left"), (0,)),)
     assert problem.adhesion.law == Bilinear(0.05, 0.015, 0.2, equilibrium_gap=0.3)
     assert problem.adhesion.substrate == Flat(-0.3)
     assert (problem.adhesion.start, problem.adhesion.end) == (0.0, 1.0)
@@ -111,9 +111,10 @@ def test_a_stage_may_jump_and_a_case_says_what_it_is() -> None:
 
 
 def test_sides_are_held_as_written() -> None:
-    fixed = Case.parse(case_with(head='held = { top = "xy", left = "x", bottom = "y" }')).problem().fixed
-    assert set(fixed) == {FixedSide("top", (0, 1)), FixedSide("left", (0,)), FixedSide("bottom", (1,))}
-    assert Case.parse(case_with(head="held = {}")).problem().fixed == ()
+    fixed = Case.parse(case_with(head='held = { top = "xy", left = "x", bottom = "y" }')).problem().supports
+    found = {(support.side, support.components) for support in fixed}
+    assert found == {("top", (0, 1)), ("left", (0,)), ("bottom", (1,))}
+    assert Case.parse(case_with(head="held = {}")).problem().supports == ()
 
 
 def test_shapes_are_chosen_by_name() -> None:
@@ -319,13 +320,13 @@ def test_drives_that_are_none_are_refused(head: str, field: str) -> None:
 def test_the_half_cylinder_is_held_on_top_and_adheres_about_its_lowest_point() -> None:
     body, length = 'shape = "half-cylinder"\nradius = "50 nm"', '\nlength = "20 nm"'
     problem = Case.parse(case_with(body=body, adhesion=PARTS["adhesion"] + length)).problem()
-    assert problem.fixed == (FixedSide("top", (0,)),)
+    assert problem.supports == (Support(Boundary("body", "top"), (0,)),)
     lower = problem.body.shape.boundary("bottom")
     start, end = lower.evaluate([problem.adhesion.start, problem.adhesion.end])
     # 10 nm of arc to either side, to the round-off of coordinates of size 50
     assert [start[0], end[0]] == pytest.approx([-50 * np.sin(0.2), 50 * np.sin(0.2)], abs=1e-13)
     written = Case.parse(case_with(body=body, head='held = { left = "y" }')).problem()
-    assert written.fixed == (FixedSide("left", (1,)),)
+    assert written.supports == (Support(Boundary("body", "left"), (1,)),)
 
 
 def test_too_many_steps_are_blamed_on_the_option_that_was_given() -> None:

@@ -326,5 +326,5 @@ def test_an_irreversible_joint_is_not_shown_as_virgin_in_silence(folders: dict[s
     displacement = run.fields[list(run.fields)[-1]]
     with pytest.raises(InputError, match="openings"):
         front_profile(problem, stage.space, displacement)
-    reversible = replace(problem, adhesion=replace(problem.adhesion, irreversible=False))
+    reversible = problem.changed(adhesion=replace(problem.adhesion, irreversible=False))
     front_profile(reversible, stage.space, displacement)

@@ -1,15 +1,14 @@
 """Bodies for the tests of this folder."""
 
-from dataclasses import replace
-
 import numpy as np
 
 from isopeel import (
-    AdhesiveSide,
     Body,
+    Boundary,
     CurvedStrip,
     Flat,
     HalfCylinder,
+    Interface,
     NeoHooke,
     Problem,
     VanDerWaals,
@@ -47,8 +46,8 @@ def body(name: str, side: Side = "bottom") -> tuple[Problem, RowSpace]:
     shape, space, _ = BODIES[name]
     lowest = float(shape.control_points[..., 1].min())
     law = VanDerWaals(hamaker_constant=0.05, equilibrium_distance=0.4)
-    adhesion = AdhesiveSide(side, law, Flat(lowest - 0.3), start=0.1, end=0.75)
-    return replace(strip(), body=Body(shape, NeoHooke(1.0, 0.2)), adhesion=adhesion), space
+    adhesion = Interface(Boundary("body", side, 0.1, 0.75), law, Flat(lowest - 0.3))
+    return strip().changed(body=Body(shape, NeoHooke(1.0, 0.2)), adhesion=adhesion), space
 
 
 def displacement(problem: Problem, space: RowSpace) -> FloatArray:

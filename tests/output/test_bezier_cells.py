@@ -148,7 +148,7 @@ def test_curves_along_a_side(name: str, side: Side, tmp_path: Path) -> None:
 def test_equal_weights_are_none() -> None:
     problem, space = body("strip")
     shape = problem.body.shape
-    heavy = replace(problem, body=replace(problem.body, shape=replace(shape, weights=3 * shape.weights)))
+    heavy = problem.changed(body=replace(problem.body, shape=replace(shape, weights=3 * shape.weights)))
     u = displacement(problem, space)
     light, grid = (next(body_grids(p, space, body_mesh(p, space, None), [u])) for p in (problem, heavy))
     assert grid.weights is None

@@ -228,7 +228,7 @@ def test_forces_on_a_strip_come_from_its_energy(substrate: Substrate, law: Adhes
     """The residual is the energy's derivative and the tangent the residual's, on each curved substrate."""
     problem = strip(length=20.0, height=2.0, adhering_length=15.0)
     adhesion = replace(problem.adhesion, substrate=substrate, law=law)
-    system = System(replace(problem, adhesion=adhesion), row_space("N2", (8, 2)))
+    system = System(problem.changed(adhesion=adhesion), row_space("N2", (8, 2)))
     z, direction = 0.02 * np.random.default_rng(8).standard_normal((2, system.constraints.count))
 
     def energy_and_residual(step: float) -> tuple[float, FloatArray]:

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from isopeel import AdhesiveSide, Body, Problem, RotatedSide, strip
+from isopeel import Body, Interface, Problem, RotatedSide, strip
 from isopeel.post.closed_form import BeamPeeling, beam_peeling
 from isopeel.splines.nurbs import annulus_sector
 
@@ -35,16 +35,16 @@ def test_scales_of_the_strip() -> None:
 def test_a_refined_strip_is_the_same_one() -> None:
     problem = strip()
     shape = problem.body.shape.elevate(2, 0).insert_knots([0.25, 0.75], 0).elevate(1, 1)
-    refined = closed_form(replace(problem, body=replace(problem.body, shape=shape)))
+    refined = closed_form(problem.changed(body=replace(problem.body, shape=shape)))
     assert refined.moment == pytest.approx(closed_form(problem).moment, rel=1e-12)  # round-off
     assert refined.onset_deg == pytest.approx(closed_form(problem).onset_deg, rel=1e-12)
 
 
 def test_the_free_part_is_the_one_at_the_drive() -> None:
     problem = strip()
-    centred = replace(problem.adhesion, start=0.4, end=0.9)
+    centred = replace(problem.adhesion, boundary=problem.body.side("bottom", 0.4, 0.9))
     results = {
-        side: closed_form(replace(problem, adhesion=centred, drive=RotatedSide(side)))
+        side: closed_form(problem.changed(adhesion=centred, drive=RotatedSide(side)))
         for side in ("left", "right")
     }
     # 80 nm are free at the left, 20 at the right
@@ -55,7 +55,7 @@ def test_the_free_part_is_the_one_at_the_drive() -> None:
 def test_other_problems_have_none() -> None:
     problem = strip()
     curved = Body(annulus_sector(10.0, 20.0, 1.0), problem.body.material)
-    at_end = AdhesiveSide("right", problem.adhesion.law, problem.adhesion.substrate)
-    assert beam_peeling(replace(problem, body=curved)) is None
-    assert beam_peeling(replace(problem, adhesion=at_end)) is None
+    at_end = Interface(curved.side("right"), problem.adhesion.law, problem.adhesion.substrate)
+    assert beam_peeling(problem.changed(body=curved)) is None
+    assert beam_peeling(problem.changed(adhesion=at_end)) is None
     assert beam_peeling(replace(problem, drive=RotatedSide("top"))) is None

@@ -10,7 +10,7 @@ from isopeel.physics.materials import NeoHooke
 from isopeel.physics.materials.prestretched import Prestretched
 from isopeel.physics.substrates import Flat
 from isopeel.post.closed_form import expected, kendall_force, sliding_tape_force
-from isopeel.problem import Body, FixedSide, Problem, PulledSide, RotatedSide, strip
+from isopeel.problem import Body, Boundary, Problem, PulledSide, RotatedSide, Support, strip
 from isopeel.splines.rows import row_space
 
 SPACE = row_space("N2", (160, 3))
@@ -20,7 +20,7 @@ STIFFNESS = 4.0 / (1 - 0.2**2)
 def tape(angle_deg: float, sliding_length: float | None = 0.3) -> Problem:
     made = strip(length=160.0, height=4.0, adhering_length=140.0)
     adhesion = replace(made.adhesion, sliding_length=sliding_length)
-    return replace(made, adhesion=adhesion, drive=PulledSide("right", np.radians(angle_deg)))
+    return made.changed(adhesion=adhesion, drive=PulledSide("right", np.radians(angle_deg)))
 
 
 def test_a_held_and_a_sliding_tape() -> None:
@@ -36,9 +36,11 @@ def test_a_held_and_a_sliding_tape() -> None:
 
 def test_a_tape_pulled_at_its_left_end_is_the_mirror_image() -> None:
     right = tape(60)
-    adhesion = replace(right.adhesion, start=20 / 160, end=1.0)
-    left = replace(
-        right, adhesion=adhesion, drive=PulledSide("left", np.radians(120)), fixed=(FixedSide("right", (0,)),)
+    adhesion = replace(right.adhesion, boundary=right.body.side("bottom", 20 / 160))
+    left = right.changed(
+        adhesion=adhesion,
+        drive=PulledSide("left", np.radians(120)),
+        supports=(Support(Boundary("body", "right"), (0,)),),
     )
     one, other = expected(left, SPACE), expected(right, SPACE)
     assert one is not None
@@ -47,7 +49,7 @@ def test_a_tape_pulled_at_its_left_end_is_the_mirror_image() -> None:
 
 
 def prestretched(problem: Problem, stretch: float) -> Problem:
-    return replace(problem, body=Body(problem.body.shape, Prestretched(NeoHooke(1.0, 0.2), stretch)))
+    return problem.changed(body=Body(problem.body.shape, Prestretched(NeoHooke(1.0, 0.2), stretch)))
 
 
 @pytest.mark.parametrize(
@@ -59,16 +61,19 @@ def prestretched(problem: Problem, stretch: float) -> Problem:
         pytest.param(replace(tape(60), drive=PulledSide("right", 1.0, follows=True)), id="following"),
         pytest.param(replace(tape(60), drive=PulledSide("right", 1.0, control="force")), id="force raised"),
         pytest.param(replace(tape(60), drive=PulledSide("right", 1.0, start=0.5)), id="half of the end"),
-        pytest.param(replace(tape(60), fixed=(FixedSide("bottom", (1,)),)), id="held below"),
         pytest.param(
-            replace(tape(60), adhesion=replace(tape(60).adhesion, substrate=Flat(-5.0))), id="far away"
+            tape(60).changed(supports=(Support(Boundary("body", "bottom"), (1,)),)), id="held below"
         ),
         pytest.param(
-            replace(tape(60), adhesion=replace(tape(60).adhesion, start=0.2)), id="adhering in the middle"
+            tape(60).changed(adhesion=replace(tape(60).adhesion, substrate=Flat(-5.0))), id="far away"
         ),
         pytest.param(
-            replace(
-                tape(90, None), adhesion=replace(tape(90, None).adhesion, law=Mirrored(strip().adhesion.law))
+            tape(60).changed(adhesion=replace(tape(60).adhesion, boundary=Boundary("body", "bottom", 0.2))),
+            id="adhering in the middle",
+        ),
+        pytest.param(
+            tape(90, None).changed(
+                adhesion=replace(tape(90, None).adhesion, law=Mirrored(strip().adhesion.law))
             ),
             id="half of a cantilever",
         ),

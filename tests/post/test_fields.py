@@ -33,7 +33,7 @@ def kinked() -> NurbsSurface:
 
 def body(shape: NurbsSurface, name: str, elements: tuple[int, int]) -> tuple[Problem, RowSpace]:
     problem = strip()
-    return replace(problem, body=Body(shape, NeoHooke(1.0, 0.2))), row_space(name, elements)
+    return problem.changed(body=Body(shape, NeoHooke(1.0, 0.2))), row_space(name, elements)
 
 
 def linear_field(problem: Problem, space: RowSpace, gradient: FloatArray) -> FloatArray:
@@ -86,7 +86,7 @@ def test_a_homogeneous_deformation_has_the_stress_of_the_closed_form(
 def test_small_strains_give_hookes_law() -> None:
     strain = 1e-7 * np.array([[3.0, 1.0], [1.0, -2.0]])
     problem, space = body(rectangle(2.0, 1.0), "N2", (3, 2))
-    problem = replace(problem, body=replace(problem.body, material=NeoHooke(5.0, 0.3)))
+    problem = problem.changed(body=replace(problem.body, material=NeoHooke(5.0, 0.3)))
     stress = sample_fields(problem, space, linear_field(problem, space, strain)).cauchy_stress
     # E eps = (1 + nu) sigma - nu tr(sigma) 1 in three dimensions, inverted by hand: E = 5, nu = 0.3
     mu, lame_lambda = 5 / 2.6, 1.5 / (1.3 * 0.4)
@@ -101,7 +101,7 @@ def test_a_formula_material_has_the_same_stresses() -> None:
     formula = FormulaMaterial(
         "mu/2*(I1 - 3 - 2*log(J)) + lam/2*log(J)**2", {"mu": 1 / 2.4, "lam": 0.2 / 0.72}
     )
-    other = replace(problem, body=replace(problem.body, material=formula))
+    other = problem.changed(body=replace(problem.body, material=formula))
     random = np.random.default_rng(1)
     displacement = 0.02 * random.standard_normal((space.size, 2))
     ours, theirs = (sample_fields(p, space, displacement, (2, 2)) for p in (problem, other))
@@ -125,7 +125,7 @@ def test_elements_keep_their_own_values_on_shared_edges() -> None:
 def test_an_element_inside_out_has_no_stress(material: Material) -> None:
     """Also of a material whose stress stays finite there."""
     problem, space = body(rectangle(4.0, 1.0), "L1", (4, 1))
-    problem = replace(problem, body=replace(problem.body, material=material))
+    problem = problem.changed(body=replace(problem.body, material=material))
     displacement = np.zeros((space.size, 2))
     displacement[[1, 6], 0] = 1.5  # beyond the next column, at x = 2
     invariant = sample_fields(problem, space, displacement).first_invariant

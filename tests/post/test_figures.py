@@ -154,7 +154,7 @@ def test_the_last_shape_is_the_last_of_the_run_where_parameters_fall() -> None:
 def test_the_legend_tells_a_mirror_and_the_units(run: tuple[Problem, RowSpace, list[Step]]) -> None:
     problem, space, steps = run
     adhesion = replace(problem.adhesion, law=Mirrored(Exponential(0.06, 0.015, 0.25)))
-    mirrored = replace(problem, adhesion=adhesion)
+    mirrored = problem.changed(adhesion=adhesion)
     units = Laboratory(UnitSystem(Fraction(1, 1000), Fraction(10**9)), 200.0)
     for one, name in ((problem, "substrate"), (mirrored, "mirror plane")):
         figure = shapes_figure(one, space, {0.0: steps[0].displacement}, units=units)

@@ -9,10 +9,11 @@ from scipy.optimize import brentq, minimize_scalar
 
 import isopeel
 from isopeel import (
-    AdhesiveSide,
     Body,
+    Boundary,
     Flat,
     InputError,
+    Interface,
     NeoHooke,
     Problem,
     RowSpace,
@@ -197,7 +198,7 @@ def test_the_adhesive_traction_integrates_to_the_assembled_force(traction: Tract
 
 def test_a_projected_traction_acts_on_the_projected_area() -> None:
     problem, space = strip(), row_space("L2", (8, 2))
-    projected = replace(problem, adhesion=replace(problem.adhesion, traction="projected"))
+    projected = problem.changed(adhesion=replace(problem.adhesion, traction="projected"))
     displacement = affine(problem, space, np.array([[0.25, 0.3], [0.0, -0.1]])) + np.array([0.0, 0.05])
     plain, other = (front_profile(p, space, displacement) for p in (problem, projected))
     # n_o . F^-T N = -F_11/J on the flat lower face; F_11 = 1.25, J = 1.25 0.9
@@ -215,10 +216,9 @@ def first_piola_kirchhoff(F: FloatArray) -> FloatArray:
 def test_the_body_traction_of_a_homogeneous_deformation() -> None:
     shape = annulus_sector(10.0, 20.0, 2.0)
     for part in ((0.0, 1.0), (0.3, 0.9)):
-        problem = replace(
-            strip(),
+        problem = strip().changed(
             body=Body(shape, NeoHooke(1.0, 0.2)),
-            adhesion=AdhesiveSide("bottom", VanDerWaals(0.05, 0.4), Flat(-30.0), *part),
+            adhesion=Interface(Boundary("body", "bottom", *part), VanDerWaals(0.05, 0.4), Flat(-30.0)),
         )
         space = row_space("N3", (5, 2))
         profile = front_profile(problem, space, affine(problem, space, STRETCH - np.eye(2)))
@@ -236,7 +236,7 @@ def test_the_body_traction_of_a_homogeneous_deformation() -> None:
 @pytest.mark.parametrize("side", ["left", "right", "bottom", "top"])
 def test_fields_along_each_side(side: Side) -> None:
     shape = annulus_sector(10.0, 20.0, 2.0)
-    problem, space = replace(strip(), body=Body(shape, NeoHooke(1.0, 0.2))), row_space("N3", (5, 2))
+    problem, space = strip().changed(body=Body(shape, NeoHooke(1.0, 0.2))), row_space("N3", (5, 2))
     along = np.array([[0.0, 0.1, 0.2], [0.6, 0.7, 0.8]])
     fields = sample_side(problem, space, affine(problem, space, STRETCH - np.eye(2)), side, along)
     X = shape.boundary(side).evaluate(along)
@@ -300,7 +300,7 @@ def test_a_slightly_turned_strip_decays_like_a_layer(hamaker_constant: float, sp
 
 
 def test_other_problems_have_no_decay() -> None:
-    curved = replace(strip(), body=Body(annulus_sector(10.0, 20.0, 1.0), NeoHooke(1.0, 0.2)))
+    curved = strip().changed(body=Body(annulus_sector(10.0, 20.0, 1.0), NeoHooke(1.0, 0.2)))
     assert beam_decay(curved) is None
     assert layer_decay(curved) is None
 
@@ -352,7 +352,10 @@ def test_zones_of_many_states_are_those_of_their_profiles(space: str) -> None:
     cylinder = QuarterCylinder(200.0).surface()
     round_space = isopeel.row_space("N2", (60, 6), 2, (200, 200))
     flat = isopeel.strip()
-    contact = replace(flat, body=replace(flat.body, shape=cylinder), adhesion=replace(flat.adhesion, end=0.5))
+    contact = flat.changed(
+        body=replace(flat.body, shape=cylinder),
+        adhesion=replace(flat.adhesion, boundary=flat.body.side("bottom", end=0.5)),
+    )
     for problem, on in ((flat, strip_space), (contact, round_space)):
         rng = np.random.default_rng(3)
         lifted = np.zeros((on.size, 2))

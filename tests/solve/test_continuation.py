@@ -99,7 +99,7 @@ def test_a_joint_that_only_opens_snaps_back_as_if_it_could_heal() -> None:
     law = Exponential(0.06, 0.02)
     body = strip(length=LENGTH, height=HEIGHT, adhering_length=LENGTH, law=law)
     problems = [
-        replace(body, drive=MovedSide("top", np.pi / 2), adhesion=replace(body.adhesion, irreversible=kept))
+        body.changed(drive=MovedSide("top", np.pi / 2), adhesion=replace(body.adhesion, irreversible=kept))
         for kept in (False, True)
     ]
     settings = NewtonSettings(path_control="continuation")

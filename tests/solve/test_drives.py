@@ -15,11 +15,11 @@ from isopeel.physics.adhesion import Exponential
 from isopeel.physics.materials import NeoHooke
 from isopeel.problem import (
     Drive,
-    FixedSide,
     MovedSide,
     Problem,
     PulledSide,
     RotatedSide,
+    Support,
     strip,
 )
 from isopeel.solve.newton import NewtonSettings
@@ -47,7 +47,7 @@ SPACE = row_space("N2", (60, 2))
 def problem(drive: Drive, sliding_length: float | None = None) -> Problem:
     made = strip(length=60.0, height=4.0, adhering_length=40.0, law=LAW)
     adhesion = replace(made.adhesion, sliding_length=sliding_length)
-    return replace(made, drive=drive, adhesion=adhesion)
+    return made.changed(drive=drive, adhesion=adhesion)
 
 
 def path(drive: Drive, to: float, count: int = 21, settings: NewtonSettings | None = None) -> list[Step]:
@@ -207,11 +207,11 @@ def test_going_on_from_the_last_states_is_bitwise_the_same(name: str) -> None:
         (RotatedSide("right"), (), "along x"),
     ],
 )
-def test_a_free_rigid_motion_is_refused(drive: Drive, fixed: tuple[FixedSide, ...], motion: str) -> None:
-    free = replace(problem(drive), fixed=fixed)
+def test_a_free_rigid_motion_is_refused(drive: Drive, fixed: tuple[Support, ...], motion: str) -> None:
+    free = problem(drive).changed(supports=fixed)
     with pytest.raises(InputError, match=f"held: 'a motion {motion}' cannot be used"):
         System(free, SPACE)
-    System(replace(free, adhesion=replace(free.adhesion, sliding_length=0.3)), SPACE)  # held by adhesion
+    System(free.changed(adhesion=replace(free.adhesion, sliding_length=0.3)), SPACE)  # held by adhesion
 
 
 @pytest.mark.parametrize(

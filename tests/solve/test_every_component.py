@@ -27,7 +27,7 @@ from isopeel.physics.materials import Material, NeoHooke
 from isopeel.physics.materials.prestretched import Prestretched
 from isopeel.physics.substrates import Circle, Flat, Substrate, Wavy
 from isopeel.physics.substrates.formula import FormulaSubstrate
-from isopeel.problem import AdhesiveSide, Body, FixedSide, MovedSide, Problem
+from isopeel.problem import Body, Interface, MovedSide, Problem, Support
 from isopeel.problem.shapes import (
     CurvedStrip,
     HalfCylinder,
@@ -91,19 +91,19 @@ def peeling(
     held: bool = True,
 ) -> Peeling:
     start, end = shape.adhering_part(length)
+    body = Body(shape.surface(), material or NeoHooke(1.0, 0.2))
+    adhesion = Interface(
+        body.side("bottom", start, end),
+        law=law,
+        substrate=(substrate or Flat()).receded(law.equilibrium_gap),
+        irreversible=irreversible,
+        sliding_length=sliding_length,
+    )
     problem = Problem(
         name="part",
-        body=Body(shape.surface(), material or NeoHooke(1.0, 0.2)),
-        adhesion=AdhesiveSide(
-            side="bottom",
-            law=law,
-            substrate=(substrate or Flat()).receded(law.equilibrium_gap),
-            start=start,
-            end=end,
-            irreversible=irreversible,
-            sliding_length=sliding_length,
-        ),
-        fixed=(FixedSide("left", (0,)),) if held else (),
+        bodies=(body,),
+        interfaces=(adhesion,),
+        supports=(Support(body.side("left"), (0,)),) if held else (),
         drive=drive or MovedSide("right", np.pi / 2),
     )
     return Peeling(problem, to, irreversible, mesh)

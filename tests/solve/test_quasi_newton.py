@@ -199,7 +199,7 @@ def test_the_last_evaluation_of_forces_is_skipped(monkeypatch: pytest.MonkeyPatc
 @pytest.mark.parametrize(
     "problem",
     [
-        replace(strip(), adhesion=replace(strip().adhesion, irreversible=True)),
+        strip().changed(adhesion=replace(strip().adhesion, irreversible=True)),
         replace(strip(), drive=PulledSide("top", 1.0, control="force")),
     ],
     ids=["irreversible", "load"],

@@ -7,7 +7,7 @@ from isopeel.assembly.loops import Loops
 from isopeel.assembly.packing import Packed, packed
 from isopeel.assembly.tables import BodyTable
 from isopeel.common.arrays import FloatArray, IntArray, frozen
-from isopeel.physics.materials import Material
+from isopeel.problem import Body
 
 #: Of a term without one.
 _NO_HISTORY = frozen([])
@@ -15,9 +15,9 @@ _NO_HISTORY = frozen([])
 
 @dataclass(frozen=True, eq=False)
 class BodyTerm:
-    """What deforms a body of a material, whose functions are those of a table."""
+    """What deforms a body, whose functions are those of a table."""
 
-    material: Material
+    body: Body
     table: BodyTable
     loops: Loops = add_body
 
@@ -34,7 +34,7 @@ class BodyTerm:
         """See `isopeel.assembly.terms`."""
         table = {name: getattr(self.table, name) for name in BodyData._fields if hasattr(self.table, name)}
         table["unknowns"] = self.table.unknowns(unknowns)
-        material = self.material
+        material = self.body.material
         return packed(BodyData(material=material.kernel.address, parameters=material.parameters, **table))
 
     def initial(self) -> FloatArray:

@@ -1,15 +1,15 @@
 """Constraints: which degrees of freedom are held, which follow the drive, and the order of the unknowns."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 
+from isopeel.assembly.spaces import Spaces
 from isopeel.common.arrays import FloatArray, IntArray
 from isopeel.common.compilation import compiled
 from isopeel.common.errors import InputError
-from isopeel.problem import Drive, Problem
-from isopeel.splines.rows import RowSpace
+from isopeel.problem import Drive
 
 HELD = -1
 
@@ -113,43 +113,53 @@ def _work(forces: FloatArray, driven: IntArray, rate: FloatArray) -> float:
 
 
 def constrain(
-    problem: Problem, space: RowSpace, elements: Sequence[IntArray], base: FloatArray | None = None
+    spaces: Spaces, elements: Mapping[str, Sequence[IntArray]], base: FloatArray | None = None
 ) -> Constraints:
-    """Collect a problem's constraints on a space, and number the unknowns for a narrow band.
+    """Collect a problem's constraints, and number the unknowns body after body, for a narrow band.
 
-    `elements` are arrays (E, m) of the functions of each element, which are coupled with each other; `base`
-    (size, 2) are the coefficients of the state that the drive begins with, by default those of the body as
-    it is.
+    `elements` are arrays (E, m), by names of bodies, of the functions of each element, which are coupled with
+    each other; `base` (size, 2) are the coefficients of the state that the drive begins with, by default
+    those of the bodies as they are.
 
     Raises InputError where a held component belongs to a driven side that must be free to move along it, or
-    where nothing of the body is left to move.
+    where nothing of the bodies is left to move.
     """
+    problem = spaces.problem
     drive = problem.drive
-    driven = space.side_functions(drive.side)
-    u0 = np.zeros((space.size, 2)) if base is None else base
+    driven = spaces.side(problem.driven, drive.side)
+    u0 = np.zeros((spaces.size, 2)) if base is None else base
     # groups[function, component]: what shares one unknown has one group
-    groups = np.arange(2 * space.size).reshape(space.size, 2)
-    offset = np.zeros((space.size, 2))
+    groups = np.arange(2 * spaces.size).reshape(spaces.size, 2)
+    offset = np.zeros((spaces.size, 2))
     for component, freedom in enumerate(drive.freedoms):
         if freedom != "free":
             groups[driven, component] = groups[driven[0], component] if freedom == "common" else HELD
             offset[driven, component] = u0[driven, component]
-    for fixed in problem.fixed:
-        held = space.side_functions(fixed.side)
-        for component in fixed.components:
+    for support in problem.supports:
+        held = spaces.boundary(support.boundary)
+        for component in support.components:
             if drive.freedoms[component] in ("common", "prescribed") and np.isin(held, driven).any():
-                raise InputError("held", fixed.side, f"it meets the side {drive.side}, which the drive moves")
+                raise InputError(
+                    "held", support.side, f"it meets the side {drive.side}, which the drive moves"
+                )
             groups[held, component] = HELD
             offset[held, component] = u0[held, component]
     if (groups == HELD).all():
         allowed = (
             "on this mesh all of the body is held or moved by the drive; refine the mesh or hold less of it"
         )
-        raise InputError("held", [fixed.side for fixed in problem.fixed], allowed)
-    numberings = [_number(groups, space.greville, axis) for axis in (0, 1)]
-    unknowns = min(numberings, key=lambda numbering: half_bandwidth(numbering, elements))
-    control_points = space.interpolate(problem.body.shape.evaluate) + u0
-    return Constraints(unknowns, int(unknowns.max()) + 1, offset, drive, driven, control_points[driven])
+        raise InputError("held", [support.side for support in problem.supports], allowed)
+    unknowns = np.empty(groups.shape, dtype=np.int64)
+    count = 0
+    for name, place in spaces.places.items():
+        of_body = np.where(groups[place] == HELD, HELD, groups[place] - 2 * place.start)
+        numberings = [_number(of_body, spaces.of[name].greville, axis) for axis in (0, 1)]
+        own = [functions - place.start for functions in elements.get(name, ())]
+        numbers = min(numberings, key=lambda numbering: half_bandwidth(numbering, own))
+        unknowns[place] = np.where(numbers == HELD, HELD, numbers + count)
+        count += int(numbers.max()) + 1
+    control_points = spaces.control_points() + u0
+    return Constraints(unknowns, count, offset, drive, driven, control_points[driven])
 
 
 def _number(groups: IntArray, places: FloatArray, axis: int) -> IntArray:

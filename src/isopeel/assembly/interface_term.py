@@ -12,7 +12,7 @@ from isopeel.assembly.tables import SideTable
 from isopeel.common.arrays import FloatArray, IntArray, frozen
 from isopeel.physics.adhesion.irreversible import NOT_CLOSED
 from isopeel.physics.batch import evaluate_substrate
-from isopeel.problem import AdhesiveSide
+from isopeel.problem import Interface
 
 
 @dataclass(frozen=True, eq=False)
@@ -23,7 +23,7 @@ class InterfaceTerm:
     at those that have not closed yet.
     """
 
-    adhesion: AdhesiveSide
+    adhesion: Interface
     table: SideTable
     tangents: FloatArray  # of the substrate at the points' first positions, (E, Q, 2), where a joint may hold
     closed: float  # openings are known to the round-off of positions
@@ -73,7 +73,7 @@ class InterfaceTerm:
 
 
 def interface_data(
-    adhesion: AdhesiveSide, table: SideTable, tangents: FloatArray, unknowns: IntArray
+    adhesion: Interface, table: SideTable, tangents: FloatArray, unknowns: IntArray
 ) -> InterfaceData:
     """What compiled code is told of a side that adheres, where functions have the unknowns (size, 2)."""
     law, substrate = adhesion.law, adhesion.substrate

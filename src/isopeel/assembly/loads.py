@@ -6,12 +6,12 @@ from typing import Self
 import numpy as np
 
 from isopeel.assembly.constraints import HELD, Constraints
-from isopeel.assembly.tables import side_table
+from isopeel.assembly.spaces import Spaces
+from isopeel.assembly.tables import side_of
 from isopeel.common.arrays import FloatArray, IntArray
 from isopeel.common.errors import InputError
-from isopeel.problem import Drive, Load
-from isopeel.splines.nurbs import NurbsSurface, Side
-from isopeel.splines.rows import RowSpace
+from isopeel.problem import Boundary, Load
+from isopeel.splines.nurbs import Side
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,9 +32,7 @@ class AssembledLoad:
     @classmethod
     def of(
         cls,
-        drive: Drive,
-        shape: NurbsSurface,
-        space: RowSpace,
+        spaces: Spaces,
         constraints: Constraints,
         base: FloatArray | None = None,
     ) -> Self | None:
@@ -42,12 +40,13 @@ class AssembledLoad:
 
         Raises InputError where all that is loaded is held along a component of the load.
         """
-        load = drive.load
+        problem = spaces.problem
+        drive, load = problem.drive, problem.drive.load
         if load is None:
             return None
-        side = side_table(shape, space, drive.side, (load.start, load.end))
+        side = side_of(spaces, Boundary(problem.driven, drive.side, load.start, load.end))
         weights = side.weights / side.weights.sum()
-        mean = np.zeros((space.size, 2))
+        mean = np.zeros((spaces.size, 2))
         np.add.at(mean, side.functions, np.einsum("eq,eqa,i->eai", weights, side.values, load.direction))
         _check_free(drive.side, load, mean, constraints)
         elements = len(side.functions) if load.follows else 0

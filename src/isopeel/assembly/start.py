@@ -1,14 +1,17 @@
 """What can be known before the first step: whether the body overlaps the substrate, or is not held at all."""
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from isopeel.assembly.constraints import HELD, Constraints
 from isopeel.assembly.loads import AssembledLoad
+from isopeel.assembly.spaces import Spaces
 from isopeel.assembly.tables import SideTable
-from isopeel.common.arrays import FloatArray, frozen
+from isopeel.common.arrays import FloatArray, IntArray, frozen
 from isopeel.common.errors import InputError
 from isopeel.physics.batch import evaluate_law, evaluate_substrate
-from isopeel.problem import Problem
+from isopeel.problem import Body, Interface, Problem
 from isopeel.splines.nurbs import NurbsSurface
 from isopeel.splines.rows import RIGID, RowSpace
 
@@ -17,31 +20,61 @@ ROUND_OFF = 1e-9
 
 
 def extent(problem: Problem) -> float:
-    """The size of the body: of the box about its control points."""
-    return float(np.ptp(problem.body.shape.control_points.reshape(-1, 2), axis=0).max())
+    """The size of the largest body."""
+    return max(extent_of(body) for body in problem.bodies)
+
+
+def extent_of(body: Body) -> float:
+    """The size of a body: of the box about its control points."""
+    return float(np.ptp(body.shape.control_points.reshape(-1, 2), axis=0).max())
 
 
 def check_start(
-    problem: Problem,
-    space: RowSpace,
-    side: SideTable,
+    spaces: Spaces,
+    sides: Sequence[SideTable],
     constraints: Constraints,
     load: AssembledLoad | None,
     base: FloatArray | None,
-) -> FloatArray:
-    """Return the substrate's tangents (E, Q, 2) at the points of the adhesive force, where all is well.
+) -> list[FloatArray]:
+    """Return the substrate's tangents (E, Q, 2) at the points of each interface, where all is well.
 
-    Raises InputError where the body overlaps the substrate, where a point of it has no one closest point
+    Raises InputError where a body overlaps the substrate, where a point of it has no one closest point
     there, where it can move as a whole without a force, or cannot without strain.
     """
-    check_rigid(space, problem.body.shape)
-    adhesion = problem.adhesion
-    substrate, law = adhesion.substrate, adhesion.law
+    problem = spaces.problem
+    held: dict[str, list[FloatArray]] = {body.name: [] for body in problem.bodies}
+    for body in problem.bodies:
+        check_rigid(spaces.of[body.name], body.shape)
+    tangents = []
+    for interface, side in zip(problem.interfaces, sides, strict=True):
+        body = problem.body_of(interface.boundary.body)
+        rows, tangent = _check_interface(interface, side, extent_of(body), base)
+        held[body.name] += rows
+        tangents.append(frozen(tangent))
+    points = spaces.control_points()
+    for body in problem.bodies:
+        place = spaces.places[body.name]
+        pattern = None
+        if load is not None and load.load.control == "displacement":
+            pattern = load.pattern[place]
+        rows = held[body.name] + _constrained(constraints.unknowns[place], pattern, _motions(points[place]))
+        free = _free_motion(np.concatenate(rows), extent_of(body))
+        if free is not None:
+            raise InputError(
+                "held", free, "nothing holds the body against it; hold a side, or let it adhere there"
+            )
+    return tangents
+
+
+def _check_interface(
+    interface: Interface, side: SideTable, size: float, base: FloatArray | None
+) -> tuple[list[FloatArray], FloatArray]:
+    """What rigid motions of a body of some size would change (n, 3), and the substrate's tangents."""
+    substrate, law = interface.substrate, interface.law
     positions = side.positions
     if base is not None:
         positions = positions + np.einsum("eqm,emi->eqi", side.values, base[side.functions])
     gap, normal, curvature = evaluate_substrate(substrate.kernel, substrate.parameters, positions)
-    size = extent(problem)
     if not np.isfinite(gap).all():
         raise InputError("substrate", type(substrate).__name__, "it must have a closest point to every point")
     deepest = np.unravel_index(np.argmin(gap), gap.shape)
@@ -57,16 +90,9 @@ def check_start(
     stiffness = evaluate_law(law.kernel, law.parameters, gap, seen)[2]
     acts = stiffness != 0
     tangent = np.stack([-normal[..., 1], normal[..., 0]], axis=-1)
-    directions = [normal, tangent] if adhesion.sliding_length else [normal]
+    directions = [normal, tangent] if interface.sliding_length else [normal]
     rows = [np.einsum("ni,nim->nm", d[acts], _motions(positions[acts])) for d in directions]
-    points = space.interpolate(problem.body.shape.evaluate)
-    rows += _constrained(constraints, load, _motions(points))
-    free = _free_motion(np.concatenate(rows), size)
-    if free is not None:
-        raise InputError(
-            "held", free, "nothing holds the body against it; hold a side, or let it adhere there"
-        )
-    return frozen(tangent if base is None else _tangents(problem, side))
+    return rows, tangent if base is None else _tangents(interface, side)
 
 
 def check_rigid(space: RowSpace, shape: NurbsSurface) -> None:
@@ -89,8 +115,8 @@ def check_rigid(space: RowSpace, shape: NurbsSurface) -> None:
         raise InputError(field, value, allowed)
 
 
-def _tangents(problem: Problem, side: SideTable) -> FloatArray:
-    substrate = problem.adhesion.substrate
+def _tangents(interface: Interface, side: SideTable) -> FloatArray:
+    substrate = interface.substrate
     _, normal, _ = evaluate_substrate(substrate.kernel, substrate.parameters, side.positions)
     return np.stack([-normal[..., 1], normal[..., 0]], axis=-1)
 
@@ -103,16 +129,17 @@ def _motions(points: FloatArray) -> FloatArray:
     return np.stack([along_x, along_y], axis=1)
 
 
-def _constrained(
-    constraints: Constraints, load: AssembledLoad | None, motions: FloatArray
-) -> list[FloatArray]:
-    """Rows (n, 3): what rigid motions (size, 2, 3) of the control points would change of what is held."""
-    flat, numbers = motions.reshape(-1, 3), constraints.unknowns.ravel()
+def _constrained(unknowns: IntArray, pattern: FloatArray | None, motions: FloatArray) -> list[FloatArray]:
+    """Rows (n, 3): what rigid motions (size, 2, 3) of the control points would change of what is held.
+
+    A load of a pattern (size, 2) holds its mean displacement.
+    """
+    flat, numbers = motions.reshape(-1, 3), unknowns.ravel()
     order = np.argsort(numbers, kind="stable")
     shared = np.flatnonzero(np.diff(numbers[order]) == 0)
     rows = [flat[numbers == HELD], flat[order[shared + 1]] - flat[order[shared]]]
-    if load is not None and load.load.control == "displacement":
-        rows.append(np.einsum("ai,aim->m", load.pattern, motions)[None])
+    if pattern is not None:
+        rows.append(np.einsum("ai,aim->m", pattern, motions)[None])
     return rows
 
 

@@ -1,5 +1,6 @@
 """The assembled system: a problem on a spline space, as the solver sees it."""
 
+from collections.abc import Sequence
 from copy import copy
 from dataclasses import dataclass
 from typing import ClassVar, Self
@@ -14,10 +15,11 @@ from isopeel.assembly.equations import Equations
 from isopeel.assembly.interface_term import InterfaceTerm
 from isopeel.assembly.loads import AssembledLoad
 from isopeel.assembly.loops import Loops, Sums, add_terms, term_list
-from isopeel.assembly.start import ROUND_OFF, check_start, extent
-from isopeel.assembly.tables import BodyTable, SideTable, body_table, side_table
+from isopeel.assembly.spaces import SpaceOfBodies, Spaces
+from isopeel.assembly.start import ROUND_OFF, check_start, extent_of
+from isopeel.assembly.tables import BodyTable, SideTable, body_of, side_of
 from isopeel.assembly.terms import Term
-from isopeel.common.arrays import FloatArray
+from isopeel.common.arrays import FloatArray, frozen
 from isopeel.common.errors import InputError
 from isopeel.matrix.band import BandMatrix, Storage
 from isopeel.problem import Problem
@@ -36,71 +38,85 @@ class Equilibrium:
     residual: FloatArray  # (count,), on every unknown; the forces less those of the load
 
 
-def bytes_needed(space: RowSpace) -> int:
+def bytes_needed(*spaces: RowSpace) -> int:
     """Estimate of a system's memory from above: its tables, and its tangent stored for a pivoted LU."""
-    along, across, rows = space.degree + 1, space.across.degree + 1, len(space.rows)
-    elements = space.elements[0], space.elements[0] * space.elements[1]
-    # maps and weight of each point; functions and unknowns of each row, if every row is of its own kind
-    tables = elements[1] * along * across * 7 + elements[0] * rows * along * (2 * along + 2)
-    # unknowns are numbered along the shorter side first, and degree + 1 functions of a row overlap
-    half_bandwidth = 2 * min(along * rows, across * space.rows[0].size)
+    tables = unknowns = half_bandwidth = 0
+    for space in spaces:
+        along, across, rows = space.degree + 1, space.across.degree + 1, len(space.rows)
+        elements = space.elements[0], space.elements[0] * space.elements[1]
+        # maps and weight of each point; functions and unknowns of each row, if every row is of its own kind
+        tables += elements[1] * along * across * 7 + elements[0] * rows * along * (2 * along + 2)
+        # unknowns are numbered along the shorter side first, and degree + 1 functions of a row overlap
+        half_bandwidth = max(half_bandwidth, 2 * min(along * rows, across * space.rows[0].size))
+        unknowns += 2 * space.size
     # compiled code has tables of its own
-    return 8 * (2 * tables + 2 * space.size * (3 * half_bandwidth + 1))
+    return 8 * (2 * tables + unknowns * (3 * half_bandwidth + 1))
 
 
 class System:
     """Forces and tangents of a problem on a space. Tables are made once; the pattern never changes.
 
-    The adhesive force has `contact_points` Gauss points per element, one more than the degree by default.
-    `base` are the coefficients (size, 2) of the state that the drive begins with, if it is not the body as
-    it is. Raises InputError where the memory does not suffice, where problem and space do not fit together,
-    where the body overlaps the substrate, or where it can move as a whole without a force.
+    Several bodies have a space each, by their names; their functions are numbered one body after another. The
+    adhesive force has `contact_points` Gauss points per element, one more than the degree by default. `base`
+    are the coefficients (size, 2) of the state that the drive begins with, if it is not the bodies as they
+    are. Raises InputError where the memory does not suffice, where problem and spaces do not fit together,
+    where a body overlaps the substrate, or where it can move as a whole without a force.
 
     Tangents share one array per storage: each call of `linearize` overwrites the last one's.
     """
 
-    #: What the forces of the body are made by.
+    #: What the forces of a body are made by.
     body_loops: ClassVar[tuple[Loops]] = (add_body,)
 
     def __init__(
         self,
         problem: Problem,
-        space: RowSpace,
+        space: SpaceOfBodies,
         contact_points: int | None = None,
         base: FloatArray | None = None,
     ) -> None:
-        needed, free = bytes_needed(space), virtual_memory().available
+        self.problem = problem
+        self.spaces: Spaces = Spaces.on(problem, space)
+        given = tuple(self.spaces.of.values())
+        needed, free = bytes_needed(*given), virtual_memory().available
         if needed > free:
             allowed = (
                 f"it needs up to {needed / 2**30:.1f} GiB of memory, and {free / 2**30:.1f} GiB are free"
             )
-            raise InputError("mesh", "{}x{}".format(*space.elements), allowed)
-        shape = problem.body.shape
-        adhesion = problem.adhesion
-        self.problem = problem
-        self.space = space.weighted(shape)
-        self.body: BodyTable = body_table(shape, self.space)
-        of_body = BodyTerm(problem.body.material, self.body, *self.body_loops)
-        functions = of_body.couplings()
-        self.constraints: Constraints = constrain(problem, self.space, functions, base)
-        self.half_bandwidth: int = half_bandwidth(self.constraints.unknowns, functions)
-        part = adhesion.start, adhesion.end
-        side = side_table(shape, self.space, adhesion.side, part, contact_points)
-        # only the projected force asks for the deformation gradient
-        self.adhesive: SideTable = side if adhesion.traction == "projected" else side.of_values()
-        self.load: AssembledLoad | None = AssembledLoad.of(
-            problem.drive, shape, self.space, self.constraints, base
+            raise InputError("mesh", ", ".join("{}x{}".format(*one.elements) for one in given), allowed)
+        self.bodies: tuple[BodyTerm, ...] = tuple(
+            BodyTerm(body, body_of(self.spaces, body), *self.body_loops) for body in problem.bodies
         )
-        tangents = check_start(problem, self.space, self.adhesive, self.constraints, self.load, base)
-        # gaps are known to the round-off of positions
-        of_side = InterfaceTerm(adhesion, self.adhesive, tangents, ROUND_OFF * extent(problem))
+        couplings = {term.body.name: term.couplings() for term in self.bodies}
+        self.constraints: Constraints = constrain(self.spaces, couplings, base)
+        unknowns = self.constraints.unknowns
+        self.half_bandwidth: int = max(half_bandwidth(unknowns, found) for found in couplings.values())
+        tables = []
+        for interface in problem.interfaces:
+            side = side_of(self.spaces, interface.boundary, contact_points)
+            # only the projected force asks for the deformation gradient
+            tables.append(side if interface.traction == "projected" else side.of_values())
+        self.load: AssembledLoad | None = AssembledLoad.of(self.spaces, self.constraints, base)
+        tangents = check_start(self.spaces, tables, self.constraints, self.load, base)
+        self.interfaces: tuple[InterfaceTerm, ...] = tuple(
+            # gaps are known to the round-off of positions
+            InterfaceTerm(
+                interface, table, tangent, ROUND_OFF * extent_of(problem.body_of(interface.boundary.body))
+            )
+            for interface, table, tangent in zip(problem.interfaces, tables, tangents, strict=True)
+        )
+        #: Whether an interface is damaged as it opens.
+        self.irreversible: bool = any(interface.irreversible for interface in problem.interfaces)
         #: What forces and tangent are the sum of.
-        self.terms: tuple[Term, ...] = of_body, of_side
-        #: Maximum openings (E, Q) at the points of the adhesive force, for irreversible adhesion. At first
-        #: those of the body as it is made: a base with a history comes with its own.
-        self.maximum_openings: FloatArray = of_side.initial().reshape(self.adhesive.weights.shape)
-        #: Young's modulus times the area of the body: what energies are measured against.
-        self.energy_scale: float = problem.body.material.youngs_modulus * self.body.area
+        self.terms: tuple[Term, ...] = *self.bodies, *self.interfaces
+        #: Maximum openings at the points of the adhesive force, for irreversible adhesion. At first those of
+        #: the bodies as they are made: a base with a history comes with its own. They are (E, Q) of one
+        #: interface, and (n, 1) of several, those of one after another.
+        self.maximum_openings: FloatArray = self._shaped([term.initial() for term in self.interfaces])
+        #: Young's modulus times the area of the bodies: what energies are measured against.
+        self.energy_scale: float = sum(
+            term.body.material.youngs_modulus * term.table.area for term in self.bodies
+        )
         self._workspaces: dict[Storage, FloatArray] = {}
         self._no_forces = np.zeros(self.constraints.count)
         held = self.constraints
@@ -108,11 +124,42 @@ class System:
         self.equations = Equations(term_list(listed), held.unknowns, held.offset, held.driven)
 
     def without_joint(self) -> Self:
-        """The same body without what a substrate does to it. It shares the arrays of tangents."""
+        """The same bodies without what a substrate does to them. It shares the arrays of tangents."""
         loose = copy(self)
-        kept = [k for k, term in enumerate(self.terms) if not isinstance(term, InterfaceTerm)]
-        loose.equations = self.equations._replace(terms=self.equations.terms.only(kept))
+        bodies = list(range(len(self.bodies)))
+        loose.equations = self.equations._replace(terms=self.equations.terms.only(bodies))
         return loose
+
+    @property
+    def space(self) -> RowSpace:
+        """That of the only body."""
+        return self.spaces.of[self.problem.body.name]
+
+    @property
+    def body(self) -> BodyTable:
+        """The table of the only body."""
+        (body,) = self.bodies
+        return body.table
+
+    @property
+    def adhesive(self) -> SideTable:
+        """The table of the only interface."""
+        (interface,) = self.interfaces
+        return interface.table
+
+    def openings_of(self, openings: FloatArray) -> tuple[FloatArray, ...]:
+        """Largest openings (E, Q) at each interface, of those of all."""
+        sizes = [term.table.weights.size for term in self.interfaces]
+        parts = np.split(openings.ravel(), np.cumsum(sizes)[:-1])
+        return tuple(
+            part.reshape(term.table.weights.shape) for part, term in zip(parts, self.interfaces, strict=True)
+        )
+
+    def _shaped(self, parts: Sequence[FloatArray]) -> FloatArray:
+        """Largest openings of all interfaces, of those (n,) of each."""
+        if len(parts) == 1:
+            return parts[0].reshape(self.interfaces[0].table.weights.shape)
+        return frozen(np.concatenate([np.zeros(0), *parts])[:, None])
 
     @property
     def load_is_unknown(self) -> bool:
@@ -177,28 +224,31 @@ class System:
 
     def inverted_point(self, displacement: FloatArray) -> tuple[FloatArray, float] | None:
         """Reference position (2,) and determinant of F at the most inverted quadrature point, if any is."""
-        table, shape = self.body, self.problem.body.shape
         worst: tuple[FloatArray, float] | None = None
-        xi = table.xi.ravel()
-        for row, places in enumerate(table.eta):
-            for eta in places:
-                at = np.full(xi.size, eta)
-                basis = self.space.basis(xi, at, row)
-                local = displacement[basis.functions]
-                derivatives = np.einsum("nmi,nam->nia", local, basis.derivatives)
-                F = np.eye(2) + derivatives @ np.linalg.inv(shape.jacobian(xi, at))
-                determinant = np.linalg.det(F)
-                n = int(np.argmin(determinant))
-                if determinant[n] <= 0 and (worst is None or determinant[n] < worst[1]):
-                    worst = shape.evaluate(xi[n : n + 1], at[:1])[0], float(determinant[n])
+        for term in self.bodies:
+            name, table, shape = term.body.name, term.table, term.body.shape
+            u, space = displacement[self.spaces.places[name]], self.spaces.of[name]
+            xi = table.xi.ravel()
+            for row, places in enumerate(table.eta):
+                for eta in places:
+                    at = np.full(xi.size, eta)
+                    basis = space.basis(xi, at, row)
+                    local = u[basis.functions]
+                    derivatives = np.einsum("nmi,nam->nia", local, basis.derivatives)
+                    F = np.eye(2) + derivatives @ np.linalg.inv(shape.jacobian(xi, at))
+                    determinant = np.linalg.det(F)
+                    n = int(np.argmin(determinant))
+                    if determinant[n] <= 0 and (worst is None or determinant[n] < worst[1]):
+                        worst = shape.evaluate(xi[n : n + 1], at[:1])[0], float(determinant[n])
         return worst
 
     def accept(self, displacement: FloatArray) -> None:
         """Update the maximum openings by an equilibrium, coefficients (size, 2)."""
-        of_side = self.terms[1]
-        self.maximum_openings = of_side.commit(displacement, self.maximum_openings.ravel()).reshape(
-            self.maximum_openings.shape
-        )
+        if self.irreversible:
+            before = zip(self.interfaces, self.openings_of(self.maximum_openings), strict=True)
+            self.maximum_openings = self._shaped(
+                [term.commit(displacement, opened.ravel()) for term, opened in before]
+            )
 
     def equilibrium(self, displacement: FloatArray, load: float = 0.0) -> Equilibrium:
         """Energies, forces and residual of coefficients u (size, 2) under a load of a size."""

@@ -5,8 +5,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from isopeel.assembly.constraints import HELD
+from isopeel.assembly.spaces import Spaces
 from isopeel.common.arrays import BoolArray, FloatArray, IntArray
 from isopeel.common.errors import InputError
+from isopeel.problem import Body, Boundary
 from isopeel.splines.nurbs import NurbsSurface, Side
 from isopeel.splines.rows import Basis, RowSpace
 
@@ -191,6 +193,19 @@ def _rational(inverse: FloatArray, along: FloatArray, across: FloatArray) -> Flo
     of_derivatives = inverse / W[:, :, None, None]
     of_value = -np.einsum("rpix,rpiJx->rpJx", dW, of_derivatives) / W[:, :, None]
     return np.concatenate([of_derivatives, of_value[:, :, None]], axis=2)
+
+
+def body_of(spaces: Spaces, body: Body) -> BodyTable:
+    """Table of one of several bodies, see `body_table`."""
+    table = body_table(body.shape, spaces.of[body.name])
+    return replace(table, first=spaces.places[body.name].start + table.first)
+
+
+def side_of(spaces: Spaces, boundary: Boundary, points: int | None = None) -> SideTable:
+    """Table of a boundary of one of several bodies, see `side_table`."""
+    body = spaces.problem.body_of(boundary.body)
+    table = side_table(body.shape, spaces.of[body.name], boundary.side, boundary.part, points)
+    return replace(table, functions=spaces.places[body.name].start + table.functions)
 
 
 def side_table(

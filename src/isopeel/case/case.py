@@ -41,7 +41,7 @@ from isopeel.case.values import Section, as_written
 from isopeel.common.errors import InputError
 from isopeel.common.units import UnitSystem, measured_in, shown
 from isopeel.physics.substrates import Flat
-from isopeel.problem import AdhesiveSide, Body, FixedSide, Problem
+from isopeel.problem import Body, Interface, Problem, Support
 from isopeel.problem.shapes.base import Shape
 from isopeel.problem.shapes.quarter_cylinder import QuarterCylinder
 from isopeel.splines.nurbs import NurbsSurface, Side
@@ -257,23 +257,22 @@ class Case(Section):
             raise InputError("adhesion.symmetric", True, allowed)
         length = self.adhesion.length
         start, end = (0.0, 1.0) if length is None else shape.adhering_part(length)
-        adhesion = AdhesiveSide(
-            side="bottom",
+        body = Body(shape.surface(), self.material.material())
+        adhesion = Interface(
+            body.side("bottom", start, end),
             law=law,
             substrate=substrate,
-            start=start,
-            end=end,
             traction=self.adhesion.traction,
             irreversible=self.adhesion.irreversible,
             sliding_length=self.adhesion.sliding_length,
         )
         last = self.drive[-1]
-        body = Body(shape.surface(), self.material.material())
-        fixed = (FixedSide(shape.usual_hold, (0,)),) if self.held is None else self.held.fixed()
+        usual = (Support(body.side(shape.usual_hold), (0,)),)
+        supports = usual if self.held is None else self.held.supports(body)
         return tuple(
             Stage(
                 name=stage.label,
-                problem=Problem(self.name, body, adhesion, fixed, stage.drive()),
+                problem=Problem(self.name, (body,), (adhesion,), supports, stage.drive()),
                 parameters=stage.parameters(),
                 path_control=stage.path_control,
                 fields_every=self.output.fields_every if stage is last else stage.usual_fields_every,

@@ -29,7 +29,7 @@ from isopeel.physics.adhesion.mirrored import Mirrored
 from isopeel.physics.materials import Material
 from isopeel.physics.materials.prestretched import Prestretched
 from isopeel.physics.substrates import Substrate
-from isopeel.problem import Drive, FixedSide, Traction
+from isopeel.problem import Body, Drive, Support, Traction
 from isopeel.problem.shapes import Shape
 from isopeel.splines.nurbs import Side
 
@@ -135,11 +135,11 @@ class HeldSection(Section):
     bottom: _Held = None
     top: _Held = None
 
-    def fixed(self) -> tuple[FixedSide, ...]:
-        """Build the held sides."""
+    def supports(self, body: Body) -> tuple[Support, ...]:
+        """Build the held sides of a body."""
         held: dict[Side, str | None] = {side: getattr(self, side) for side in get_args(Side)}
         return tuple(
-            FixedSide(side, tuple("xy".index(component) for component in components))
+            Support(body.side(side), tuple("xy".index(component) for component in components))
             for side, components in held.items()
             if components is not None
         )

@@ -108,7 +108,9 @@ def halves(problem: Problem, test: Test) -> str | None:
             " (half of the opening), energies of one half"
         )
     sides = [
-        fixed.side for fixed in problem.fixed if fixed.components == (0,) and fixed.side in ("left", "right")
+        support.side
+        for support in problem.supports
+        if support.components == (0,) and support.side in ("left", "right")
     ]
     if test == "pull" and sides and any(_straight_up(problem, side) for side in sides):
         return (

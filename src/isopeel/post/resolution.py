@@ -188,7 +188,7 @@ def parts_at_once(problem: Problem) -> bool:
     opposite = {"bottom": "top", "top": "bottom", "left": "right", "right": "left"}
     across = 0 if adhesion.side in ("bottom", "top") else 1
     beside = {"left", "right"} if across == 0 else {"bottom", "top"}
-    held = beside <= {fixed.side for fixed in problem.fixed if across in fixed.components}
+    held = beside <= {support.side for support in problem.supports if across in support.components}
     whole = (adhesion.start, adhesion.end) == (0.0, 1.0)
     alone = held or problem.body.material.poissons_ratio == 0
     return bool(drive.side == opposite[adhesion.side] and whole and alone and lies_flat(problem))

@@ -1,7 +1,7 @@
 """A peeling problem, as data."""
 
-from dataclasses import dataclass
-from typing import Literal, get_args
+from dataclasses import dataclass, replace
+from typing import Literal, TypeVar, get_args
 
 from isopeel.common.errors import InputError
 from isopeel.physics.adhesion import AdhesionLaw
@@ -13,6 +13,29 @@ from isopeel.splines.nurbs import NurbsSurface, Side, check_side
 #: Area that the adhesive traction acts on: the reference area, or its projection on the substrate.
 Traction = Literal["reference", "projected"]
 
+Part = TypeVar("Part")
+
+
+@dataclass(frozen=True)
+class Boundary:
+    """The part of a side of a body of some name, from parameter `start` to `end` in [0, 1] along it."""
+
+    body: str
+    side: Side
+    start: float = 0.0
+    end: float = 1.0
+
+    def __post_init__(self) -> None:
+        """Check the side and the interval."""
+        check_side("boundary.side", self.side)
+        if not 0 <= self.start < self.end <= 1:
+            raise InputError("boundary", (self.start, self.end), "need 0 <= start < end <= 1 along the side")
+
+    @property
+    def part(self) -> tuple[float, float]:
+        """Where it starts and ends."""
+        return self.start, self.end
+
 
 @dataclass(frozen=True)
 class Body:
@@ -20,11 +43,16 @@ class Body:
 
     shape: NurbsSurface
     material: Material
+    name: str = "body"
+
+    def side(self, side: Side, start: float = 0.0, end: float = 1.0) -> Boundary:
+        """Return a part of a side."""
+        return Boundary(self.name, side, start, end)
 
 
 @dataclass(frozen=True)
-class AdhesiveSide:
-    """The part of a side, from parameter `start` to `end` in [0, 1], that a substrate attracts.
+class Interface:
+    """A boundary that a substrate attracts.
 
     Force on the body, F_c = -int N^T T n_o dA per reference area dA (`reference`; it has a potential), or the
     same with dA projected on the substrate, times -n_o . F^-T N_o (`projected`; its tangent is not
@@ -34,22 +62,17 @@ class AdhesiveSide:
     without friction, with one it is held there as well (`physics.adhesion.sliding`).
     """
 
-    side: Side
+    boundary: Boundary
     law: AdhesionLaw
     substrate: Substrate
-    start: float = 0.0
-    end: float = 1.0
     traction: Traction = "reference"
     irreversible: bool = False
     sliding_length: float | None = None
 
     def __post_init__(self) -> None:
-        """Check the side, the interval, the kind of traction and what holds along the substrate."""
-        check_side("adhesion.side", self.side)
+        """Check the kind of traction and what holds along the substrate."""
         if self.traction not in get_args(Traction):
             raise InputError("adhesion.traction", self.traction, f"it is {' or '.join(get_args(Traction))}")
-        if not 0 <= self.start < self.end <= 1:
-            raise InputError("adhesion", (self.start, self.end), "need 0 <= start < end <= 1 along the side")
         if self.sliding_length is None:
             return
         if not 0 < self.sliding_length < float("inf"):
@@ -58,30 +81,106 @@ class AdhesiveSide:
             allowed = "a joint that holds along the substrate is reversible, with 'reference' traction"
             raise InputError("adhesion.sliding_length", self.sliding_length, allowed)
 
+    @property
+    def side(self) -> Side:
+        """Of its body."""
+        return self.boundary.side
+
+    @property
+    def start(self) -> float:
+        """Parameter along the side where it begins."""
+        return self.boundary.start
+
+    @property
+    def end(self) -> float:
+        """Parameter along the side where it ends."""
+        return self.boundary.end
+
 
 @dataclass(frozen=True)
-class FixedSide:
-    """A side of which displacement components (0: x, 1: y) are held, at zero or where a stage left them."""
+class Support:
+    """A boundary whose displacement components (0: x, 1: y) are held, at zero or where a stage left them.
 
-    side: Side
+    On a part of a side all functions are held that do not vanish there: up to the next breakpoints, unless
+    it ends at some.
+    """
+
+    boundary: Boundary
     components: tuple[int, ...]
 
     def __post_init__(self) -> None:
-        """Check the side and the components."""
-        check_side("fixed.side", self.side)
+        """Check the components."""
         if not set(self.components) <= {0, 1}:
-            raise InputError("fixed.components", self.components, "components are 0 (x) and 1 (y)")
+            raise InputError("support.components", self.components, "components are 0 (x) and 1 (y)")
+
+    @property
+    def side(self) -> Side:
+        """Of its body."""
+        return self.boundary.side
 
 
 @dataclass(frozen=True)
 class Problem:
-    """A body, where it adheres, what is held, and the drive.
+    """Bodies, where they adhere, what is held, and the drive, which acts on one body.
 
-    Any consistent units: results call the unit of length L0 and that of stress E0, and are for a width of L0.
+    That is the body of the name `driven`, by default the first one. Any consistent units: results call the
+    unit of length L0 and that of stress E0, and are for a width of L0.
+
+    Raises InputError where bodies share a name, or a boundary is of none of them.
     """
 
     name: str
-    body: Body
-    adhesion: AdhesiveSide
-    fixed: tuple[FixedSide, ...]
+    bodies: tuple[Body, ...]
+    interfaces: tuple[Interface, ...]
+    supports: tuple[Support, ...]
     drive: Drive
+    driven: str = ""
+
+    def __post_init__(self) -> None:
+        """Check the names."""
+        names = [body.name for body in self.bodies]
+        if not names or len(set(names)) < len(names):
+            raise InputError("bodies", names, "there must be one at least, each with a name of its own")
+        if not self.driven:
+            object.__setattr__(self, "driven", names[0])
+        boundaries = [one.boundary for one in self.interfaces] + [one.boundary for one in self.supports]
+        for name in (self.driven, *(boundary.body for boundary in boundaries)):
+            if name not in names:
+                raise InputError("body", name, f"there is {', '.join(names)}")
+
+    def body_of(self, name: str) -> Body:
+        """The body of a name."""
+        return next(body for body in self.bodies if body.name == name)
+
+    @property
+    def body(self) -> Body:
+        """The only body."""
+        return _only("body", self.bodies)
+
+    @property
+    def adhesion(self) -> Interface:
+        """The only interface."""
+        return _only("interface", self.interfaces)
+
+    def changed(
+        self,
+        *,
+        body: Body | None = None,
+        adhesion: Interface | None = None,
+        supports: tuple[Support, ...] | None = None,
+        drive: Drive | None = None,
+    ) -> "Problem":
+        """Return the same problem of one body and one interface with some other parts."""
+        return replace(
+            self,
+            bodies=self.bodies if body is None else (body,),
+            interfaces=self.interfaces if adhesion is None else (adhesion,),
+            supports=self.supports if supports is None else supports,
+            drive=drive or self.drive,
+        )
+
+
+def _only(kind: str, parts: tuple[Part, ...]) -> Part:
+    if len(parts) != 1:
+        raise InputError("problem", f"{len(parts)} of the kind {kind}", "this is known for one of them only")
+    return parts[0]

@@ -5,7 +5,7 @@ from isopeel.physics.adhesion import AdhesionLaw, VanDerWaals
 from isopeel.physics.materials import Material, NeoHooke
 from isopeel.physics.substrates import Flat
 from isopeel.problem.drives import RotatedSide
-from isopeel.problem.problem import AdhesiveSide, Body, FixedSide, Problem, Traction
+from isopeel.problem.problem import Body, Interface, Problem, Support, Traction
 from isopeel.splines.nurbs import rectangle
 
 
@@ -33,18 +33,18 @@ def strip(
         raise InputError("adhesion.length", adhering_length, f"it must be positive and at most {length:g}")
     material = material or NeoHooke(youngs_modulus=1.0, poissons_ratio=0.2)
     law = law or VanDerWaals(hamaker_constant=0.05, equilibrium_distance=0.4)
-    adhesion = AdhesiveSide(
-        side="bottom",
+    body = Body(rectangle(length, height), material)
+    adhesion = Interface(
+        body.side("bottom", end=adhering_length / length),
         law=law,
         substrate=Flat(height=-law.equilibrium_gap),
-        end=adhering_length / length,
         traction=traction,
         irreversible=irreversible,
     )
     return Problem(
         name="strip",
-        body=Body(rectangle(length, height), material),
-        adhesion=adhesion,
-        fixed=(FixedSide("left", components=(0,)),),
+        bodies=(body,),
+        interfaces=(adhesion,),
+        supports=(Support(body.side("left"), (0,)),),
         drive=RotatedSide("right"),
     )

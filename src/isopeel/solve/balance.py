@@ -70,7 +70,9 @@ def simpson_misfits(one: AcceptedState, half: AcceptedState, other: AcceptedStat
 
 def gain_allowed(system: System) -> float:
     """Return the energy that any step of a system may gain without work: a share of the joint's energy."""
-    worth = system.problem.adhesion.law.work_of_adhesion * float(system.adhesive.weights.sum())
+    worth = sum(
+        term.adhesion.law.work_of_adhesion * float(term.table.weights.sum()) for term in system.interfaces
+    )
     return GAIN * worth + energy_round_off(system)
 
 

@@ -128,7 +128,7 @@ def _sides(path: Path, found: Found) -> tuple[AcceptedState | None, Found]:
     """Return the last stable state of a path, if known, and the first unstable one."""
     high = found
     # earlier states of an irreversible joint had another damage
-    states = path.history[-1:] if path.system.problem.adhesion.irreversible else path.history
+    states = path.history[-1:] if path.system.irreversible else path.history
     for state in reversed(states):
         known = stability(path.system, state.unknown_values, state.parameter)
         if known is not None and known.negative == 0:

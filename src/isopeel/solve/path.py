@@ -52,7 +52,7 @@ class Path:
         self.gain_allowed: float = gain_allowed(system)
         #: Size of the body, and its control points (size, 2).
         self.extent: float = extent(system.problem)
-        self.points: FloatArray = system.space.interpolate(system.problem.body.shape.evaluate)
+        self.points: FloatArray = system.spaces.control_points()
         accepted = start[-1].accepted_states if start else ()
         for kept in accepted:
             if any(
@@ -375,10 +375,14 @@ class Path:
         return self.system.state(state.unknown_values, state.parameter)[0]
 
     def gaps(self, displacement: FloatArray) -> FloatArray:
-        """Return the gaps (size,) of all control points to the substrate, for coefficients (size, 2)."""
-        substrate = self.system.problem.adhesion.substrate
-        position = self.points + displacement
-        return evaluate_substrate(substrate.kernel, substrate.parameters, position)[0]
+        """Return the gaps (size,) of all control points to the nearest substrate, for u (size, 2)."""
+        system, gaps = self.system, np.full(len(displacement), np.inf)
+        for interface in system.problem.interfaces:
+            place, substrate = system.spaces.places[interface.boundary.body], interface.substrate
+            position = self.points[place] + displacement[place]
+            gap = evaluate_substrate(substrate.kernel, substrate.parameters, position)[0]
+            gaps[place] = np.minimum(gaps[place], gap)
+        return gaps
 
     def depth(self, displacement: FloatArray) -> float:
         """Return the largest depth of a control point in the substrate, for coefficients (size, 2)."""
@@ -412,7 +416,7 @@ class Path:
 
         Those of an irreversible joint cannot: once it has opened further, they are no equilibria any more.
         """
-        return self._quasi_newton is not None and not self.system.problem.adhesion.irreversible
+        return self._quasi_newton is not None and not self.system.irreversible
 
     def _converge_fully(self) -> None:
         """Converge the last states as far as plain Newton's method would.

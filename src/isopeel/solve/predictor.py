@@ -36,7 +36,9 @@ class Predictor:
     def __init__(self, system: System) -> None:
         self._system = system
         self._translation = TranslationPredictor.of(system)
-        side = np.unique(system.adhesive.functions)
+        sides = [term.table.functions.ravel() for term in system.interfaces]
+        # without an interface, what is driven tells
+        side = np.unique(np.concatenate(sides or [system.constraints.driven]))
         ahead = side if self._translation is None else self._translation.ahead[side]
         self._functions = np.stack([side, ahead])
         # second differences are unchanged by a rotation of the whole body, which would dominate

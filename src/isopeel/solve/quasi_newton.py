@@ -155,7 +155,7 @@ class QuasiNewton:
         """
         system = self._system
         # the displacement of a load and the dissipated energy are known to first order only
-        first_order = system.load is not None or system.problem.adhesion.irreversible
+        first_order = system.load is not None or system.irreversible
         skip_share = 0.0 if first_order else _SKIP_SHARE
         # a tangent made for the last step may mean that it has snapped on: slopes are of the states before
         last = None if self.solver_state is not None and self.solver_state.steps == 1 else last

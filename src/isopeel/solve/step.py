@@ -74,7 +74,7 @@ class Step:
     dissipated_energy: float  # by irreversible adhesion
     iterations: tuple[float, ...]  # energy residual per unknown before each Newton correction
     seconds: float  # wall time of the step
-    maximum_openings: FloatArray  # (E, Q) maximum openings at the points of the adhesive force, read-only
+    maximum_openings: FloatArray  # (E, Q) at the points of the adhesive force, see `System`; read-only
     unknown_values: FloatArray  # (count,) of the solver, read-only
     released_energy: float = 0.0  # since the last step, see above
     kind: Kind = "requested"

@@ -4,6 +4,7 @@ from collections.abc import Iterable, Iterator, Sequence
 
 from isopeel.assembly.constraints import constrain
 from isopeel.assembly.loads import AssembledLoad
+from isopeel.assembly.spaces import SpaceOfBodies, Spaces
 from isopeel.assembly.system import System
 from isopeel.common.arrays import frozen
 from isopeel.common.errors import InputError
@@ -13,13 +14,12 @@ from isopeel.solve.newton import NewtonSettings
 from isopeel.solve.path import Path
 from isopeel.solve.path_control import follow_path
 from isopeel.solve.step import State, Step
-from isopeel.splines.rows import RowSpace
 
 
 @deferred()
 def trace(
     problem: Problem,
-    space: RowSpace,
+    space: SpaceOfBodies,
     parameters: Iterable[float],
     settings: NewtonSettings | None = None,
     *,
@@ -49,9 +49,10 @@ def trace(
     the system needs more memory than there is.
     """
     given = [*start] if base is None else [base, *start]
+    size = Spaces.on(problem, space).size
     for state in given:
-        if state.displacement.shape != (space.size, 2):
-            raise InputError("start", state.displacement.shape, f"the space has {space.size} functions")
+        if state.displacement.shape != (size, 2):
+            raise InputError("start", state.displacement.shape, f"the space has {size} functions")
     system = System(problem, space, contact_points, None if base is None else base.displacement)
     if given and given[-1].maximum_openings is not None:
         if given[-1].maximum_openings.shape != system.maximum_openings.shape:
@@ -66,22 +67,22 @@ def trace(
     return follow_path(Path(system, settings, start, begins=begins), parameters, passed)
 
 
-def check_stage(problem: Problem, space: RowSpace, settings: NewtonSettings) -> None:
+def check_stage(problem: Problem, space: SpaceOfBodies, settings: NewtonSettings) -> None:
     """Check a stage that follows another stage, as far as possible without its initial state.
 
     Raises InputError where a held side meets the side that the drive moves or loads, where no unknown is
     left, or where the path control needs an energy that the forces do not have. What depends on the initial
     state is not checked: whether adhesion holds the body, and where the substrate is.
     """
-    constraints = constrain(problem, space, [])
-    AssembledLoad.of(problem.drive, problem.body.shape, space, constraints)
+    spaces = Spaces.on(problem, space)
+    AssembledLoad.of(spaces, constrain(spaces, {}))
     _check_path_control(problem, settings)
 
 
 def _check_path_control(problem: Problem, settings: NewtonSettings) -> None:
     load = problem.drive.load
     if settings.path_control == "jump" and (
-        problem.adhesion.traction == "projected" or (load is not None and load.follows)
+        any(one.traction == "projected" for one in problem.interfaces) or (load is not None and load.follows)
     ):
         allowed = "projected and following forces have no energy that could fall; take continuation"
         raise InputError("drive.path_control", "jump", allowed)

@@ -35,8 +35,11 @@ class TranslationPredictor:
     @classmethod
     def of(cls, system: System) -> Self | None:
         """Return the predictor of a front that runs along rows of elements from their end, or else None."""
-        side, space = system.problem.drive.side, system.space
-        along = side in ("left", "right") and system.problem.adhesion.side in ("bottom", "top")
+        problem = system.problem
+        if len(problem.bodies) > 1 or len(problem.interfaces) != 1:
+            return None
+        side, space = problem.drive.side, system.space
+        along = side in ("left", "right") and problem.adhesion.side in ("bottom", "top")
         if not along or space.elements[0] < 2:
             return None
         rows = list(zip(space.rows, space.offsets[:-1], space.offsets[1:], strict=True))
@@ -44,7 +47,7 @@ class TranslationPredictor:
         for row, start, stop in rows:
             stride = _stride(row, side)
             ahead[start:stop] = np.clip(ahead[start:stop] + stride, start, stop - 1)
-        points = space.interpolate(system.problem.body.shape.evaluate)
+        points = system.spaces.control_points()
         height, length = (_extent(points[space.side_functions(name)]) for name in (side, "bottom"))
         from_side = np.abs(space.greville[:, 0] - (1.0 if side == "right" else 0.0))
         # in a row in the middle, the function nearest to the side that its deformation does not reach

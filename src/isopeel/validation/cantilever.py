@@ -15,7 +15,7 @@ from isopeel.physics.materials import NeoHooke
 from isopeel.physics.substrates import Flat
 from isopeel.post.closed_form import double_cantilever_force, double_cantilever_moment
 from isopeel.post.style import BLUE, DASHES, TWO_COLUMNS, style
-from isopeel.problem import AdhesiveSide, Body, Drive, FixedSide, Problem, PulledSide, RotatedSide
+from isopeel.problem import Body, Drive, Interface, Problem, PulledSide, RotatedSide, Support
 from isopeel.report.document import Picture
 from isopeel.splines.nurbs import rectangle
 from isopeel.splines.rows import row_space
@@ -94,11 +94,13 @@ class Opened:
 def pull(loading: Loading, elements: tuple[int, int] = _ELEMENTS, steps: int = _STEPS) -> Opened:
     """Open one arm from its mirror plane, with the joint between both."""
     law = Mirrored(Exponential(_STRENGTH, _ENERGY))
+    body = Body(rectangle(_LENGTH, _HEIGHT), NeoHooke(_MODULUS, _POISSONS_RATIO))
+    joint = body.side("bottom", end=1 - _CRACK / _LENGTH)
     problem = Problem(
         "double cantilever beam",
-        Body(rectangle(_LENGTH, _HEIGHT), NeoHooke(_MODULUS, _POISSONS_RATIO)),
-        AdhesiveSide("bottom", law, Flat(-law.equilibrium_gap), end=1 - _CRACK / _LENGTH),
-        (FixedSide("left", (0,)),),
+        (body,),
+        (Interface(joint, law, Flat(-law.equilibrium_gap)),),
+        (Support(body.side("left"), (0,)),),
         loading.drive,
     )
     path = np.linspace(0.0, loading.end, steps + 1)[1:]

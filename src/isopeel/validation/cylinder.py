@@ -15,7 +15,7 @@ from isopeel.physics.substrates import Flat
 from isopeel.post.closed_form import jkr_line_pull_off, maugis_cylinder_pull_off
 from isopeel.post.closed_form.rigid_cylinder import rigid_cylinder_pull_off
 from isopeel.post.style import BLUE, DASHES, DOT_DASHES, DOTS, GREY, TWO_COLUMNS, VERMILION, style
-from isopeel.problem import AdhesiveSide, Body, FixedSide, MovedSide, Problem
+from isopeel.problem import Body, Interface, MovedSide, Problem, Support
 from isopeel.problem.shapes.quarter_cylinder import QuarterCylinder
 from isopeel.report.document import Picture
 from isopeel.solve.newton import NewtonSettings
@@ -66,11 +66,12 @@ def tabor_parameter(strength: float) -> float:
 
 def cylinder(law: AdhesionLaw, end: float) -> Problem:
     """Quarter of a cylinder over a flat substrate, moved by its flat top."""
+    body = Body(QuarterCylinder(RADIUS).surface(), NeoHooke(MODULUS, POISSONS_RATIO))
     return Problem(
         "cylinder",
-        Body(QuarterCylinder(RADIUS).surface(), NeoHooke(MODULUS, POISSONS_RATIO)),
-        AdhesiveSide("bottom", law, Flat(-law.equilibrium_gap), end=end),
-        (FixedSide("left", (0,)),),
+        (body,),
+        (Interface(body.side("bottom", end=end), law, Flat(-law.equilibrium_gap)),),
+        (Support(body.side("left"), (0,)),),
         MovedSide("top", pi / 2),
     )
 

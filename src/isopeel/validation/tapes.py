@@ -67,8 +67,7 @@ class Tape:
         soft = NeoHooke(youngs_modulus=1.0, poissons_ratio=0.2)
         material: Material = soft if self.stretch == 1 else Prestretched(soft, self.stretch)
         made = strip(length=_LENGTH, height=_HEIGHT, adhering_length=_ADHERING, material=material)
-        return replace(
-            made,
+        return made.changed(
             adhesion=replace(made.adhesion, sliding_length=_SLIDING_LENGTH if self.held else None),
             drive=PulledSide("right", radians(self.angle_deg)),
         )

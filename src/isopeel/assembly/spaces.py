@@ -1,0 +1,62 @@
+"""The functions of all bodies of a problem, numbered one body after another."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Self
+
+import numpy as np
+
+from isopeel.common.arrays import FloatArray, IntArray
+from isopeel.common.errors import InputError
+from isopeel.problem import Boundary, Problem
+from isopeel.splines.nurbs import Side
+from isopeel.splines.rows import RowSpace
+
+#: Spaces of the displacement by names of bodies, or that of the only one.
+SpaceOfBodies = RowSpace | Mapping[str, RowSpace]
+
+
+@dataclass(frozen=True, eq=False)
+class Spaces:
+    """Spaces by names of bodies, with the weights of their shapes, and where each has its functions."""
+
+    problem: Problem
+    of: Mapping[str, RowSpace]
+    places: Mapping[str, slice]
+
+    @classmethod
+    def on(cls, problem: Problem, given: SpaceOfBodies) -> Self:
+        """Take the spaces of a problem. Raises InputError where there are not as many as bodies."""
+        if isinstance(given, RowSpace):
+            given = {body.name: given for body in problem.bodies[:1]}
+        names = [body.name for body in problem.bodies]
+        if set(given) != set(names):
+            raise InputError("space", ", ".join(given), f"each body needs one: {', '.join(names)}")
+        spaces = {body.name: given[body.name].weighted(body.shape) for body in problem.bodies}
+        ends = np.cumsum([space.size for space in spaces.values()]).tolist()
+        starts = [0, *ends[:-1]]
+        return cls(problem, spaces, dict(zip(names, map(slice, starts, ends), strict=True)))
+
+    @property
+    def size(self) -> int:
+        """Number of all functions."""
+        return sum(space.size for space in self.of.values())
+
+    def side(self, body: str, side: Side) -> IntArray:
+        """Functions that do not vanish on a side of a body, in the order of its parameter."""
+        functions: IntArray = self.places[body].start + self.of[body].side_functions(side)
+        return functions
+
+    def boundary(self, boundary: Boundary) -> IntArray:
+        """Functions that do not vanish on a part of a side, in the order of its parameter."""
+        space, side = self.of[boundary.body], boundary.side
+        along = {"bottom": space.rows[0], "top": space.rows[-1]}.get(side, space.across)
+        ends = along.breakpoints
+        (elements,) = np.nonzero((ends[1:] > boundary.start) & (ends[:-1] < boundary.end))
+        first, last = along.first_functions[elements[[0, -1]]]
+        return self.side(boundary.body, side)[first : last + along.degree + 1]
+
+    def control_points(self) -> FloatArray:
+        """Coefficients (size, 2) of the bodies as they are."""
+        bodies = self.problem.bodies
+        return np.concatenate([self.of[body.name].interpolate(body.shape.evaluate) for body in bodies])

@@ -1,0 +1,205 @@
+"""Several bodies, interfaces and supports in one system: each acts as it does alone."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from isopeel import (
+    Body,
+    Boundary,
+    Circle,
+    Exponential,
+    Flat,
+    InputError,
+    Interface,
+    MovedSide,
+    NeoHooke,
+    NewtonSettings,
+    Problem,
+    PulledSide,
+    RotatedSide,
+    RowSpace,
+    SaintVenantKirchhoff,
+    Support,
+    VanDerWaals,
+    row_space,
+    strip,
+    trace,
+)
+from isopeel.assembly.system import System
+from isopeel.common.arrays import FloatArray
+from isopeel.matrix.band import Storage
+from isopeel.problem import Drive
+from isopeel.splines.nurbs import annulus_sector
+
+STRIP = strip(length=20.0, height=2.0, adhering_length=15.0)
+UPPER = replace(STRIP.body, name="strip")
+JOINT = replace(STRIP.adhesion, boundary=UPPER.side("bottom", end=0.75))
+#: Of another shape and material, on the same kind of substrate by its own law, which is damaged.
+PAD = Body(annulus_sector(10.0, 12.0, 1.0), SaintVenantKirchhoff(0.5, 0.3), "pad")
+STICKY = Interface(
+    PAD.side("bottom", 0.2, 0.9),
+    Exponential(0.06, 0.015, 0.3),
+    Circle(9.7, "inside", (0.0, 0.0)),
+    irreversible=True,
+)
+ALONE = Problem("strip", (UPPER,), (JOINT,), (Support(UPPER.side("left"), (0,)),), STRIP.drive)
+OTHER = Problem(
+    "pad", (PAD,), (STICKY,), (Support(PAD.side("left"), (0, 1)),), MovedSide("right", 0.0, "held")
+)
+SPACES: Mapping[str, RowSpace] = {"strip": row_space("N2.1", (20, 3)), "pad": row_space("L2", (12, 2))}
+
+
+def both(drive: Drive, driven: str) -> Problem:
+    """The drive moves one of them; the other one is held where its own drive would move it."""
+    rest = Support(PAD.side("right"), (0, 1)) if driven == "strip" else Support(UPPER.side("right"), (0, 1))
+    supports = (*ALONE.supports, *OTHER.supports, rest)
+    return Problem("both", (UPPER, PAD), (JOINT, STICKY), supports, drive, driven)
+
+
+def matrix_of(system: System, u: FloatArray, storage: Storage) -> FloatArray:
+    """The tangent (count, count), of the lower half or of the whole band."""
+    _, matrix = system.linearize(u, storage)
+    n, b = system.constraints.count, system.half_bandwidth
+    full = np.zeros((n, n))
+    for j in range(n):
+        for i in range(max(0, j - b) if storage == "general" else j, min(n, j + b + 1)):
+            full[i, j] = matrix.entries[j, i - j + (2 * b if storage == "general" else 0)]
+    return full
+
+
+@pytest.mark.parametrize("storage", ["symmetric", "general"])
+def test_residuals_and_tangents_are_those_of_two_systems(storage: Storage) -> None:
+    one, other = System(ALONE, SPACES["strip"]), System(OTHER, SPACES["pad"])
+    held = System(both(ALONE.drive, "strip"), SPACES)
+    rng = np.random.default_rng(0)
+    u, v = (0.02 * rng.standard_normal((system.space.size, 2)) for system in (one, other))
+    for system, opened in ((one, u), (other, v), (held, np.concatenate([u, v]))):
+        system.accept(3 * opened)
+    found = held.equilibrium(np.concatenate([u, v]))
+    first, second = one.equilibrium(u), other.equilibrium(v)
+    # the same sums
+    forces = np.concatenate([first.forces, second.forces])
+    np.testing.assert_allclose(found.forces, forces, rtol=0, atol=1e-12 * np.abs(forces).max())
+    for energy in ("stored_energy", "adhesive_energy", "dissipated_energy"):
+        total = getattr(first, energy) + getattr(second, energy)
+        assert getattr(found, energy) == pytest.approx(total, rel=1e-12)
+    assert second.dissipated_energy > 0
+    assert found.lowest_determinant == min(first.lowest_determinant, second.lowest_determinant)
+    whole = matrix_of(held, np.concatenate([u, v]), storage)
+    alone, beside = matrix_of(one, u, storage), matrix_of(other, v, storage)
+    size = one.constraints.count
+    largest = np.abs(whole).max()
+    assert np.abs(whole[:size, size:]).max() == np.abs(whole[size:, :size]).max() == 0
+    np.testing.assert_allclose(whole[:size, :size], alone, rtol=0, atol=1e-12 * largest)
+    np.testing.assert_allclose(whole[size:, size:], beside, rtol=0, atol=1e-12 * largest)
+
+
+@pytest.mark.parametrize("control", ["newton", "auto"])
+def test_curves_are_those_of_two_systems(control: str) -> None:
+    settings = NewtonSettings(path_control=control)  # type: ignore[arg-type]
+    cases = {
+        "strip": (ALONE, np.radians(np.arange(0.0, 6.1, 0.25))),
+        "pad": (OTHER, np.arange(0.0, 0.31, 0.02)),
+    }
+    for driven, (alone, path) in cases.items():
+        expected = [step.reaction for step in trace(alone, SPACES[driven], path, settings)]
+        steps = list(trace(both(alone.drive, driven), SPACES, path, settings))
+        found = [step.reaction for step in steps]
+        # what the other one relaxes by at first works on nothing that is driven
+        np.testing.assert_allclose(found, expected, rtol=0, atol=1e-8 * np.abs(expected).max())
+        assert len(steps[-1].maximum_openings) == sum(
+            term.table.weights.size for term in System(both(alone.drive, driven), SPACES).interfaces
+        )
+
+
+@pytest.mark.parametrize(
+    "drive", [PulledSide("right", 1.0), PulledSide("right", 1.0, control="force", follows=True)]
+)
+def test_a_load_acts_on_the_second_body(drive: PulledSide) -> None:
+    alone = replace(ALONE, drive=drive)
+    first = Problem("both", (PAD, UPPER), (STICKY, JOINT), (*OTHER.supports, *ALONE.supports), drive, "strip")
+    path = np.linspace(0.0, 0.05 if drive.control == "displacement" else 1e-4, 6)
+    expected = [step.reaction for step in trace(alone, SPACES["strip"], path)]
+    found = [step.reaction for step in trace(first, SPACES, path)]
+    np.testing.assert_allclose(found, expected, rtol=0, atol=1e-8 * np.abs(expected).max())
+    assert np.abs(expected).max() > 0
+
+
+def test_a_face_in_two_parts_is_that_of_one() -> None:
+    """Two interfaces meet at a breakpoint; a gap between them takes its forces away."""
+    space = row_space("N2", (20, 2))
+    parts = tuple(replace(JOINT, boundary=UPPER.side("bottom", *part)) for part in ((0.0, 0.4), (0.4, 0.75)))
+    whole, split = System(ALONE, space), System(replace(ALONE, interfaces=parts), space)
+    rng = np.random.default_rng(0)
+    u = 0.02 * rng.standard_normal((whole.space.size, 2))
+    expected, found = whole.equilibrium(u), split.equilibrium(u)
+    np.testing.assert_allclose(
+        found.forces, expected.forces, rtol=0, atol=1e-13 * np.abs(expected.forces).max()
+    )
+    assert found.adhesive_energy == pytest.approx(expected.adhesive_energy, rel=1e-13)
+    # of the first 8 of 15 elements, and the last
+    gap = (parts[0], replace(JOINT, boundary=UPPER.side("bottom", 0.7, 0.75)))
+    with_gap = System(replace(ALONE, interfaces=gap), space)
+    lengths = [term.table.weights.sum() for term in with_gap.interfaces]
+    assert lengths == pytest.approx([8.0, 1.0], rel=1e-13)
+    rest = with_gap.equilibrium(np.zeros_like(u)).adhesive_energy
+    assert rest == pytest.approx(9 / 15 * whole.equilibrium(np.zeros_like(u)).adhesive_energy, rel=1e-13)
+
+
+def test_upper_and_lower_side_pull_alike() -> None:
+    """A strip between two planes, each at the equilibrium gap: no net force, and twice the energy."""
+    law = VanDerWaals(hamaker_constant=0.05, equilibrium_distance=0.4)
+    plane = Circle(1e9, "inside", (0.0, 2.0 + law.equilibrium_gap + 1e9))
+    lower = Interface(UPPER.side("bottom"), law, Flat(-law.equilibrium_gap))
+    joints = lower, Interface(UPPER.side("top"), law, plane)
+    space = row_space("N2", (10, 2))
+    system = System(replace(ALONE, interfaces=joints), space)
+    one = System(replace(ALONE, interfaces=joints[:1]), space)
+    u = np.zeros((space.size, 2))
+    u[:, 1] = 0.01
+    lifted, lowered = system.equilibrium(u), system.equilibrium(-u)
+    # the circle falls off by 20^2/2e9 of its radius at the end
+    assert lifted.adhesive_energy == pytest.approx(lowered.adhesive_energy, rel=1e-6)
+    assert lifted.forces[:, 1].sum() == pytest.approx(-lowered.forces[:, 1].sum(), rel=1e-5)
+    at_rest = system.equilibrium(0 * u).adhesive_energy
+    assert at_rest == pytest.approx(2 * one.equilibrium(0 * u).adhesive_energy, rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("part", "count"), [((0.0, 0.9), 11), ((0.0, 0.3), 5), ((0.35, 0.55), 5), ((0.3, 0.4), 3)]
+)
+def test_a_support_holds_a_part_of_a_side(part: tuple[float, float], count: int) -> None:
+    """Ten quadratic elements have 12 functions, of which three do not vanish on one of them."""
+    space = row_space("N2", (10, 2))
+    part_held = Support(UPPER.side("top", *part), (1,))
+    system = System(replace(ALONE, supports=(*ALONE.supports, part_held)), space)
+    top = system.constraints.unknowns[space.side_functions("top")]
+    assert (top[:, 1] < 0).sum() == count
+    assert (top[1:, 0] >= 0).all()
+
+
+@pytest.mark.parametrize(
+    ("problem", "spaces", "message"),
+    [
+        (ALONE, {"pad": SPACES["pad"]}, "each body needs one: strip"),
+        (replace(both(ALONE.drive, "strip"), supports=()), SPACES, "nothing holds the body against it"),
+    ],
+)
+def test_what_does_not_fit_is_refused(problem: Problem, spaces: Mapping[str, RowSpace], message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        System(problem, spaces)
+
+
+def test_names_are_checked() -> None:
+    with pytest.raises(InputError, match="each with a name of its own"):
+        Problem("two", (UPPER, UPPER), (), (), RotatedSide("right"))
+    with pytest.raises(InputError, match="body: 'pad' cannot be used; there is strip"):
+        replace(ALONE, interfaces=(STICKY,))
+    with pytest.raises(InputError, match="0 <= start < end <= 1"):
+        Boundary("strip", "top", 0.5, 0.5)
+    with pytest.raises(InputError, match="2 of the kind interface"):
+        _ = both(ALONE.drive, "strip").adhesion
+    assert NeoHooke(1.0, 0.2) == UPPER.material
