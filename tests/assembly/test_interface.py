@@ -66,7 +66,7 @@ def problem_with(side: Interface) -> Problem:
 def test_tractions_and_energies_integrate_to_those_assembled(name: str) -> None:
     problem = problem_with(SIDES[name])
     system = System(problem, SPACE)
-    system.accept(WIDE)
+    system = system.after(system.commit(WIDE))
     history, points = system.maximum_openings, InterfacePoints.of_contact(problem, SPACE)
     found = points.state(CLOSER, history)
     assembled = system.equilibrium(CLOSER)
@@ -94,7 +94,7 @@ def test_unloading_lies_on_the_secant_at_points_of_the_assembly_and_in_between()
     system = System(problem, SPACE)
     for height in (0.6, 0.25):
         lift[:, 1] = height
-        system.accept(lift)
+        system = system.after(system.commit(lift))
     tried = np.linspace(0.0, 0.7, 15)[:-1, None] + 0.05 * np.linspace(0.0, 1.0, 7)
     found = InterfacePoints(problem, SPACE, tried).state(lift, system.maximum_openings)
     d = 0.02 / (np.e * 0.05)
@@ -113,7 +113,7 @@ def test_further_opening_leaves_the_envelope_between_the_points_of_the_assembly(
     u = np.zeros((SPACE.size, 2))
     u[:, 1] = 0.02 + 0.03 * SPACE.interpolate(problem.body.shape.evaluate)[:, 0]
     system = System(problem, SPACE)
-    system.accept(u)
+    system = system.after(system.commit(u))
     points = InterfacePoints(problem, SPACE, np.linspace(0.0, 0.7, 141)[:, None])
     found = points.state(u, system.maximum_openings)
     reversible = problem.changed(adhesion=replace(problem.adhesion, irreversible=False))
@@ -139,7 +139,7 @@ def test_history_between_points_of_the_assembly_converges_with_the_elements() ->
         system = System(problem, space)
         for centre in (12.0, 8.0):
             u = space.interpolate(partial(bump, centre=centre))
-            system.accept(u)
+            system = system.after(system.commit(u))
         points = InterfacePoints(problem, space, np.linspace(0.0, 1.0, 401)[:, None])
         x = 20 * points.parameters
         largest = 0.5 * np.exp(-(np.minimum(np.abs(x - 12), np.abs(x - 8)) ** 2) / 16)

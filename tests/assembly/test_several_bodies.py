@@ -76,8 +76,13 @@ def test_residuals_and_tangents_are_those_of_two_systems(storage: Storage) -> No
     held = System(both(ALONE.drive, "strip"), SPACES)
     rng = np.random.default_rng(0)
     u, v = (0.02 * rng.standard_normal((system.space.size, 2)) for system in (one, other))
-    for system, opened in ((one, u), (other, v), (held, np.concatenate([u, v]))):
-        system.accept(3 * opened)
+    one, other, held = (
+        system.after(system.commit(3 * opened))
+        for system, opened in ((one, u), (other, v), (held, np.concatenate([u, v])))
+    )
+    opened = held.openings_of(held.maximum_openings)
+    np.testing.assert_array_equal(opened["strip.bottom"], one.maximum_openings)
+    np.testing.assert_array_equal(opened["pad.bottom"], other.maximum_openings)
     found = held.equilibrium(np.concatenate([u, v]))
     first, second = one.equilibrium(u), other.equilibrium(v)
     # the same sums
@@ -191,6 +196,26 @@ def test_a_support_holds_a_part_of_a_side(part: tuple[float, float], count: int)
 def test_what_does_not_fit_is_refused(problem: Problem, spaces: Mapping[str, RowSpace], message: str) -> None:
     with pytest.raises(InputError, match=message):
         System(problem, spaces)
+
+
+def test_parts_of_one_side_have_names_of_their_own() -> None:
+    parts = tuple(replace(JOINT, boundary=UPPER.side("bottom", *part)) for part in ((0.0, 0.4), (0.5, 0.75)))
+    problem = replace(ALONE, interfaces=(*parts, replace(JOINT, boundary=UPPER.side("top"))))
+    assert problem.interface_names == ("strip.bottom", "strip.bottom#2", "strip.top")
+
+
+def test_a_history_is_a_value() -> None:
+    """What is committed leaves the system as it is; the system after it asks for its damage."""
+    system = System(OTHER, SPACES["pad"])
+    rng = np.random.default_rng(0)
+    u = 0.02 * rng.standard_normal((system.space.size, 2))
+    before, initial = system.equilibrium(u), system.maximum_openings
+    later = system.after(system.commit(3 * u))
+    assert later.equilibrium(u).dissipated_energy > 2 * before.dissipated_energy > 0
+    assert system.maximum_openings is initial
+    np.testing.assert_array_equal(system.equilibrium(u).forces, before.forces)
+    with pytest.raises(ValueError, match="read-only"):
+        later.maximum_openings[0, 0] = 0.0
 
 
 def test_names_are_checked() -> None:

@@ -116,7 +116,7 @@ def test_tangent_of_the_parts_is_the_derivative_of_the_residual(parts: dict[str,
     system = System(case.problem(), case.space())
     rng = np.random.default_rng(3)
     y, direction = 0.02 * rng.standard_normal((2, system.count))
-    system.maximum_openings = 0.04 * rng.random(system.maximum_openings.shape)
+    system = system.after(0.04 * rng.random(system.maximum_openings.shape))
 
     def residual(values: FloatArray) -> FloatArray:
         return system.equilibrium(system.state(values, 0.01)[0]).residual

@@ -33,7 +33,7 @@ def test_tangent_with_a_history_is_the_derivative_of_the_residual() -> None:
     """Points that open further, that close along their secant, and that are pressed on."""
     system = System(problem(), row_space("N2", (20, 2)))
     rng = np.random.default_rng(5)
-    system.maximum_openings = 0.3 * rng.random(system.maximum_openings.shape)
+    system = system.after(0.3 * rng.random(system.maximum_openings.shape))
     z = 0.1 * rng.standard_normal(system.constraints.count)
 
     def residual(values: FloatArray) -> FloatArray:

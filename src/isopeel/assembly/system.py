@@ -109,9 +109,9 @@ class System:
         self.irreversible: bool = any(interface.irreversible for interface in problem.interfaces)
         #: What forces and tangent are the sum of.
         self.terms: tuple[Term, ...] = *self.bodies, *self.interfaces
-        #: Maximum openings at the points of the adhesive force, for irreversible adhesion. At first those of
-        #: the bodies as they are made: a base with a history comes with its own. They are (E, Q) of one
-        #: interface, and (n, 1) of several, those of one after another.
+        #: Maximum openings at the points of the adhesive force, for irreversible adhesion: the history after
+        #: which forces are asked for, of the bodies as they are made unless `after` has given another one.
+        #: They are (E, Q) of one interface, and (n, 1) of several, those of one after another.
         self.maximum_openings: FloatArray = self._shaped([term.initial() for term in self.interfaces])
         #: Young's modulus times the area of the bodies: what energies are measured against.
         self.energy_scale: float = sum(
@@ -147,13 +147,27 @@ class System:
         (interface,) = self.interfaces
         return interface.table
 
-    def openings_of(self, openings: FloatArray) -> tuple[FloatArray, ...]:
-        """Largest openings (E, Q) at each interface, of those of all."""
-        sizes = [term.table.weights.size for term in self.interfaces]
-        parts = np.split(openings.ravel(), np.cumsum(sizes)[:-1])
-        return tuple(
-            part.reshape(term.table.weights.shape) for part, term in zip(parts, self.interfaces, strict=True)
-        )
+    def after(self, maximum_openings: FloatArray) -> Self:
+        """Return the same system after a history. It shares the arrays of tangents."""
+        later = copy(self)
+        later.maximum_openings = frozen(maximum_openings)
+        return later
+
+    def commit(self, displacement: FloatArray) -> FloatArray:
+        """Return the maximum openings after an equilibrium, coefficients (size, 2), that is accepted."""
+        if not self.irreversible:
+            return self.maximum_openings
+        before = self.openings_of(self.maximum_openings).values()
+        terms = zip(self.interfaces, before, strict=True)
+        return self._shaped([term.commit(displacement, opened.ravel()) for term, opened in terms])
+
+    def openings_of(self, maximum_openings: FloatArray) -> dict[str, FloatArray]:
+        """Return the maximum openings (E, Q) of each interface, by its name."""
+        shapes = [term.table.weights.shape for term in self.interfaces]
+        ends = np.cumsum([term.table.weights.size for term in self.interfaces])
+        parts = np.split(maximum_openings.ravel(), ends[:-1])
+        names = self.problem.interface_names
+        return {name: part.reshape(of) for name, part, of in zip(names, parts, shapes, strict=True)}
 
     def _shaped(self, parts: Sequence[FloatArray]) -> FloatArray:
         """Largest openings of all interfaces, of those (n,) of each."""
@@ -242,14 +256,6 @@ class System:
                         worst = shape.evaluate(xi[n : n + 1], at[:1])[0], float(determinant[n])
         return worst
 
-    def accept(self, displacement: FloatArray) -> None:
-        """Update the maximum openings by an equilibrium, coefficients (size, 2)."""
-        if self.irreversible:
-            before = zip(self.interfaces, self.openings_of(self.maximum_openings), strict=True)
-            self.maximum_openings = self._shaped(
-                [term.commit(displacement, opened.ravel()) for term, opened in before]
-            )
-
     def equilibrium(self, displacement: FloatArray, load: float = 0.0) -> Equilibrium:
         """Energies, forces and residual of coefficients u (size, 2) under a load of a size."""
         return self._assemble(displacement, load, None)
@@ -259,12 +265,8 @@ class System:
         displacement: FloatArray,
         storage: Storage | None = None,
         load: float = 0.0,
-        openings: FloatArray | None = None,
     ) -> tuple[Equilibrium, BandMatrix]:
-        """The same with the tangent dR/dz, in `general` storage where it may not be positive definite.
-
-        Irreversible adhesion has opened by `openings` (E, Q), by default by those noted last.
-        """
+        """The same with the tangent dR/dz, in `general` storage where it may not be positive definite."""
         storage = storage or self.storage
         width = self.half_bandwidth + 1 if storage == "symmetric" else 3 * self.half_bandwidth + 1
         if storage not in self._workspaces:
@@ -273,22 +275,21 @@ class System:
         band = self._workspaces[storage]
         band.fill(0.0)
         matrix = BandMatrix(band, self.half_bandwidth, storage)
-        return self._assemble(displacement, load, matrix, openings), matrix
+        return self._assemble(displacement, load, matrix), matrix
 
     def _assemble(
         self,
         displacement: FloatArray,
         load: float,
         matrix: BandMatrix | None,
-        openings: FloatArray | None = None,
     ) -> Equilibrium:
         band = np.empty((0, 0)) if matrix is None else matrix.workspace
         diagonal = 0 if matrix is None or matrix.storage == "symmetric" else 2 * self.half_bandwidth
         forces = np.zeros(displacement.shape)
         sums = Sums(forces, band, diagonal, matrix is not None)
-        noted = self.maximum_openings if openings is None else openings
+        history = self.maximum_openings.ravel()
         # loops are compiled for contiguous arrays alone
-        energies = add_terms(self.equations.terms, noted.ravel(), np.ascontiguousarray(displacement), sums)
+        energies = add_terms(self.equations.terms, history, np.ascontiguousarray(displacement), sums)
         unbalanced = forces
         if self.load is not None:
             unbalanced = forces - load * self.load.forces(displacement)

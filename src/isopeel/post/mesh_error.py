@@ -13,7 +13,7 @@ import numpy as np
 
 from isopeel.assembly.interface import InterfacePoints
 from isopeel.assembly.system import System
-from isopeel.common.arrays import FloatArray, frozen
+from isopeel.common.arrays import FloatArray
 from isopeel.common.errors import InputError
 from isopeel.matrix.factor import SingularError
 from isopeel.post.resolution import elements_are_tall
@@ -80,14 +80,11 @@ def mesh_changes(
     for parameter in looked_at:
         displacement = run.fields[parameter]
         stored = transferred(weighted, displacement, target)
-        maximum_openings = system.maximum_openings
         if problem.adhesion.irreversible:
-            maximum_openings = frozen(points.history(displacement, run.maximum_openings.get(parameter)))
-        system.maximum_openings = maximum_openings
+            system = system.after(points.history(displacement, run.maximum_openings.get(parameter)))
         largest = None
         if parameter != looked_at[-1]:
             largest = _change_of_largest(system, problem, run, stored, parameter)
-            system.maximum_openings = maximum_openings
         changes.append(largest or _change(system, problem, run, stored, parameter))
     return [change for change in changes if change is not None]
 

@@ -162,6 +162,16 @@ class Problem:
         """The only interface."""
         return _only("interface", self.interfaces)
 
+    @property
+    def interface_names(self) -> tuple[str, ...]:
+        """Body and side of each interface, as `body.bottom`, with a number where that has several."""
+        names: list[str] = []
+        for interface in self.interfaces:
+            name = f"{interface.boundary.body}.{interface.side}"
+            known = sum(other.partition("#")[0] == name for other in names)
+            names.append(f"{name}#{known + 1}" if known else name)
+        return tuple(names)
+
     def changed(
         self,
         *,

@@ -93,7 +93,8 @@ class Curve:
     def __init__(
         self, system: System, settings: NewtonSettings, y: FloatArray, parameter: float, step: float
     ) -> None:
-        self._system = system
+        #: The system after the history of the last step.
+        self.system = system
         self._threshold = settings.tolerance * system.energy_scale
         self._difference = _DIFFERENCE * abs(step)
         self._n = system.constraints.count
@@ -153,7 +154,7 @@ class Curve:
         share = (parameter - one.parameter) / (other.parameter - one.parameter)
         chord = one.unknown_values + share * (other.unknown_values - one.unknown_values)
         length, rises = self._along(one, other), other.parameter > one.parameter
-        held = np.zeros(self._system.count)
+        held = np.zeros(self.system.count)
         try:
             found = self._corrected(chord, parameter, held, 1.0, other)
             if (found.turning > 0) == rises and 0 <= self._along(one, found) <= length:
@@ -280,7 +281,7 @@ class Curve:
         )
 
     def _linearize(self, y: FloatArray, parameter: float) -> _Tangent:
-        system = self._system
+        system = self.system
         u, load = system.state(y, parameter)
         at, matrix = system.linearize(u, load=load)
         factor, negative = _factorized(matrix)
@@ -300,11 +301,11 @@ class Curve:
         return self._forces(y, parameter)[1]
 
     def _forces(self, y: FloatArray, parameter: float) -> tuple[Equilibrium, FloatArray]:
-        u, load = self._system.state(y, parameter)
-        at = self._system.equilibrium(u, load)
-        if not self._system.load_is_unknown:
+        u, load = self.system.state(y, parameter)
+        at = self.system.equilibrium(u, load)
+        if not self.system.load_is_unknown:
             return at, at.residual
-        return at, np.append(at.residual, self._system.control(u, parameter)[0])
+        return at, np.append(at.residual, self.system.control(u, parameter)[0])
 
     def _row(self, point: Point) -> tuple[FloatArray, float]:
         row = point.along / self._n

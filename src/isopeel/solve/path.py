@@ -38,6 +38,7 @@ class Path:
         self, system: System, settings: NewtonSettings, start: Sequence[State], *, begins: bool = False
     ) -> None:
         """Start from states; `begins` says that the last of them need not be an equilibrium."""
+        #: The system after the history of its last step.
         self.system = system
         self.settings = settings
         self._predictor = Predictor(system)
@@ -108,7 +109,10 @@ class Path:
                 released_energy = max(released_energy, 0.0)
         self._begins = False
         self.branch.step()
-        system.accept(u)
+        if system.irreversible:
+            self.system = system.after(system.commit(u))
+            if self._quasi_newton is not None:
+                self._quasi_newton.system = self.system
         u.setflags(write=False)
         y.setflags(write=False)
         solver_state = None if self._quasi_newton is None else self._quasi_newton.solver_state
@@ -123,7 +127,7 @@ class Path:
             dissipated_energy=at.dissipated_energy,
             iterations=result.iterations,
             seconds=perf_counter() - began,
-            maximum_openings=system.maximum_openings,
+            maximum_openings=self.system.maximum_openings,
             unknown_values=y,
             released_energy=released_energy,
             kind=found.kind,

@@ -302,6 +302,7 @@ def _stretch(path: Path, values: Sequence[float], index: int, *, jumps: bool) ->
     forwards = np.sign(step)
     point, radius = curve.start, curve.radius
     for _ in range(_MOST_POINTS):
+        curve.system = path.system
         ahead, found, radius = _next(path, curve, point, radius, step, values[first:end])
         for k, at in found:
             if k is None:

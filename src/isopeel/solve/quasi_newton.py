@@ -96,7 +96,8 @@ class QuasiNewton:
     def __init__(
         self, system: System, settings: NewtonSettings, solver_state: SolverState | None = None
     ) -> None:
-        self._system = system
+        #: The system after the history of the last step.
+        self.system = system
         self._settings = settings
         self._factor: BandCholesky | None = None
         #: The state that a path needs to continue from here bit for bit.
@@ -132,10 +133,10 @@ class QuasiNewton:
         if served != _LOOK and not (self._softens and 0 < served < _LOOK):
             return False, False
         motion, before = self._softest
-        scale = _SMALL_MOTION * extent(self._system.problem) / float(np.abs(motion).max())
+        scale = _SMALL_MOTION * extent(self.system.problem) / float(np.abs(motion).max())
         motion, before = scale * motion, scale**2 * before
-        u, load = self._system.state(result.unknown_values + motion, parameter)
-        change = self._system.equilibrium(u, load).residual - result.equilibrium.residual
+        u, load = self.system.state(result.unknown_values + motion, parameter)
+        change = self.system.equilibrium(u, load).residual - result.equilibrium.residual
         now = float(motion @ change)
         if served == _LOOK:
             self._softens = not now >= _KEPT * before
@@ -153,7 +154,7 @@ class QuasiNewton:
 
         `last` are the unknowns (count,) of the last step.
         """
-        system = self._system
+        system = self.system
         # the displacement of a load and the dissipated energy are known to first order only
         first_order = system.load is not None or system.irreversible
         skip_share = 0.0 if first_order else _SKIP_SHARE
@@ -174,7 +175,7 @@ class QuasiNewton:
             return None
         self._factor, self._softest = made.factor, (made.soft, made.needed)
         self.solver_state = SolverState(
-            made_at, parameter, self._system.maximum_openings, LbfgsPairs.none(len(start))
+            made_at, parameter, self.system.maximum_openings, LbfgsPairs.none(len(start))
         )
         result = self._solve(start, parameter, None, _EXACT * self._settings.tolerance, 0.0)
         if result is None:
@@ -194,7 +195,7 @@ class QuasiNewton:
             factor, solver_state = self._chord_tangent(guess, parameter)
         except NotPositiveDefiniteError:
             return None
-        system, count = self._system, len(guess)
+        system, count = self.system, len(guess)
         load = 0.0 if system.load is None else parameter
         moved, external = system.constraints.moved(parameter), system.external(load)
         u, forces = np.empty((2, *system.constraints.unknowns.shape))
@@ -250,14 +251,15 @@ class QuasiNewton:
         return self._factor, solver_state
 
     def _new_tangent(self, y: FloatArray, parameter: float) -> tuple[BandCholesky, SolverState]:
-        solver_state = SolverState(y, parameter, self._system.maximum_openings, LbfgsPairs.none(len(y)))
+        solver_state = SolverState(y, parameter, self.system.maximum_openings, LbfgsPairs.none(len(y)))
         self._factor = self._made(solver_state)
         self._is_new = True
         return self._factor, solver_state
 
     def _made(self, solver_state: SolverState) -> BandCholesky:
-        u, load = self._system.state(solver_state.unknown_values, solver_state.parameter)
-        made = approximate(self._system.linearize(u, "symmetric", load, solver_state.maximum_openings)[1])
+        u, load = self.system.state(solver_state.unknown_values, solver_state.parameter)
+        system = self.system.after(solver_state.maximum_openings)
+        made = approximate(system.linearize(u, "symmetric", load)[1])
         self._softest = made.soft, made.needed
         return made.factor
 

@@ -6,7 +6,6 @@ from isopeel.assembly.constraints import constrain
 from isopeel.assembly.loads import AssembledLoad
 from isopeel.assembly.spaces import SpaceOfBodies, Spaces
 from isopeel.assembly.system import System
-from isopeel.common.arrays import frozen
 from isopeel.common.errors import InputError
 from isopeel.common.interrupts import deferred
 from isopeel.problem import Problem
@@ -58,7 +57,7 @@ def trace(
         if given[-1].maximum_openings.shape != system.maximum_openings.shape:
             allowed = f"the adhesive force has {system.maximum_openings.shape} points"
             raise InputError("start", given[-1].maximum_openings.shape, allowed)
-        system.maximum_openings = frozen(given[-1].maximum_openings)
+        system = system.after(given[-1].maximum_openings)
     begins = base is not None and not start
     if base is not None and not start:
         start = [base._replace(parameter=0.0, accepted_states=(), solver_state=None)]
