@@ -16,21 +16,21 @@ from isopeel.common.interrupts import ending_this_process
 
 __all__ = ["app", "compute_commands", "main", "output_commands"]
 
-#: Objects made, less those removed, between two collections; Python's own is 700.
+#: Threshold of the garbage collector: objects made minus objects removed. Python's own is 700.
 _ALLOCATIONS = 20_000
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line, by default the process's own, and return its exit code.
 
-    0: done; 2: bad input, or a file that cannot be written; 3: no equilibrium; 130: interrupted. What went
-    wrong is on standard error.
+    0: done; 2: bad input, or a file that cannot be written; 3: no equilibrium; 130: interrupted. Errors are
+    written to standard error.
     """
     if isinstance(sys.stdout, TextIOWrapper):
-        # a name that the terminal's encoding lacks should not end a run
+        # a character that the terminal's encoding lacks must not end a run
         sys.stdout.reconfigure(errors="replace")
     if arguments is None:
-        # processes that this one starts look for no module in the folder that it runs in
+        # child processes must not import modules from the current folder
         os.environ.setdefault("PYTHONSAFEPATH", "1")
         with ending_this_process(), _few_collections():
             return _code_of(None)
@@ -39,7 +39,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 @contextmanager
 def _few_collections() -> Iterator[None]:
-    """Collect unreachable objects less often, and not at the end: most of a command's are of modules."""
+    """Collect unreachable objects less often, and not at the end: most objects are of modules."""
     gc.set_threshold(_ALLOCATIONS, 20, 20)
     try:
         yield

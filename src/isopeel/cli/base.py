@@ -1,4 +1,4 @@
-"""What all commands share: the application, exit codes, and how they speak."""
+"""The base of all commands: the application, exit codes, and messages."""
 
 import shlex
 from collections.abc import Callable
@@ -16,7 +16,7 @@ from isopeel.common.interrupts import INTERRUPTED, deferred, may_tell
 if TYPE_CHECKING:
     from rich.console import Console
 
-# The commands import what they need themselves: help should not wait for a compiler.
+# Commands import their modules when they are called: help must not wait for a compiler.
 
 COMPLETED, BAD_INPUT, NOT_CONVERGED = 0, 2, 3
 
@@ -39,7 +39,7 @@ def _root(
 
 
 def command(function: Callable[P, int]) -> Callable[P, int]:
-    """Make a function that returns an exit code a command, which Ctrl-C ends with a line."""
+    """Make a command of a function that returns an exit code; Ctrl-C ends it with one line."""
 
     @wraps(function)
     def run(*arguments: P.args, **options: P.kwargs) -> int:
@@ -48,7 +48,7 @@ def command(function: Callable[P, int]) -> Callable[P, int]:
             with deferred():
                 code = function(*arguments, **options)
         except KeyboardInterrupt:
-            # where it came after all was done, it has interrupted nothing
+            # Ctrl-C after the end of the command has interrupted nothing
             return fail(INTERRUPTED, "interrupted") if code is None else code
         return code
 
@@ -59,19 +59,19 @@ def console() -> "Console":
     """Standard output."""
     from isopeel.cli.terminal import PlainConsole
 
-    # paths are shown as they are: [b] and :b: mean nothing in them
+    # paths are shown as they are: [b] and :b: are no markup in them
     return PlainConsole(markup=False, emoji=False, highlight=False)
 
 
 def fail(code: int, message: str) -> int:
-    """Say on standard error what went wrong, and return the exit code for it."""
+    """Write an error message to standard error, and return the exit code."""
     if code != INTERRUPTED or may_tell():
         typer.echo(visible(f"isopeel: {message}"), err=True)
     return code
 
 
 def unwritten(error: OSError, folder: Path | None = None) -> str:
-    """What is told of a file that could not be written, of the run in a folder if there is one."""
+    """Return the message on a file that could not be written, with how to continue the run in a folder."""
     if error.errno in (EMFILE, ENFILE):
         text = f"{error.filename or 'a file'} cannot be opened: {error.strerror}; `ulimit -n` allows more"
     else:
@@ -82,7 +82,7 @@ def unwritten(error: OSError, folder: Path | None = None) -> str:
 
 
 def interrupted_message(folder: Path) -> str:
-    """What is told of an interrupted run in a folder."""
+    """Return the message on an interrupted run in a folder."""
     return (
         f"what converged before is in {folder}, and `isopeel resume {shlex.quote(str(folder))}` continues it"
     )

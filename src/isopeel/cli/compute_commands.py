@@ -83,8 +83,8 @@ def run(
 ) -> int:
     """Run CASE and leave its curve, figures, summary and fields in a folder.
 
-    A run of the same case that is in the folder is replaced, where it goes no further. Anything else there is
-    refused without --force.
+    A run of the same case in the folder is replaced if it is not longer. Without --force the command refuses
+    a folder with anything else in it.
     """
     folder: Path | None = None
     try:
@@ -106,7 +106,7 @@ def run(
             )
         )
         folder = out or Path("out") / chosen.name
-        # takes a while to import: what is wrong with the case was told before
+        # this import takes a while: errors in the case are reported before it
         from isopeel.running.warm_up import warmed_up_beside
 
         with reporting("interrupted", f"interrupted; {interrupted_message(folder)}"), warmed_up_beside():
@@ -114,7 +114,7 @@ def run(
 
             result = run_case(chosen, folder, console(), strict, force=force)
     except InputError as error:
-        # what only the solver can tell of an option
+        # errors of an option that only the solver finds
         for option, value in (("mesh", mesh), ("contact_points", contact_points)):
             if error.field == f"discretization.{option}" and error.value == value:
                 raise InputError(f"--{option.replace('_', '-')}", value, error.allowed) from error
@@ -130,12 +130,12 @@ def resume(
     to: Annotated[
         str | None,
         typer.Option(
-            metavar="VALUE", help="Last parameter, if it is to go further than was asked for; as in `run`."
+            metavar="VALUE", help="Last parameter, if other than that of the run; written as in `run`."
         ),
     ] = None,
     control: _ControlOption = None,
 ) -> int:
-    """Go on with a run that was interrupted or killed; its steps are those of an uninterrupted one."""
+    """Continue a run that was interrupted or killed; its steps are those of an uninterrupted run."""
     try:
         from isopeel.running.warm_up import warmed_up_beside
 
@@ -151,7 +151,7 @@ def resume(
 
 
 def _ended(result: "Result", folder: Path) -> int:
-    """Tell how a run ended, and return the exit code for it."""
+    """Print how a run ended, and return the exit code for it."""
     from isopeel.running.run import failure_message
     from isopeel.running.run_reader import read_stages
 
@@ -180,9 +180,9 @@ def paper(
     ),
     force: _ForceOption = False,
 ) -> int:
-    """Run the published study, and report on it beside the published figures.
+    """Run the published study, and write a report that compares it with the published figures.
 
-    Runs that are finished are kept, so that the same command continues an interrupted study.
+    Finished runs are kept, so that the same command continues an interrupted study.
     """
     kept = f"finished runs are in {out}, and the same command continues"
     try:
@@ -209,7 +209,7 @@ def validate(
     out: Annotated[Path, typer.Option(metavar="DIR", help="Folder of the report.")] = Path("out/validation"),
     force: _ForceOption = False,
 ) -> int:
-    """Hold runs against closed forms, and report on all deviations."""
+    """Compare runs with closed forms, and write a report on all deviations."""
     from isopeel.common.processes import WorkerLostError
     from isopeel.validation.report import chosen_checks
     from isopeel.validation.report import validate as run_checks
@@ -220,5 +220,5 @@ def validate(
         return fail(BAD_INPUT, str(error))
     console().print(f"the report is {found.page}", soft_wrap=True)
     if found.failed:
-        return fail(NOT_CONVERGED, f"numbers beyond what is allowed: {found.failed}, see {found.page}")
+        return fail(NOT_CONVERGED, f"deviations above the allowance: {found.failed}, see {found.page}")
     return COMPLETED

@@ -1,4 +1,4 @@
-"""The commands that show what was computed, and what there is."""
+"""The commands that show stored runs, shipped cases, spaces and laws."""
 
 from pathlib import Path
 from typing import Annotated
@@ -70,7 +70,7 @@ def export(
     ] = None,
     force: _ForceOption = False,
 ) -> int:
-    """Write the fields of a run for ParaView, as Bezier cells that hold curved shapes exactly."""
+    """Write the fields of a run for ParaView, as Bezier cells, which represent curved shapes exactly."""
     message = "interrupted; the same command writes all files anew"
     try:
         with reporting(message):
@@ -93,7 +93,7 @@ def compare(
     ),
     force: _ForceOption = False,
 ) -> int:
-    """Lay the curves of stored runs over each other, and tabulate what was read from them."""
+    """Compare stored runs: their curves in one figure, and a table of the values read from them."""
     from isopeel.output.compare import compare_runs
 
     compare_runs(folders, suffix, out, console(), force=force)
@@ -114,7 +114,7 @@ def animate(
     ] = None,
     force: _ForceOption = False,
 ) -> int:
-    """Animate a stored run: the deformed body, and beside it the curve with a mark that moves along it."""
+    """Animate a stored run: the deformed body, and beside it the curve with a moving mark."""
     from isopeel.output.animate import animate_run
 
     animate_run(folder, suffix, fps, size, out, console(), force=force)
@@ -155,13 +155,13 @@ def cases() -> int:
 @command
 def spaces(
     name: Annotated[str, typer.Argument(metavar="NAME", help="A spline space, such as N2.1 or L1+N2@2.")],
-    mesh: Annotated[str, typer.Option(metavar="NXxNY", help="Elements that DOFs are told for.")] = "200x10",
+    mesh: Annotated[str, typer.Option(metavar="NXxNY", help="Elements, to count DOFs.")] = "200x10",
     out: Annotated[
         Path | None, typer.Option(metavar="FILE", help="File of the figure; out/NAME.png when left out.")
     ] = None,
     force: _ForceOption = False,
 ) -> int:
-    """Draw the functions of a spline space, and tell its degrees, continuities, supports and DOFs."""
+    """Draw the functions of a spline space, and print its degrees, continuities, supports and DOFs."""
     from isopeel.output.spaces import show_space
 
     show_space(name, mesh, out, console(), force=force)
@@ -178,7 +178,7 @@ def law(
     ] = None,
     force: _ForceOption = False,
 ) -> int:
-    """Draw a law of adhesion, and tell its strength, work of adhesion and stiffness."""
+    """Draw a law of adhesion, and print its strength, work of adhesion and stiffness."""
     from isopeel.output.law import show_law
 
     show_law(name, out, console(), force=force)

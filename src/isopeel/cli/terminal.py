@@ -1,4 +1,4 @@
-"""A console that shows texts, which may come from anywhere, and obeys nothing in them."""
+"""A console that shows untrusted texts: control characters in them have no effect."""
 
 from collections.abc import Iterable
 from typing import Any
@@ -11,14 +11,14 @@ from isopeel.common.errors import visible
 
 
 class PlainConsole(Console):
-    """A console on which control characters of a text are visible; colours and bars are its own."""
+    """A console that makes control characters of a text visible; only its own colours and bars work."""
 
     def render_str(self, text: str, **options: Any) -> Text:
-        """Make a text of a string, as wide as it is when all of it is visible."""
+        """Return a string as a text, as wide as it is with visible control characters."""
         return super().render_str(visible(text), **options)
 
     def render(self, renderable: RenderableType, options: ConsoleOptions | None = None) -> Iterable[Segment]:
-        """Render what was not a string, too."""
+        """Render objects that are not strings, with visible control characters too."""
         for segment in super().render(renderable, options):
             text, style, control = segment
             yield segment if control else Segment(visible(text), style)

@@ -22,11 +22,11 @@ from isopeel.running.folder import FIGURES, check_overwritten, make_folder
 from isopeel.running.progress import counted
 from isopeel.running.run_reader import StoredStage
 
-#: Pictures per second that are possible: a gif counts in hundredths of a second, and shows no more than 50.
+#: Range of pictures per second: a gif counts hundredths of a second, and shows at most 50 pictures.
 FEWEST, MOST = 0.1, 50.0
-#: Pixels, each way.
+#: Range of width and height, in pixels.
 SMALLEST_SIZE, LARGEST_SIZE = 200, 4096
-_USUAL_SECONDS = 8.0  # of an animation whose pace is not chosen
+_USUAL_SECONDS = 8.0  # length of an animation by default
 _USUAL_PACE = (2.0, 25.0)
 
 
@@ -40,12 +40,12 @@ def animate_run(
     *,
     force: bool = False,
 ) -> None:
-    """Animate the states whose displacement is stored in the folder of a run, to one file for each stage.
+    """Animate the states whose displacement is stored in the folder of a run, in one file for each stage.
 
-    `suffix` is mp4 or gif, `fps` the states per second, by default so many that it takes some seconds, and
-    `size` the width and height in pixels, such as 1280x600. The files are animation.mp4 in the folder
-    `figures` of the run, or in `out`. Raises InputError where these make no sense, or a stage has one state
-    only; OSError where a file cannot be written. What ends it early leaves no file, or the earlier one.
+    `suffix` is mp4 or gif, `fps` the states per second, by default chosen for some seconds in all, and `size`
+    the width and height in pixels, such as 1280x600. The files are animation.mp4 in the folder `figures` of
+    the run, or in `out`. Raises InputError where an argument is invalid, or a stage has one state only;
+    OSError where a file cannot be written. If it is ended early, there is no file, or the earlier one.
     """
     if suffix not in _WRITERS:
         raise InputError("--format", suffix, f"it is one of {', '.join(_WRITERS)}")
@@ -92,9 +92,9 @@ def _pictures(stage: StoredStage, size: tuple[int, int], next_one: Callable[[], 
 
 def _write_mp4(path: Path, pictures: Iterable[Picture], size: tuple[int, int], fps: float) -> None:
     every = iter(pictures)
-    first, count = next(every), 0  # no file is begun before there is a picture
-    # its writer keeps Ctrl-C from ffmpeg, and ends it when the generator is closed; blocks of two pixels are
-    # what the colours of all players need
+    first, count = next(every), 0  # no file before the first picture
+    # the writer keeps Ctrl-C from ffmpeg, and ends ffmpeg when the generator is closed; players need colours
+    # in blocks of two pixels
     writer = imageio_ffmpeg.write_frames(
         path,
         size,
@@ -107,7 +107,7 @@ def _write_mp4(path: Path, pictures: Iterable[Picture], size: tuple[int, int], f
     others = Process().children()
     writer.send(None)
     ffmpeg = [process for process in Process().children() if process not in others]
-    # where Ctrl-C ends this process, it would still make its file
+    # without this, ffmpeg would still write its file when Ctrl-C ends this process
     with cleared_up(lambda: _killed(ffmpeg)):
         try:
             for picture in chain([first], every):
@@ -115,7 +115,7 @@ def _write_mp4(path: Path, pictures: Iterable[Picture], size: tuple[int, int], f
                 count += 1
         finally:
             writer.close()
-    # a disk that is full ends ffmpeg without a word to us
+    # a full disk ends ffmpeg without an error here
     written = imageio_ffmpeg.count_frames_and_secs(path)[0] if path.exists() else 0
     if written != count:
         raise OSError(None, f"ffmpeg has written {written} of {count} pictures", str(path))
@@ -132,7 +132,7 @@ def _killed(processes: Iterable[Process]) -> None:
 def _write_gif(path: Path, pictures: Iterable[Picture], _size: tuple[int, int], fps: float) -> None:
     every = iter(pictures)
     first = next(every)
-    # each picture holds the bar of all colours, so that the first one's palette serves them all
+    # each picture holds the colour bar, so that the palette of the first one serves all pictures
     found = Image.fromarray(first).quantize(255, Image.Quantize.MAXCOVERAGE).getpalette() or []
     palette = Image.new("P", (1, 1))
     palette.putpalette([255, 255, 255, *found[: 3 * 255]])
@@ -143,9 +143,9 @@ def _write_gif(path: Path, pictures: Iterable[Picture], _size: tuple[int, int], 
 
 
 def _in_colours_of(palette: Image.Image, picture: Picture) -> Image.Image:
-    """A picture in the colours of another one whose first one is white."""
+    """Return a picture in the colours of a palette whose first colour is white."""
     numbers = np.array(Image.fromarray(picture).quantize(palette=palette, dither=Image.Dither.NONE))
-    # the nearest colour is looked up roughly, and a ground that is almost white looks dirty
+    # the search for the nearest colour is coarse, and an almost white background would look dirty
     numbers[(picture == 255).all(axis=2)] = 0
     image = Image.fromarray(numbers)
     image.putpalette(palette.getpalette() or [])

@@ -1,4 +1,4 @@
-"""Stored runs beside each other: a table, a figure, and their differences."""
+"""Compare stored runs: a table, a figure, and their differences."""
 
 import csv
 from collections.abc import Iterable, Sequence
@@ -29,9 +29,10 @@ def compare_runs(
 ) -> None:
     """Print a table of the runs in folders, and write it with a figure and the differences to another folder.
 
-    The files are compare.csv, differences.csv (each run less the first, at the parameters that both have) and
-    compare with the suffix. Raises InputError for less than two folders, one that holds no run or several
-    stages, or runs whose curves are of different quantities; OSError where a file cannot be written.
+    The files are compare.csv, differences.csv (each run minus the first, at the parameters that both have)
+    and compare with the suffix. Raises InputError for less than two folders, for a folder with no run or
+    several stages, or for runs whose curves are of different quantities; OSError where a file cannot be
+    written.
     """
     check_format(suffix)
     if len(folders) < 2:
@@ -55,7 +56,7 @@ def compare_runs(
 
 
 def _shown(name: str, stage: StoredStage) -> Compared:
-    """A run in laboratory units."""
+    """Return a run in laboratory units."""
     found = stage.found()
     curve, plateau, closed_form, period = in_laboratory(stage.run.curve, found)
     read = replace(found, plateau=plateau, closed_form=closed_form, period=period)
@@ -80,7 +81,7 @@ def _check_alike(folder: Path, stage: StoredStage, first: StoredStage) -> None:
 
 
 def _names(folders: Sequence[Path]) -> list[str]:
-    """What to call runs: the names of their folders, or all of the paths where two names are the same."""
+    """Return the names of runs: those of their folders, or the whole paths where two names are the same."""
     names = [folder.resolve().name for folder in folders]
     if len(set(names)) < len(names):
         names = [str(folder) for folder in folders]
@@ -91,7 +92,7 @@ def _names(folders: Sequence[Path]) -> list[str]:
 
 
 def _headings(row: dict[str, Any], curve: Curve) -> list[str]:
-    """The columns of the table with their units, as in the table of a curve."""
+    """Return the headings of the table with their units, as in the table of a curve."""
     parameter, reaction = short_unit(curve.parameter_column), curve.reaction_column.unit
     slope = f"{reaction} per {parameter}"
     units = {

@@ -1,4 +1,4 @@
-"""A stored run as files for ParaView."""
+"""Export a stored run as files for ParaView."""
 
 import re
 from pathlib import Path
@@ -12,7 +12,7 @@ from isopeel.results.vtk import write_grid, write_series
 from isopeel.running.folder import EXPORTED, check_overwritten, make_folder
 from isopeel.running.run_reader import StoredStage, read_stages
 
-#: Most straight pieces of an element each way: the square of them are written for each element and state.
+#: Most straight cells of an element each way; the square of them is written for each element and state.
 MOST_PIECES = 20
 
 _BODY, _SIDE = "body", "adhesive-side"
@@ -23,11 +23,11 @@ def export_run(
 ) -> None:
     """Write the stored fields of the run in a folder as series of grids, for ParaView and other readers.
 
-    They go to `out`, by default to `paraview` beside the file of the run; for a case of several stages there
-    is a folder for each that has fields. A series, `body.pvd` or `adhesive-side.pvd`, goes along the drive's
-    parameter as it is shown. Cells are Bezier cells, or elements cut into `linear` straight ones each way.
-    Files of an earlier export are replaced. Raises InputError where there is no run with a field in the
-    folder, or `out` cannot be written, and OSError where a file cannot be.
+    They are written to `out`, by default to `paraview` beside the file of the run; a case of several stages
+    has a folder for each stage with fields. The time of a series, `body.pvd` or `adhesive-side.pvd`, is the
+    drive's parameter in its shown unit. Cells are Bezier cells, or elements cut into `linear` straight cells
+    each way. Files of an earlier export are replaced. Raises InputError where the folder holds no run with a
+    field, or `out` cannot be written, and OSError where a file cannot be written.
     """
     if linear is not None and not 1 <= linear <= MOST_PIECES:
         raise InputError("--linear", linear, f"an element is cut into 1 to {MOST_PIECES} each way")
@@ -84,7 +84,7 @@ def _export(stage: StoredStage, out: Path, linear: int | None) -> list[Path]:
     removed = []
     for name, written in times.items():
         write_series(out / f"{name}.pvd", written)
-        # what an earlier run with more states has left
+        # files of an earlier run with more states
         for old in sorted(out.glob(f"{name}-*.vtu")):
             if old.name not in written and re.fullmatch(rf"{name}-\d{{4,}}\.vtu", old.name):
                 old.unlink()

@@ -1,4 +1,4 @@
-"""A law of adhesion, told and drawn."""
+"""Show a law of adhesion: its numbers and its figure."""
 
 from pathlib import Path
 
@@ -23,9 +23,9 @@ LAWS = discover("isopeel.physics.adhesion")
 def show_law(name: str, out: Path | None, console: Console, *, force: bool = False) -> None:
     """Print the numbers of a law, and draw it to a file.
 
-    `name` is that of a law, which then has the strength and the work of adhesion of the shipped strip's, or
-    a case, whose law is shown. Raises InputError for what is neither, or a kind of file that cannot be
-    drawn, OSError where the file cannot be written.
+    `name` is that of a law, which then has the strength and the work of adhesion of the shipped strip's law,
+    or a case, whose law is shown. Raises InputError where it is neither, or for an unknown kind of file, and
+    OSError where the file cannot be written.
     """
     law, units = _like_the_strip(name) if name in LAWS else _of_the_case(name)
     mirrored = isinstance(law, Mirrored)

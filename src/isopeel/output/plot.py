@@ -1,4 +1,4 @@
-"""Figures of a stored run, drawn anew: in parts, at chosen states, in vector formats."""
+"""Draw figures of a stored run again: selected figures, at chosen states, in vector formats."""
 
 from collections.abc import Callable, Sequence
 from functools import partial
@@ -30,7 +30,7 @@ from isopeel.running.run_reader import StoredStage
 
 
 class _Shown(NamedTuple):
-    """A stage, what was read from it, and the parameters of the states to show, if they were chosen."""
+    """A stage, its findings, and the parameters of the states to show, if they were chosen."""
 
     stored: StoredStage
     found: Findings
@@ -55,12 +55,12 @@ def plot_run(
     *,
     force: bool = False,
 ) -> None:
-    """Draw figures of the run in a folder, by default all of PARTS, each to a file of its own.
+    """Draw figures of the run in a folder, by default all of PARTS, each to its own file.
 
-    They go to `out`, by default the folder `figures` in that of the run; where there are several stages, to
-    one such folder for each. The states `at` parameters are shown, by default some along the run; the front
-    is that of the last of them. Raises InputError where a part, a parameter or a format makes no sense, or a
-    part that was asked for cannot be drawn, OSError where a file cannot be written.
+    They are written to `out`, by default to the folder `figures` in that of the run; several stages have one
+    such folder each. The states `at` parameters are shown, by default some along the run; the front is that
+    of the last of them. Raises InputError where a figure, a parameter or a format is invalid, or a requested
+    figure cannot be drawn, and OSError where a file cannot be written.
     """
     check_format(suffix)
     for part in only:
@@ -112,7 +112,7 @@ def _curve(shown: _Shown) -> Figure:
 
 def _plateau(shown: _Shown) -> Figure:
     curve, plateau, _, period = shown.read
-    assert plateau is not None  # it was looked at before
+    assert plateau is not None  # checked before
     return plateau_figure(curve, plateau, period)
 
 
@@ -144,7 +144,7 @@ def _tractions(shown: _Shown) -> Figure:
     return tractions_figure(profiles, problem.drive.parameter_column, shown.units)
 
 
-#: What can be drawn of a run, by the name of its file.
+#: The figures of a run, by the names of their files.
 PARTS: dict[str, Callable[[_Shown], Figure]] = {
     "curve": _curve,
     "plateau": _plateau,

@@ -1,4 +1,4 @@
-"""What of a stored run is to be shown: its stages, and the states in them."""
+"""Select what to show of a stored run: its stages, and their states."""
 
 from collections.abc import Sequence
 from functools import partial
@@ -12,14 +12,14 @@ from isopeel.common.errors import InputError
 from isopeel.common.units import measured_in
 from isopeel.running.run_reader import StoredStage, read_stages
 
-#: Of the largest parameter of a path: states that differ by less are the same.
+#: States are the same where they differ by less than this share of the largest parameter of the path.
 _SAME = 1e-9
 
 
 def shown_stages(folder: Path) -> tuple[StoredStage, ...]:
-    """The stages in the folder of a run, or the one in that of a stage, in which a step converged.
+    """Return the stages with a converged step, in the folder of a run or of a stage.
 
-    Raises InputError where there is none, or where numbers of one are not finite.
+    Raises InputError where there is none, or where numbers of a stage are not finite.
     """
     stages = tuple(stage for stage in read_stages(folder) if len(stage.run.curve) and stage.run.fields)
     if not stages:
@@ -34,7 +34,7 @@ def shown_stages(folder: Path) -> tuple[StoredStage, ...]:
 
 
 def shown_stage(folder: Path) -> StoredStage:
-    """The same where there must be one stage alone."""
+    """Return the stage in a folder; raises InputError too where there are several."""
     stage, *others = shown_stages(folder)
     if others:
         folders = ", ".join(str(one.folder) for one in (stage, *others))
@@ -43,10 +43,10 @@ def shown_stage(folder: Path) -> StoredStage:
 
 
 def stored_parameters(stage: StoredStage, written: Sequence[str], console: Console) -> list[float]:
-    """The parameters of the stored displacements that are nearest to those that a user writes, in turn.
+    """Return the parameters of the stored displacements nearest to those that a user wrote, in their order.
 
-    Where one is another than was asked for, a line says so. They are read in the units of the run's case.
-    Plain numbers are degrees of an angle, and nothing else. Raises InputError for --at, also where one lies
+    Where one differs from the written one, a line is printed. They are read in the units of the run's case.
+    Plain numbers are degrees, and valid for angles only. Raises InputError for --at, also where one lies
     beyond the path.
     """
     return list(dict.fromkeys(_nearest(stage, value, console) for value in written))

@@ -1,4 +1,4 @@
-"""A spline space, told and drawn."""
+"""Show a spline space: its rows and its functions."""
 
 from pathlib import Path
 
@@ -15,10 +15,9 @@ from isopeel.splines.rows import RowSpace, row_space
 
 
 def show_space(name: str, mesh: str, out: Path | None, console: Console, *, force: bool = False) -> None:
-    """Print what the rows of a space are made of on a mesh, and draw its functions to a file.
+    """Print the rows of a space on a mesh, and draw its functions to a file.
 
-    Raises InputError for a name, a mesh or a kind of file that makes no sense, OSError where the file
-    cannot be written.
+    Raises InputError for an invalid name, mesh or kind of file, OSError where the file cannot be written.
     """
     try:
         space = row_space(name, parse_mesh("--mesh", mesh))
@@ -54,6 +53,6 @@ def space_table(space: RowSpace) -> Table:
 
 
 def _family(family: SplineFamily, elements: int) -> tuple[str, str, str]:
-    # a function ends where degree + 2 knots do, with degree - continuity of them at each place
+    # the support spans degree + 2 knots, with degree - continuity knots at each breakpoint
     support = min(family.degree // (family.degree - family.continuity) + 1, elements)
     return str(family.degree), f"C{family.continuity}", f"{support} element{'s' * (support > 1)}"

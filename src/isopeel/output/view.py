@@ -1,4 +1,4 @@
-"""A stored run in a window: the deformed body, to be turned to any of its states by a slider."""
+"""Show a stored run in a window: the deformed body, with a slider over its states."""
 
 import os
 import sys
@@ -25,11 +25,11 @@ from isopeel.running.folder import check_overwritten, make_folder
 from isopeel.running.run_reader import StoredStage
 
 _SIZE = (1280, 720)  # pixels
-#: Who made a picture, as those of matplotlib say it.
+#: Metadata with the maker of a picture, as in those of matplotlib.
 _MARK = PngInfo()
 _MARK.add_text("Creator", MAKER)
 _FIELD = "I1 = tr(sigma)/E"
-#: Where the colours are told: on the right, above the units.
+#: Place of the colour bar: on the right, above the units.
 _BAR = {
     "title": f"{_FIELD}\n ",
     "vertical": True,
@@ -46,12 +46,12 @@ _BAR = {
 def view_run(
     folder: Path, at: str | None, screenshot: Path | None, console: Console, *, force: bool = False
 ) -> None:
-    """Show the stored states of a run of one stage, or of a stage, in a window, until it is closed.
+    """Show the stored states of one stage in a window, until the window is closed.
 
-    It begins with the state `at` a parameter, by default the last one. With `screenshot`, a picture of that
+    The first state is the one `at` a parameter, by default the last one. With `screenshot`, a picture of that
     state is written to a PNG file instead, which needs no display. Raises InputError where pyvista is not
-    installed, there is no display, or the file is one that isopeel did not write, unless with `force`;
-    OSError where it cannot be written.
+    installed, where there is no display, or where the file exists and isopeel did not write it, unless with
+    `force`; OSError where it cannot be written.
     """
     stage = shown_stage(folder)
     fields = list(stage.run.fields)
@@ -89,7 +89,7 @@ def _pyvista() -> ModuleType:
 
 
 def _check_display() -> None:
-    # elsewhere a window can always be asked for; without a display VTK ends the process
+    # only here a display may be missing; without one VTK ends the process
     if sys.platform.startswith("linux") and not (
         os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")
     ):
@@ -98,7 +98,7 @@ def _check_display() -> None:
 
 
 class Viewer:
-    """A scene of the body of a stage, its substrate, and the state that is shown."""
+    """A scene of the body of a stage, its substrate, and the shown state."""
 
     def __init__(self, pyvista: ModuleType, stage: StoredStage, *, off_screen: bool) -> None:
         self._pyvista = pyvista
@@ -107,9 +107,9 @@ class Viewer:
         self._stage, self._parameters = stage, list(stage.run.fields)
         window, scale = common_view(problem, stage.space, stage.run.fields, stage.run.maximum_openings)
         first = self._state(0)
-        #: The number, from zero, of the state that is shown.
+        #: The number of the shown state, from zero.
         self.shown: int = 0
-        #: Of VTK, once it has been added.
+        #: The slider of VTK, once it has been added.
         self.slider: Any = None
         self._body = _mesh(pyvista, first.fields)
         # in front of the body, which would hide half of it
@@ -149,7 +149,7 @@ class Viewer:
         )
 
     def show(self, number: int) -> None:
-        """Show a state, by its number from zero; numbers beyond the ends mean the ends."""
+        """Show a state, by its number from zero; numbers beyond the ends show the states at the ends."""
         self.shown = min(max(number, 0), len(self._parameters) - 1)
         state = self._state(self.shown)
         self._body.points = _points(state.fields.position)
@@ -159,7 +159,7 @@ class Viewer:
         self.plotter.add_text(text, position="upper_left", font_size=12, color="black", name="parameter")
 
     def add_slider(self, number: int) -> None:
-        """Add a slider over the states, which the arrow keys move, too, and begin with one of them."""
+        """Add a slider over the states, which the arrow keys move too, and show one of them."""
         last = len(self._parameters) - 1
         self.show(number)
         if not last:
@@ -179,20 +179,20 @@ class Viewer:
         self.plotter.add_key_event("Left", lambda: self.move(-1))
 
     def move(self, by: int) -> None:
-        """Go so many states on, and the slider with them."""
+        """Move by a number of states, with the slider."""
         self.show(self.shown + by)
         self.slider.GetRepresentation().SetValue(self.shown)
         self.plotter.render()
 
 
 def _points(places: FloatArray, height: float = 0.0) -> FloatArray:
-    """Places (..., 2) in a plane z = height, (n, 3)."""
+    """Return places (..., 2) as points (n, 3) in the plane z = height."""
     flat = places.reshape(-1, 2)
     return np.column_stack([flat, np.full(len(flat), height)])
 
 
 def _mesh(pyvista: ModuleType, fields: SampledFields) -> Any:
-    """The cells of all elements, each element with nodes of its own."""
+    """Return the cells of all elements, each element with its own nodes."""
     nodes = np.arange(fields.first_invariant.size).reshape(fields.first_invariant.shape)
     lower, upper = slice(None, -1), slice(1, None)
     around = (lower, lower), (upper, lower), (upper, upper), (lower, upper)
@@ -204,11 +204,11 @@ def _mesh(pyvista: ModuleType, fields: SampledFields) -> Any:
 
 
 def _substrate(pyvista: ModuleType, problem: Problem, window: Window) -> Any:
-    """The part of a window where the gap is negative."""
+    """Return the part of a window where the gap is negative."""
     substrate, count = problem.adhesion.substrate, 401
     x, y = np.meshgrid(np.linspace(*window.x, count), np.linspace(*window.y, count), indexing="ij")
     gap, _, _ = evaluate_substrate(substrate.kernel, substrate.parameters, np.stack([x, y], axis=-1))
     grid = pyvista.StructuredGrid(x, y, np.full_like(x, -1e-3 * float(np.ptp(window.y))))
-    # a substrate from a formula may have no value somewhere; nodes of the grid count along x first
+    # the formula of a substrate may have no value somewhere; nodes of the grid count along x first
     grid["gap"] = np.nan_to_num(gap, nan=1.0).ravel(order="F")
     return grid.clip_scalar(scalars="gap", value=0.0).extract_surface(algorithm=None)

@@ -1,4 +1,4 @@
-"""What a report is made of, and how it is written: Markdown, one HTML page, CSV, and the console."""
+"""The blocks of a report, and how they are written: Markdown, one HTML page, CSV, and the console."""
 
 import csv
 import re
@@ -22,9 +22,9 @@ from isopeel.report.html import anchor, to_html
 from isopeel.results.files import replacing
 
 _CONTENTS = "Contents"
-#: Where a text names a table or a picture whose number shall stand there.
+#: The name of a table or picture in a text, which is replaced by its number.
 _REFERENCE = re.compile(r"\{([a-z0-9_-]+)\}")
-#: What Markdown takes for a mark; < and & only before letters, and _ only at the end of a word.
+#: Characters that are marks in Markdown; < and & only before letters, and _ only at the end of a word.
 _MARKS = re.compile(r"[\\`*|\[\]~$#>]|<(?=[a-z/!?])|&(?=[a-z#])|(?<![^\W_])_|_(?![^\W_])", re.IGNORECASE)
 
 
@@ -42,8 +42,9 @@ class Text:
 class Table:
     """A table of plain texts; `name` is that of its file.
 
-    The first column is set to the left, the others to the right. Raises InputError where a row has not a cell
-    for each heading, for a name not made of small letters, digits, - and _, or a text of several lines.
+    The first column is aligned left, the others right. Raises InputError where a row does not have one cell
+    for each heading, where a name has other characters than small letters, digits, - and _, or for a text of
+    several lines.
     """
 
     name: str
@@ -84,7 +85,7 @@ Block: TypeAlias = Text | Table | Picture
 
 @dataclass(frozen=True)
 class Section:
-    """A part of a document; `command` is the command line that makes its numbers, empty where it has none."""
+    """A part of a document; `command` is the command line that computes its numbers, empty if it has none."""
 
     title: str
     blocks: tuple[Block, ...]
@@ -98,8 +99,8 @@ class Section:
 class Document:
     """A report.
 
-    Raises InputError where two sections, tables or pictures cannot be told apart by their names, or a text
-    refers to a table or picture that is not there.
+    Raises InputError where two sections, tables or pictures have the same name, or a text refers to a table
+    or picture that does not exist.
     """
 
     title: str
@@ -123,7 +124,7 @@ class Document:
 
     @cached_property
     def numbers(self) -> dict[str, str]:
-        """What tables and pictures are called, by their names: Table 1, Figure 1 and so on."""
+        """The numbers of tables and pictures, such as Table 1, by their names."""
         tables, pictures = count(1), count(1)
         return {
             block.name: f"Table {next(tables)}" if isinstance(block, Table) else f"Figure {next(pictures)}"
@@ -133,7 +134,7 @@ class Document:
 
 
 def to_markdown(document: Document) -> str:
-    """Write a document as Markdown with pipe tables; figures are in figures/NAME.png beside it."""
+    """Return a document as Markdown with pipe tables; its figures are figures/NAME.png beside it."""
     contents = [f"- [{_escaped(section.title)}](#{anchor(section.title)})" for section in document.sections]
     abstract = _block_markdown(document.abstract, document)
     parts = [f"# {_escaped(document.title)}", abstract, f"## {_CONTENTS}", "\n".join(contents)]
@@ -148,7 +149,7 @@ def to_markdown(document: Document) -> str:
 def write_document(document: Document, folder: Path) -> None:
     """Write report.md and report.html, with figures/NAME.png and .pdf, and tables/NAME.csv.
 
-    Each file has its old content or its new one, and the report comes last. Raises OSError where a file
+    Each file has its old content or its new content; the report is written last. Raises OSError where a file
     cannot be written.
     """
     figures, tables = folder / "figures", folder / "tables"
@@ -177,7 +178,7 @@ def print_table(table: Table, console: Console) -> None:
     """Print a table with its notes."""
     shown = ConsoleTable(title=PlainText(table.title), box=SIMPLE_HEAD)
     for number, heading in enumerate(table.headings):
-        # no digit of a number is cut off where the console is narrow
+        # a narrow console must not cut off digits of a number
         shown.add_column(PlainText(heading), justify="right" if number else "left", overflow="fold")
     for row in table.rows:
         shown.add_row(*map(PlainText, row))
@@ -201,7 +202,7 @@ def _block_markdown(block: Block, document: Document) -> str:
 
 
 def _pipe_table(table: Table) -> str:
-    """The rows with their columns aligned, so that they read well as they are."""
+    """Return a table in Markdown with aligned columns, so that the source is readable."""
     rows = [[_escaped(cell) for cell in row] for row in (table.headings, *table.rows)]
     widths = [max(2, *map(len, column)) for column in zip(*rows, strict=True)]
     rule = [
@@ -219,12 +220,12 @@ def _pipe_table(table: Table) -> str:
 
 
 def _escaped(text: str) -> str:
-    """Plain text as Markdown that shows it unchanged."""
+    """Return plain text as Markdown that shows it unchanged."""
     return _MARKS.sub(r"\\\g<0>", text)
 
 
 def _escaped_line(text: str) -> str:
-    """The same for text that begins a line, where a number or a dash could begin a list."""
+    """Return the same for text that begins a line, where a number or a dash could begin a list."""
     return re.sub(r"^(\d*)([-+.)])(?=\W|$)", r"\1\\\2", _escaped(text))
 
 

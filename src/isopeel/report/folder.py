@@ -1,4 +1,4 @@
-"""The folder of a report before one is written to it: nothing that a user owns is lost."""
+"""Check the folder of a report before the report is written, so that no file of a user is lost."""
 
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -7,17 +7,17 @@ from isopeel.common.errors import InputError
 from isopeel.results.files import is_written_by_isopeel, kind_of
 from isopeel.running.folder import first_names, is_of_nobody, make_folder
 
-#: What a report is made of, and its folders: of pictures, of tables, and of the runs that it is about.
+#: The files of a report, and its folders: of pictures, of tables, and of its runs.
 PAGES, PICTURES, TABLES, RUNS = ("report.md", "report.html", "records.h5"), "figures", "tables", "runs"
-#: What stands in each report that has a section with a command.
+#: The text in each report that has a section with a command.
 _MARK = "This section is made by\n\n```sh\nisopeel "
 
 
 def take_folder(out: Path, part: str, is_part: Callable[[str], bool], *, force: bool = False) -> Path:
-    """Make the folder of a report, or of the report on a `part` inside of it, and return it.
+    """Make the folder of a report, or of the report on a `part` inside it, and return it.
 
-    Reports on less are in folders inside, whose names `is_part` accepts. Raises InputError for --out where it
-    cannot be written, or holds anything that is of no report, unless with `force`.
+    Reports on parts are in folders inside, whose names `is_part` accepts. Raises InputError for --out where
+    it cannot be written, or where it holds files that are not of a report, unless with `force`.
     """
     make_folder(out)
     others = sorted(str(path.relative_to(out)) for path in _foreign(out, is_part))
@@ -33,19 +33,19 @@ def take_folder(out: Path, part: str, is_part: Callable[[str], bool], *, force: 
 
 
 def replaced(folder: Path) -> str:
-    """Say that the report in a folder is replaced; nothing where there is none."""
+    """Return the message that the report in a folder is replaced; empty where there is none."""
     return f"replaces the report in {folder}" if (folder / PAGES[0]).exists() else ""
 
 
 def _foreign(folder: Path, is_part: Callable[[str], bool]) -> Iterator[Path]:
-    """What in the folder of a report is of none; links are not followed."""
+    """Yield the files in the folder of a report that are not of a report; links are not followed."""
     report = _text(folder / PAGES[0])
     for path in folder.iterdir():
         is_folder = kind_of(path.lstat().st_mode) == "a folder"
         if is_of_nobody(path):
             continue
         if is_folder and path.name == PICTURES:
-            # those of reports from before pictures had a mark, too
+            # also pictures of old reports, which had no mark
             yield from _others(
                 path,
                 lambda file: f"({file.parent.name}/{file.stem}.png)" in report or is_written_by_isopeel(file),
@@ -67,7 +67,7 @@ def _others(folder: Path, is_known: Callable[[Path], bool]) -> Iterator[Path]:
 
 
 def _text(page: Path) -> str:
-    """The text of a report; nothing where a file of its name is none."""
+    """Return the text of a report; empty where the page is not a file."""
     try:
         text = "" if kind_of(page.lstat().st_mode) else page.read_text("utf-8")
     except (OSError, UnicodeDecodeError):

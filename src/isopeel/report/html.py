@@ -13,7 +13,7 @@ from markdown_it.token import Token
 
 from isopeel.common.errors import InputError
 
-#: Blocks that follow each other and belong together, by kind, and what they become. A table may have notes.
+#: Kinds of consecutive blocks that belong together, and the element for them. A table may have notes.
 _GROUPS = (
     (("contents", "bullet_list"), '<nav aria-label="Contents">\n{}{}</nav>\n'),
     (
@@ -49,12 +49,12 @@ _PAGE = """<!doctype html>
 
 
 def anchor(heading: str) -> str:
-    """The name by which GitHub links to a heading of a Markdown file: small letters, - for blanks."""
+    """Return the name by which GitHub links to a heading: small letters, - for blanks."""
     return re.sub(r"[^\w -]", "", heading.lower()).replace(" ", "-")
 
 
 def to_html(markdown: str, folder: Path) -> str:
-    """Make a page of a report that begins with its title; its images are read from the folder into the page.
+    """Return the HTML page of a report that begins with its title; images in the folder become part of it.
 
     Raises InputError for an image that is not a PNG, OSError for one that cannot be read.
     """
@@ -76,7 +76,7 @@ def to_html(markdown: str, folder: Path) -> str:
 
 
 def _blocks(tokens: Iterable[Token]) -> Iterator[list[Token]]:
-    """Split a document into its outermost blocks."""
+    """Yield the outermost blocks of a document."""
     block: list[Token] = []
     for token in tokens:
         block.append(token)
@@ -86,7 +86,7 @@ def _blocks(tokens: Iterable[Token]) -> Iterator[list[Token]]:
 
 
 def _kind(block: list[Token]) -> str:
-    """Tell what a block is, from how the report writes it."""
+    """Return the kind of a block, recognized by how the report writes it."""
     kind = block[0].type.removesuffix("_open")
     content = block[1].content if len(block) > 1 else ""
     if kind == "heading" and content == "Contents":
@@ -116,12 +116,12 @@ def _grouped(kinds: tuple[str, ...], rendered: list[str]) -> Iterator[str]:
 
 
 def _shown(inline: Token) -> str:
-    """The text of a heading without its marks."""
+    """Return the text of a heading without its marks."""
     return "".join(child.content for child in inline.children or ())
 
 
 def _embedded(folder: Path, source: str) -> dict[str, str | int | float]:
-    """The attributes of an image that is part of the page."""
+    """Return the attributes of an image that is part of the page."""
     data = (folder / source).read_bytes()
     if not data.startswith(b"\x89PNG\r\n\x1a\n"):
         raise InputError("image", source, "the images of a report are PNG files")

@@ -6,20 +6,20 @@ ABSENT = "-"
 
 
 def digits(value: float | None, count: int = 4) -> str:
-    """A number with so many digits."""
+    """Return a number with so many digits."""
     return ABSENT if value is None else f"{value:#.{count}g}"
 
 
 def number(count: float | None, digits_after: int = 3) -> str:
-    """A number with so many digits after its point."""
+    """Return a number with so many digits after its point."""
     return ABSENT if count is None else f"{count:.{digits_after}f}"
 
 
 def deviation(ours: float | None, theirs: float | None) -> str:
-    """By how many percent ours is above theirs."""
+    """Return by how many percent ours is above theirs."""
     return ABSENT if ours is None or theirs is None else f"{100 * (ours / theirs - 1):+.0f} %"
 
 
 def listed(words: Sequence[str]) -> str:
-    """Words with commas, and with "and" before the last."""
+    """Return the words separated by commas, with "and" before the last."""
     return " and ".join(filter(None, [", ".join(words[:-1]), *words[-1:]]))

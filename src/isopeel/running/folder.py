@@ -1,4 +1,4 @@
-"""The folder of a run: what lies where, and that one process alone writes to it."""
+"""The folder of a run: the names of its files, and the lock by which only one process writes to it."""
 
 import os
 import re
@@ -21,27 +21,27 @@ except ImportError:  # on Windows, where stages are locked by the lock of their 
 
 #: Files that a run leaves in its folder.
 FILES = ("run.h5", "curve.csv", "summary.json", "curve.png", "shapes.png")
-#: The file of a finished run, until the one that replaces it has finished too.
+#: The file of a finished run, kept until the run that replaces it has finished too.
 EARLIER = "run.earlier.h5"
-#: What `isopeel report` makes of them.
+#: The page that `isopeel report` writes.
 REPORT = "report.html"
 
-#: Folder inside that of a run for what is drawn from it later, and the names of that, whatever the format.
+#: Folder inside that of a run for later figures, and the names of these, in any format.
 FIGURES, DRAWN = "figures", ("curve", "plateau", "shapes", "front", "tractions", "animation")
-#: Folder inside that of a run for what is exported from it, and the names of that.
+#: Folder inside that of a run for exported files, and the names of these.
 PARAVIEW, EXPORTED = "paraview", re.compile(r"(body|adhesive-side)(-\d{4,}\.vtu|\.pvd)")
-#: The file that a process holds while it writes to a folder, and what the names of stage folders begin with.
+#: The file that a process locks while it writes to a folder, and the beginning of the names of stage folders.
 LOCK, STAGE_FOLDER = ".lock", re.compile(r"\d{1,9}(?=-)")
-#: What file managers leave everywhere, and what was being written when its process was killed.
+#: Files that file managers leave everywhere, and temporary files of a killed process.
 _OF_NOBODY = (".DS_Store", "Thumbs.db", "desktop.ini")
 _PART = re.compile(r"\.[^.].*\.part\.[a-z0-9]+")
 _MOST_NAMES = 3  # in one line
-# a pipe in place of a file would wait for who writes to it
+# a pipe in place of a file would block
 _NO_LINK = getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0)
 
 
 class Place(NamedTuple):
-    """Where the files of a stage go, what it is called, and which files it makes outdated."""
+    """The folder of a stage's files, its title, and the files that it makes outdated."""
 
     folder: Path
     title: str
@@ -54,7 +54,7 @@ class Place(NamedTuple):
 
 
 def places(name: str, stages: Sequence[str], out: Path) -> list[Place]:
-    """The places of the stages of a case: `out` itself for the only one, folders inside for several."""
+    """Return the places of a case's stages: `out` itself for a single one, folders inside for several."""
     folders = [out]
     titles = [name]
     if len(stages) > 1:
@@ -66,7 +66,7 @@ def places(name: str, stages: Sequence[str], out: Path) -> list[Place]:
         Place(
             folder,
             title,
-            # what later stages and runs with other stages have left
+            # files of later stages and of runs with other stages
             [
                 file
                 for path in earlier - set(folders[: number + 1])
@@ -79,18 +79,18 @@ def places(name: str, stages: Sequence[str], out: Path) -> list[Place]:
 
 
 def _drawn(folder: Path) -> list[Path]:
-    """What has been drawn from the run in a folder."""
+    """Return the figures drawn from the run in a folder."""
     return [path for path in (folder / FIGURES).glob("*.*") if path.stem in DRAWN]
 
 
 def stage_files(out: Path) -> list[Path]:
-    """The files of runs that lie in folders of stages, in the order of these."""
+    """Return the files of runs in the folders of stages, in the order of the stages."""
     numbered = {path: STAGE_FOLDER.match(path.parent.name) for path in out.glob(f"*-*/{FILES[0]}")}
     return [path for _, path in sorted((int(number[0]), path) for path, number in numbered.items() if number)]
 
 
 def run_files(folder: Path) -> list[Path]:
-    """The files of the runs in a folder: its only one, or those of the stages so far.
+    """Return the files of the runs in a folder: a single one, or those of the stages so far.
 
     Raises InputError where there is none.
     """
@@ -104,7 +104,7 @@ def run_files(folder: Path) -> list[Path]:
 
 
 def make_folder(out: Path, field: str = "--out") -> None:
-    """Make a folder. Raises InputError, of a field, where no file could be written to it."""
+    """Make a folder. Raises InputError for a field where no file could be written to it."""
     try:
         out.mkdir(parents=True, exist_ok=True)
         TemporaryFile(dir=out).close()
@@ -114,7 +114,7 @@ def make_folder(out: Path, field: str = "--out") -> None:
 
 
 def _in_the_way(folder: Path) -> str:
-    """What has the name of a folder, or of one that it lies in, and is none; else nothing."""
+    """Return what is in the place of a folder, or of one above it, and is no folder; else an empty text."""
     for path in (*reversed(folder.parents), folder):
         if os.path.lexists(path) and not path.is_dir():
             if path.is_symlink():
@@ -126,7 +126,7 @@ def _in_the_way(folder: Path) -> str:
 def check_folder(out: Path) -> None:
     """Make the folder of a run. Raises InputError where it, or a file in it, could not be written.
 
-    A link in place of a file is refused: what it leads to is not of the run.
+    A link in place of a file is refused: its target is not a file of the run.
     """
     make_folder(out)
     for name in (*FILES, journal_path(out / FILES[0]).name, LOCK):
@@ -134,7 +134,7 @@ def check_folder(out: Path) -> None:
 
 
 def clear_parts(out: Path) -> None:
-    """Remove what was being written in the folder of a run when its process was killed."""
+    """Remove the temporary files that a killed process left in the folder of a run."""
     for name in FILES:
         part_of(out / name).unlink(missing_ok=True)
 
@@ -142,17 +142,17 @@ def clear_parts(out: Path) -> None:
 def check_overwritten(
     field: str, files: Iterable[Path], force: bool = False, way: str = "give another place, or --force"
 ) -> None:
-    """Raise InputError where one of the files to write is there already, and isopeel did not write it.
+    """Raise InputError where one of the files to write exists and was not written by isopeel.
 
-    A table (.csv, .md) is taken for isopeel's where a page or a figure beside it is. With `force` only what
-    is no file is refused. `way` says what a user can do.
+    A table (.csv, .md) counts as isopeel's where a page or a figure beside it does. With `force` only paths
+    that are not files are refused. `way` says what a user can do.
     """
     others = []
     for path in files:
         try:
             kind = kind_of(path.lstat().st_mode)
         except OSError:
-            continue  # there is none, or whoever writes it will tell
+            continue  # it does not exist, or writing it raises the error
         if kind:
             raise InputError(field, str(path), f"it is {kind}, and no file that could be replaced")
         if not force and not _is_ours(path):
@@ -173,20 +173,20 @@ def _is_ours(path: Path) -> bool:
 
 
 def is_of_nobody(path: Path) -> bool:
-    """Whether something in the folder of a run may be there, whoever left it, and may go."""
+    """Return whether a file in the folder of a run may be there, whoever left it, and may be removed."""
     if path.name == LOCK:
         return not path.lstat().st_size
     return path.name in _OF_NOBODY or _PART.fullmatch(path.name) is not None
 
 
 def first_names(names: Sequence[str]) -> str:
-    """The first of some names, and how many there are more."""
+    """Return the first of some names, and the number of the others, as words."""
     listed = ", ".join(names[:_MOST_NAMES])
     return listed + (f" and {len(names) - _MOST_NAMES} more" if len(names) > _MOST_NAMES else "")
 
 
 def _check_kind(field: str, folder: Path, path: Path) -> None:
-    """Raise InputError where something else than a file has the name of one in a folder."""
+    """Raise InputError where a path in a folder exists and is not a file."""
     try:
         kind = kind_of(path.lstat().st_mode)
     except FileNotFoundError:
@@ -197,11 +197,11 @@ def _check_kind(field: str, folder: Path, path: Path) -> None:
 
 @contextmanager
 def alone_in(folder: Path, field: str) -> Iterator[None]:
-    """Keep other processes out of a folder, and of the folders of its stages, while the context is open.
+    """Lock a folder, and the folders of its stages, against other processes while the context is open.
 
-    Raises InputError, of a field, where another process is in it, in a folder that it lies in, or in that of
-    a stage. Each process takes its own lock first and then looks for others: of two that begin at once, one
-    at least sees the other.
+    Raises InputError for a field where another process runs in it, in a folder above it, or in that of a
+    stage. Each process takes its own lock first and then looks for others: of two that begin at the same
+    time, at least one sees the other.
     """
     path = folder / LOCK
     _check_kind(field, folder, path)
@@ -225,18 +225,18 @@ def alone_in(folder: Path, field: str) -> Iterator[None]:
 
 
 def _is_locked(path: Path) -> bool:
-    """Whether a process holds a lock, where there is one; its file is not touched."""
+    """Return whether another process holds a lock; its file is not changed."""
     try:
         number = os.open(path, os.O_RDWR | _NO_LINK)
     except OSError:
-        return False  # there is none, or it is nobody's whose files could be read
+        return False  # there is no lock, or its file cannot be read
     try:
         if fcntl is not None:
             fcntl.flock(number, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except BlockingIOError:
         return True
     except OSError:
-        return False  # where the file system has no locks, that of the folder itself is all there is
+        return False  # on a file system without locks, only the lock of the folder itself is checked
     finally:
         os.close(number)
     return False

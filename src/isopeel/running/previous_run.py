@@ -1,4 +1,4 @@
-"""What lies in the folder of a run before it begins: nothing that a user owns, or computed, is lost."""
+"""Check the folder of a run before it begins, so that no file of a user and no longer run is lost."""
 
 import os
 import shutil
@@ -33,15 +33,15 @@ from isopeel.running.folder import (
 )
 from isopeel.solve.step import KINDS
 
-#: Of the size of a parameter: two ends that differ by less are the same.
+#: Two ends are the same where they differ by less than this share of the parameter.
 _SAME = 1e-9
 _ANOTHER = "give another folder, or --force"
-#: Tables of a case file that say what is peeled; all others say how it is computed, and how far.
+#: Tables of a case file that define the problem; the others define the computation and its end.
 _PHYSICS = ("units", "body", "material", "adhesion", "substrate", "held")
 
 
 class _Length(NamedTuple):
-    """How far a run goes: the values that are asked for, and the last one, in the unit of its column."""
+    """The length of a run: number of requested values, and the last one, in the unit of its column."""
 
     column: Column
     steps: int
@@ -54,7 +54,7 @@ class _Length(NamedTuple):
 
 
 def check_foreign(out: Path) -> None:
-    """Raise InputError where a folder holds what is of no run, or a link in place of a folder in it."""
+    """Raise InputError where a folder holds files that are not of a run, or a link in place of a folder."""
     if not out.is_dir():
         return
     others = sorted(str(path.relative_to(out)) for path in _foreign(out, stages_too=True))
@@ -68,10 +68,10 @@ def check_foreign(out: Path) -> None:
 
 
 def check_previous(case: Case, stages: Sequence[Stage], out: Path) -> str:
-    """Say which run of a case is replaced in a folder; nothing where there is none.
+    """Return a message on the run of a case that is replaced in a folder; empty where there is none.
 
-    Raises InputError where that is of another case, cannot be read, goes further than the `stages` of the
-    new one, or was interrupted: then it would be lost.
+    Raises InputError where the run would be lost: it is of another case, cannot be read, is longer than the
+    `stages` of the new one, or was interrupted.
     """
     name, own = case.name, _document(case.text)
     files = [path for path in (out / FILES[0], *stage_files(out)) if path.exists()]
@@ -114,7 +114,7 @@ def check_previous(case: Case, stages: Sequence[Stage], out: Path) -> str:
 def keep_finished(out: Path) -> None:
     """Keep the files of a finished run in a folder under another name, beside those that replace them.
 
-    What is kept already stays: the run that is in its place has not finished.
+    Files that are kept already stay: the run in their place has not finished.
     """
     for file in (out / FILES[0], *stage_files(out)):
         aside = file.with_name(EARLIER)
@@ -129,17 +129,17 @@ def keep_finished(out: Path) -> None:
 def _has_finished(file: Path) -> bool:
     try:
         return file.is_file() and read_run(file).ending == "completed"
-    except InputError:  # what is replaced by force may be anything
+    except InputError:  # with --force the file may be anything
         return False
 
 
 def kept_finished(out: Path) -> list[Path]:
-    """The files of a finished run that are kept in a folder."""
+    """Return the files of a finished run that are kept in a folder."""
     return sorted(file for file in (out / EARLIER, *out.glob(f"*-*/{EARLIER}")) if file.is_file())
 
 
 def let_go(out: Path, *, replaced: bool = True) -> None:
-    """Remove what is kept in a folder where it was replaced by a run that has finished, or never replaced."""
+    """Remove the kept files in a folder that a finished run has replaced, or that were never replaced."""
     for file in kept_finished(out):
         run = file.with_name(FILES[0])
         if not replaced and not (run.exists() and run.samefile(file)):
@@ -148,7 +148,7 @@ def let_go(out: Path, *, replaced: bool = True) -> None:
 
 
 def _foreign(folder: Path, *, stages_too: bool) -> Iterator[Path]:
-    """What in the folder of a run, or of a stage, is of no run."""
+    """Yield the files in the folder of a run, or of a stage, that are not of a run."""
     kept = {*FILES, journal_path(Path(FILES[0])).name, REPORT}
     has_run = (folder / FILES[0]).exists()
     for path in folder.iterdir():
@@ -162,23 +162,23 @@ def _foreign(folder: Path, *, stages_too: bool) -> Iterator[Path]:
         elif kind == "a folder" and stages_too and STAGE_FOLDER.match(path.name):
             yield from _foreign(path, stages_too=False)
         elif path.name in (FILES[0], EARLIER) and not kind:
-            pass  # which is read, or kept, before it is replaced
+            pass  # a file of a run is read, or kept, before it is replaced
         elif kind or path.name not in kept or not (has_run or path.name == REPORT):
-            yield path  # the page of a run of stages lies above them
+            yield path  # the page of a run of several stages lies in the folder above
         elif not is_written_by_isopeel(path):
             yield path
 
 
 def _others(folder: Path, is_known: Callable[[str], bool]) -> Iterator[Path]:
-    """Files in a folder but those of known names that isopeel wrote."""
+    """Yield the files in a folder except those of known names that isopeel wrote."""
     for path in folder.iterdir():
         if not is_of_nobody(path) and not (is_known(path.name) and is_written_by_isopeel(path)):
             yield path
 
 
 def _document(text: str) -> dict[str, Any]:
-    """The tables of a case; none where the text is none."""
-    if len(text) > 2 * LARGEST_FILE:  # as it is stored it may be somewhat longer
+    """Return the tables of a case; empty where the text is not a case."""
+    if len(text) > 2 * LARGEST_FILE:  # the stored text may be somewhat longer
         return {}
     try:
         return tomllib.loads(text)
@@ -187,7 +187,7 @@ def _document(text: str) -> dict[str, Any]:
 
 
 def _table(document: dict[str, Any], name: str) -> dict[str, Any]:
-    """A table without what an option of the command line may change."""
+    """Return a table without the keys that an option of the command line may change."""
     table = document.get(name) or {}
     return {key: value for key, value in table.items() if key != "traction"}
 
@@ -205,7 +205,7 @@ def _planned(stage: Stage) -> _Length:
 
 
 def _is_shorter(new: Sequence[_Length], there: Sequence[_Length]) -> bool:
-    """Whether a run has fewer steps or stages than another one, or ends before it."""
+    """Return whether a run has fewer steps or stages than another one, or ends before it."""
     if len(new) < len(there) or sum(one.steps for one in new) < sum(other.steps for other in there):
         return True
     for one, other in zip(new, there, strict=False):

@@ -20,10 +20,10 @@ def progress(
     before: int = 0,
     shown: Callable[[Column, float], str] | None = None,
 ) -> Iterator[Callable[[Step], None]]:
-    """Show a bar while the context is open, and give the function that moves it to a step.
+    """Show a bar while the context is open, and yield the function that moves it to a step.
 
-    The bar begins after the steps `before`, and says that kernels are compiled until the first one
-    arrives. Nothing is shown where the console is no terminal.
+    The bar begins after the steps `before`, and says that kernels are compiled until the first step. Nothing
+    is shown where the console is not a terminal. `shown` writes a value of a column.
     """
     bar = _bar(console)
     write = shown or (lambda column, value: f"{value:.6g} {column.unit}")
@@ -50,9 +50,9 @@ def progress(
 
 @contextmanager
 def counted(console: Console, what: str, total: int) -> Iterator[Callable[[], None]]:
-    """Show a bar while the context is open, and give the function that moves it by one.
+    """Show a bar while the context is open, and yield the function that moves it by one.
 
-    Nothing is shown where the console is no terminal.
+    Nothing is shown where the console is not a terminal.
     """
     with _bar(console) as bar:
         task = bar.add_task(what, total=total)

@@ -1,4 +1,4 @@
-"""A run: trace a case, and leave its curve, file, summary and figures in a folder."""
+"""A run: trace a case, and write its curve, file, summary and figures to a folder."""
 
 import json
 from collections.abc import Iterable, Mapping
@@ -50,7 +50,7 @@ from isopeel.splines.rows import RowSpace
 
 
 class Result(NamedTuple):
-    """What was stored of a stage, and where."""
+    """The stored run of a stage, and its place."""
 
     run: StoredRun
     folder: Path
@@ -59,16 +59,16 @@ class Result(NamedTuple):
 def run_case(case: Case, out: Path, console: Console, strict: bool = False, *, force: bool = False) -> Result:
     """Run a case and write its files to a folder, in place of those of an earlier run of it.
 
-    A case of several stages has a folder for each of them inside, numbered and named. Returns the last
-    stage that was run; the `ending` of its run says whether that came to its end, found no equilibrium or
-    was interrupted: all that converged before is in the files. What can be doubted of the discretization is
-    said before the first step, and is an error where the run is `strict`. Raises InputError where a folder
-    cannot be written, another process runs in it or the memory does not suffice, OSError where a file cannot
-    be written, and KeyboardInterrupt where there is no step yet. An earlier run stays until there is one, and
-    a finished one is kept beside the new one (`run.earlier.h5`) until that has finished too.
+    A case of several stages has a folder for each stage inside, numbered and named. Returns the last stage
+    that was run; the `ending` of its run is whether it was completed, found no equilibrium or was
+    interrupted; the files hold all steps that converged before. Doubts about the discretization are printed
+    before the first step; they are an error where the run is `strict`. An earlier run stays until the first
+    step, and a finished one is kept beside the new one (`run.earlier.h5`) until the new one has finished too.
 
-    Unless with `force`, it also raises InputError where the folder holds anything else than a run of this
-    case, or a run that goes further or was interrupted.
+    Raises InputError where a folder cannot be written, another process runs in it or the run needs more
+    memory than there is, OSError where a file cannot be written, and KeyboardInterrupt where there is no step
+    yet. Without `force` it also raises InputError where the folder holds anything else than a run of this
+    case, or a run that is longer or was interrupted.
     """
     if not force:
         check_foreign(out)
@@ -98,7 +98,7 @@ def run_case(case: Case, out: Path, console: Console, strict: bool = False, *, f
 
 
 def let_go_when_finished(result: Result, case: Case, out: Path, console: Console) -> Result:
-    """Remove what was kept of an earlier run once a run has finished, and else say where it is."""
+    """Remove the files kept of an earlier run once this one has finished; otherwise print where they are."""
     if is_complete(result.run, case.stages()[-1]):
         let_go(out)
     elif kept := kept_finished(out):
@@ -108,7 +108,7 @@ def let_go_when_finished(result: Result, case: Case, out: Path, console: Console
 
 
 def _say_doubts(case: Case, console: Console, strict: bool) -> None:
-    """Print what is known of the discretization before the first step, or raise it as an InputError."""
+    """Print the doubts about the discretization before the first step; raise InputError where `strict`."""
     space = case.space()
     notes = []
     for stage in case.stages():
@@ -124,9 +124,9 @@ def _say_doubts(case: Case, console: Console, strict: bool) -> None:
 
 
 def check_later_stages(case: Case) -> None:
-    """Check the stages after the first one, as far as that is possible before they begin.
+    """Check the stages after the first one, as far as possible before they begin.
 
-    Raises InputError that names the stage: it would be told after hours otherwise.
+    Raises InputError that names the stage; without this check the error could come after hours.
     """
     space = case.space()
     for number, stage in enumerate(case.stages()[1:], start=2):
@@ -145,11 +145,11 @@ def go_through(
     stored: Mapping[int, StoredRun],
     first_steps: Iterable[Step] | None = None,
 ) -> Result:
-    """Run the stages of a case as `run_case` does, after those that are `stored`, by their numbers from zero.
+    """Run the stages of a case as `run_case` does, after the `stored` ones, by their numbers from zero.
 
-    Those come without the steps of their journals, and all but the last of them are complete. Stages before
-    all of them are left as they are. The caller keeps other processes out of the folder, and may have the
-    steps of the first stage at hand.
+    The stored runs come without the steps of their journals, and all but the last are complete. Stages before
+    the first stored one do not change. The caller keeps other processes out of the folder, and may pass the
+    steps of the first stage.
     """
     space, stages = case.space(), case.stages()
     base: State | None = None
@@ -182,12 +182,12 @@ def go_through(
 
 
 def is_complete(run: StoredRun, stage: Stage) -> bool:
-    """Whether a stored run has come to the end of a stage."""
+    """Return whether a stored run has completed a stage."""
     return run.ending == "completed" and _met(stage, run) == len(stage.parameters)
 
 
 def _met(stage: Stage, run: StoredRun | None) -> int:
-    """How many of the parameters of a stage have been met by a stored run, where the path goes on from."""
+    """Return how many parameters of a stage a stored run has met, up to the state it continues from."""
     if run is None or run.last is None:
         return 0
     (places,) = np.nonzero(stage.parameters == run.last.parameter)
@@ -197,7 +197,7 @@ def _met(stage: Stage, run: StoredRun | None) -> int:
 def _steps(
     case: Case, stage: Stage, space: RowSpace, base: State | None, found: StoredRun | None
 ) -> Iterable[Step]:
-    """The steps of a stage, after those that are stored."""
+    """Return the steps of a stage after the stored ones."""
     last = None if found is None else found.last
     passed, rest = np.split(stage.parameters, [_met(stage, found)])
     try:
@@ -220,10 +220,10 @@ def _steps(
 
 
 def _check_memory(stage: Stage, space: RowSpace) -> None:
-    """Raise InputError where the displacements to keep would fill the memory."""
+    """Raise InputError where the displacements to store would fill the memory."""
     column = stage.problem.drive.parameter_column
     kept = min(abs(column.shown(stage.parameters[-1])) / stage.fields_every, len(stage.parameters))
-    # they are kept, gathered in an array, and that in the image of the file
+    # they are in memory three times: as they are, in one array, and in the image of the file
     needed, free = 3 * 16 * space.size * kept, virtual_memory().available
     if needed > free:
         gib = f"{needed / 2**30:.1f} GiB of memory, and {free / 2**30:.1f} GiB are free"
@@ -271,7 +271,7 @@ def _run_stage(
                 _follow(steps, stage, _met(stage, found), writer, console, laboratory)
         finally:
             _list_removed(writer, console)
-            # whatever comes in between, the table holds what the file does
+            # the table must hold the steps of the file, whatever happens in between
             if writer.saved:
                 write_curve(out / "curve.csv", writer.curve, problem, _laboratory(case, stage))
         run = replace(read_run(place.run_file), ending=writer.ending)
@@ -287,7 +287,7 @@ def _run_stage(
 def _complete(
     case: Case, stage: Stage, space: RowSpace, run: StoredRun, place: Place, console: Console
 ) -> StoredRun:
-    """Say that a stage is complete, and make the files that it lacks."""
+    """Print that a stage is complete, and write the files that it lacks."""
     column, laboratory = run.curve.parameter_column, _laboratory(case, stage)
     reached = laboratory.parameter(column, float(run.curve.parameter[-1]))
     console.print(f"{place.title} is complete: {len(run.curve)} steps, to {reached}", soft_wrap=True)
@@ -297,23 +297,23 @@ def _complete(
 
 
 def failure_message(failure: Failure, at: str, out: Path, folder: Path) -> str:
-    """Say `at` which parameter and why a run found no equilibrium, with its iterations.
+    """Return the message of a run that found no equilibrium `at` a parameter, with reason and iterations.
 
-    `out` has the files of its stage, and `folder` those of all.
+    `out` is the folder of its stage, and `folder` that of the whole run.
     """
     lines = [
         f"no equilibrium at {at}: {failure.reason}",
         f"cause: {failure.cause}; {failure.hint}",
         *["iteration  energy residual per unknown"][: len(failure.iterations)],
         *(f"{number:9d}  {measure:.3e}" for number, measure in enumerate(failure.iterations, start=1)),
-        f"everything that converged before is in {out}",
+        f"all steps that converged before are in {out}",
         f"`isopeel resume {quote(str(folder))} --control CONTROL` continues it with another path control",
     ]
     return "\n".join(lines)
 
 
 def cases_table() -> Table:
-    """List the shipped cases, with the first sentence of each."""
+    """Return a table of the shipped cases, with the first sentence of each."""
     table = Table("case", "what it is", box=SIMPLE_HEAD)
     for name in shipped_cases():
         table.add_row(name, load_case(name).about)
@@ -328,7 +328,7 @@ def _follow(
     console: Console,
     laboratory: Laboratory,
 ) -> None:
-    """Hand the steps to their consumers, and note how they end."""
+    """Pass the steps to their consumers, and set how the run ends."""
     drive = stage.problem.drive
     try:
         with progress(console, drive, len(stage.parameters), met, laboratory.parameter) as show:
@@ -355,7 +355,7 @@ def _laboratory(case: Case, stage: Stage) -> Laboratory:
 
 
 def _list_removed(writer: RunWriter, console: Console) -> None:
-    """Say what of an earlier run has been removed since this was called last."""
+    """Print which files of an earlier run have been removed since the last call."""
     if writer.removed:
         console.print(f"removed {', '.join(map(str, writer.removed))}", soft_wrap=True)
         writer.removed.clear()
@@ -369,18 +369,18 @@ def _write_results(
     place: Place,
     wall_time: float,
 ) -> tuple[dict[str, Any], Findings]:
-    """Write the curve, the summary and, unless the run was interrupted, the figures; return what was read."""
+    """Write curve, summary and, unless the run was interrupted, figures; return summary and findings."""
     out = place.folder
     found = find(stage.problem, space, run, stage.window, _laboratory(case, stage))
     write_curve(out / "curve.csv", run.curve, stage.problem, found.laboratory, found.fronts)
-    # a finer mesh takes longer than one who pressed Ctrl-C should wait
+    # after Ctrl-C a finer mesh would take too long
     points = case.discretization.contact_points
     changes = [] if run.ending == "interrupted" else mesh_changes(stage.problem, space, run, points)
     summary = summarize(place.title, run, found, wall_time, changes)
     text = json.dumps(summary, indent=2, allow_nan=False)
     with replacing(out / "summary.json") as part:
         part.write_text(text + "\n", encoding="utf-8")
-    # figures take longer than one who pressed Ctrl-C should wait
+    # after Ctrl-C figures would take too long
     if len(run.curve) and run.ending != "interrupted":
         curve, plateau, closed_form, _ = in_laboratory(run.curve, found)
         for name, figure in (
@@ -399,7 +399,7 @@ def _write_results(
 def _print_table(
     summary: dict[str, Any], curve: Curve, found: Findings, place: Place, console: Console
 ) -> None:
-    """Print the summary in a few lines, with the closed form beside what it tells."""
+    """Print the summary in a few lines, with the closed forms beside the values."""
     rows = summary_rows(summary, curve, found)
     columns = 4 if any(row.theory for row in rows) else 2
     heading = ("", "run", "closed form", "deviation")[:columns]

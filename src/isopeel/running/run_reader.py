@@ -1,4 +1,4 @@
-"""What the folder of a run holds, read back: each stage with its problem, its space and its file."""
+"""Read the folder of a run: each stage with its problem, its space and its stored run."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -16,7 +16,7 @@ _NEEDED = ("L0", "E0", "stage", "space", "mesh", "dofs", "traction")  # attribut
 
 @dataclass(frozen=True, eq=False)
 class StoredStage:
-    """A stage that was run: what of, on which space, and what its file holds."""
+    """A stage that was run: its case and problem, its space, and its stored run."""
 
     title: str
     folder: Path
@@ -27,7 +27,7 @@ class StoredStage:
 
     @property
     def laboratory(self) -> Laboratory:
-        """The units that its outputs are shown in."""
+        """The units in which its outputs are shown."""
         return Laboratory.of(self.case.units.system(), self.stage.problem, self.case.body.width)
 
     def found(self) -> Findings:
@@ -36,10 +36,10 @@ class StoredStage:
 
 
 def read_stages(folder: Path) -> tuple[StoredStage, ...]:
-    """Read the stages in the folder of a run, or the one in the folder of a stage, in the order of the run.
+    """Return the stages in the folder of a run, or the one in the folder of a stage, in the order of the run.
 
-    The files may come from anywhere. Raises InputError where there is no run in the folder, or a file does
-    not fit to the case in it.
+    The files are not trusted. Raises InputError where the folder holds no run, or a file does not fit the
+    case in it.
     """
     return tuple(map(_read_stage, run_files(folder)))
 
@@ -55,7 +55,7 @@ def _read_stage(file: Path) -> StoredStage:
         ) from error
     missing = [name for name in _NEEDED if name not in run.attributes]
     name = run.attributes.get("stage")
-    # two stages may have one name, but not one folder
+    # two stages may have the same name, but not the same folder
     numbers = [number for number, stage in enumerate(stages, start=1) if stage.name == name]
     number = _number(file) if _number(file) in numbers else min(numbers, default=0)
     kept = [*run.fields.values(), *([] if run.base is None else [run.base])]
@@ -76,6 +76,6 @@ def _read_stage(file: Path) -> StoredStage:
 
 
 def _number(file: Path) -> int:
-    """The number that the folder of a stage begins with, from one; 0 where there is none."""
+    """Return the number at the beginning of the name of a stage's folder, from one; 0 where there is none."""
     number = file.parent.name.partition("-")[0]
     return int(number) if number.isdecimal() else 0

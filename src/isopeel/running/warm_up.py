@@ -1,7 +1,7 @@
 """Warm-up compilation: a path with springs in place of the body compiles all kernels but the body's.
 
-The body's kernel takes as long to compile as all others. So where they are not cached yet, as in the first
-run after an installation, a second process compiles the others meanwhile.
+The body's kernel takes as long to compile as all others. Where they are not cached yet, as in the first run
+after an installation, a second process compiles the others at the same time.
 """
 
 import subprocess
@@ -26,7 +26,7 @@ from isopeel.solve.newton import NewtonSettings
 from isopeel.solve.path import Path as SolverPath
 from isopeel.splines.rows import row_space
 
-#: Of the springs: ten times Young's modulus.
+#: Stiffness of the springs: ten times Young's modulus.
 _STIFFNESS = 10.0
 
 
@@ -36,10 +36,10 @@ def warmed_up_beside() -> Iterator[None]:
     if is_kept(add_body) or not keeps(add_body) or cores() == 1:
         yield
         return
-    # not one of a pool, which would run the script again that has called this
+    # a process of a pool would run the calling script again
     nowhere = subprocess.DEVNULL
     process = subprocess.Popen(
-        # -P: the folder that this runs in is no place to import from
+        # -P: nothing is imported from the current folder
         [sys.executable, "-P", "-m", __name__],
         stdin=nowhere,
         stdout=nowhere,
@@ -54,7 +54,7 @@ def warmed_up_beside() -> Iterator[None]:
 
 def warm_up() -> None:
     """Take a few steps, on a mesh on which a front could be translated from element to element."""
-    # the first process asks for this one last, and could not wait for it
+    # the first process needs this one last: it would compile it itself, without waiting
     one = np.ones(1)
     select_predictor(one, one, one, np.ones((1, 2, 1)), np.ones((1, 2, 1)), 2.0)
     path = SolverPath(_OnSprings(strip(), row_space("L1", (40, 1))), NewtonSettings(), ())
@@ -72,7 +72,7 @@ def _springs(
     diagonal: int,
     with_tangent: bool,
 ) -> Energies:
-    """As `add_body`: a spring to the place of each function of each element."""
+    """Add energy, forces and tangent as `add_body`, of a spring at each function of each element."""
     body: BodyData = read_body(integers, floats)
     first, unknowns = body.first, body.unknowns
     energy = 0.0
