@@ -1,4 +1,4 @@
-"""A run as one HTML page that opens anywhere: its data, packed, the texts, style and script.
+"""A run as one HTML page, which needs no other file: packed data, texts, style and script.
 
-The script is in `script/`, in plain JavaScript, and is put into the page with the data; nothing is loaded.
+The script is in `script/`, in plain JavaScript; it is part of the page like the data, and nothing is loaded.
 """

@@ -1,4 +1,4 @@
-"""What a page shows of a stage, as numbers and texts for its script."""
+"""The content of a page on a stage, as numbers and texts for its script."""
 
 import json
 import re
@@ -35,19 +35,19 @@ from isopeel.results.run_file import StoredRun
 from isopeel.running.run_reader import StoredStage
 from isopeel.solve.step import KINDS
 
-_DOTS = 8_000  # across the front: more than a screen has
-_ALONG_SIDE = 400  # pieces of the face that adheres
-_TRACTIONS = 1_200  # points along it, about
+_DOTS = 8_000  # steps of positions across the front: more than the pixels of a screen
+_ALONG_SIDE = 400  # segments of the adhering face
+_TRACTIONS = 1_200  # approximate number of points along it
 
-#: What JSON can hold.
+#: A value that JSON can hold.
 Content = dict[str, Any]
 
 
 def stage_content(stored: StoredStage, found: Findings, most_bytes: int) -> Content:
-    """Collect what is shown of a stage that has steps, in about so many bytes of states at most.
+    """Return the content of a page on a stage with steps; its states take about `most_bytes` at most.
 
-    Where the states that are stored would take more, some of them are left out, evenly. Raises InputError
-    where the stored displacements are no numbers.
+    Where all stored states would take more, some of them are left out, evenly. Raises InputError where stored
+    displacements are not numbers.
     """
     run, problem = stored.run, stored.stage.problem
     shown = in_laboratory(run.curve, found)
@@ -84,10 +84,10 @@ def stage_content(stored: StoredStage, found: Findings, most_bytes: int) -> Cont
 
 
 def field_steps(run: StoredRun) -> dict[int, float]:
-    """The steps whose displacements are stored, by their numbers from zero, and their parameters."""
+    """Return the parameters of the steps with stored displacements, by the numbers of the steps from zero."""
     kept: Fields[int] = Fields(run.field_interval)
     for number, parameter in enumerate(run.curve.parameter.tolist()):
-        # the rule that chose them says which step it was where a path came to a parameter more than once
+        # where a path met a parameter more than once, the rule of selection determines the step
         kept.take(parameter, number)
     chosen = kept.all()
     steps = {}
@@ -100,14 +100,14 @@ def field_steps(run: StoredRun) -> dict[int, float]:
 
 
 def plain(text: str) -> str:
-    """Words and units of a column without the marks of mathematical type: E0 L0^3 becomes E₀ L₀³."""
+    """Return words and units of a column without marks of mathematical type: E0 L0^3 becomes E₀ L₀³."""
     text = text.replace("$", "")
     text = re.sub(r"(?<=\b[A-Z])0", "₀", text).replace("^2", "²").replace("^3", "³")
     return re.sub(r"^degree$", "°", text)
 
 
 def column_words(column: Column) -> dict[str, str]:
-    """How a column is called in a page."""
+    """Return the texts of a column for a page: its name, symbol and unit."""
     symbol = re.search(r"\$(.+)\$", column.words)
     return {
         "words": plain(column.words or column.name),
@@ -118,7 +118,7 @@ def column_words(column: Column) -> dict[str, str]:
 
 def _state(stored: StoredStage, steps: Mapping[int, float], number: int) -> BodyState:
     parameter = steps[number]
-    # of a graded mesh small elements get no more of them than large ones, as a page would not hold them all
+    # on a graded mesh small elements have no more cells than large ones, to keep the page small
     cells = [ceil(smooth / count) for smooth, count in zip(SMOOTH, stored.space.elements, strict=True)]
     run, problem = stored.run, stored.stage.problem
     maximum_openings = run.maximum_openings.get(parameter)
@@ -128,15 +128,15 @@ def _state(stored: StoredStage, steps: Mapping[int, float], number: int) -> Body
 
 
 def _size(stored: StoredStage, state: BodyState) -> int:
-    """Bytes that a state takes in the page."""
+    """Return the number of bytes of a state in the page."""
     front = front_window(stored.stage.problem, state)
     return len(json.dumps(_shown_state(stored, 0, state, front, 1.0)))
 
 
 def _units(laboratory: Laboratory, problem: Problem) -> Content:
-    """Units of what is drawn of the body, and the factors to them from the values in the page."""
+    """Return the units of the drawn quantities of the body, and the factors from values in the page."""
     law = problem.adhesion.law
-    # the adhesion's tension is of the size of W over the opening, and that of the strength where it is known
+    # the adhesion's tension is of the order of W over the opening, or of the strength where it is known
     try:
         strength = law_character(law).strength
     except InputError:
@@ -165,14 +165,14 @@ def _curve(curve: Curve, laboratory: Laboratory) -> Content:
 
 
 def _views(found: Shown) -> list[Content]:
-    """The parts of the curve to look at: all of it, and what is worth a closer look."""
+    """Return the views of the curve: the whole of it, and the parts to enlarge."""
     curve = found.curve
     values = curve.reaction
     low, high = float(values.min()), float(values.max())
     if found.closed_form is not None and is_reached(found.closed_form, curve):
         low, high = min(0.0, low), max(high, found.closed_form.reaction)
     first, last = float(curve.parameter.min()), float(curve.parameter.max())
-    # with room for marks at the ends, and for the words of theory
+    # with margins for marks at the ends, and for the label of theory
     views = [{"name": "whole", "x": _wider(first, last, 0.02), "y": _wider(low, high, 0.1)}]
     if found.plateau is not None:
         start, end = _wider(*found.plateau.window, 0.15)
@@ -190,7 +190,7 @@ def _views(found: Shown) -> list[Content]:
 
 
 def _wider(low: float, high: float, share: float) -> list[float]:
-    """An interval with a margin on either side, a share of its length."""
+    """Return an interval with margins on both sides, a share of its length."""
     # a run of one step, or a constant
     margin = share * (high - low) or max(abs(high), 1.0) * share
     return [low - margin, high + margin]
@@ -204,7 +204,7 @@ def _theory(found: Shown) -> Content | None:
 
 
 def _around(windows: list[Window]) -> Window:
-    """A window around windows, so much larger that it holds what pictures up to three times as wide show."""
+    """Return a window around windows, large enough for pictures up to three times as wide."""
     x, y = (np.array([getattr(window, axis) for window in windows]) for axis in "xy")
     size = max(float(np.ptp(x)), float(np.ptp(y)))
     wider = ((x, 1.0 * size), (y, 0.5 * size))
@@ -212,13 +212,13 @@ def _around(windows: list[Window]) -> Window:
 
 
 def _grid(state: BodyState) -> list[int]:
-    """Elements each way, and cells in each of them."""
+    """Return the numbers of elements each way, and of cells in each element."""
     elements_x, elements_y, nodes_x, nodes_y = state.fields.first_invariant.shape
     return [elements_x, elements_y, nodes_x - 1, nodes_y - 1]
 
 
 def _nodes(state: BodyState) -> FloatArray:
-    """Positions (m, k, 2) of the nodes of all cells, those that elements share once."""
+    """Return the positions (m, k, 2) of the nodes of all cells, shared nodes once."""
     position = state.fields.position
     elements_x, elements_y, a, b = _grid(state)
     nodes = np.empty((elements_x * a + 1, elements_y * b + 1, 2))
@@ -231,21 +231,21 @@ def _nodes(state: BodyState) -> FloatArray:
 
 
 def _traction_points(stored: StoredStage) -> FloatArray:
-    """Where on an element the tractions are looked at."""
+    """Return the points along the adhering side at which tractions are evaluated."""
     adhesion, knots = stored.stage.problem.adhesion, stored.space.rows[0].breakpoints
     elements = sum(end > adhesion.start and start < adhesion.end for start, end in pairwise(knots))
     return np.linspace(0.0, 1.0, min(17, max(3, ceil(_TRACTIONS / elements) + 1)))
 
 
 def _side(stored: StoredStage, state: BodyState) -> Content:
-    """Where along the face that adheres the tractions are told."""
+    """Return the places along the adhering face at which tractions are given."""
     run, problem, space = stored.run, stored.stage.problem, stored.space
     displacement, maximum_openings = run.fields[state.parameter], run.maximum_openings.get(state.parameter)
     points = _traction_points(stored)
     profile = front_profile(problem, space, displacement, points, maximum_openings)
     rest = body_state(problem, space, 0.0, np.zeros_like(displacement), (1, 1), maximum_openings).adhering
     chords = np.linalg.norm(np.diff(rest, axis=0), axis=1)
-    # where the points of the deformed face are on the undeformed one
+    # places on the undeformed face of the points of the deformed face
     places = profile.position[0, 0] + np.append(0.0, np.cumsum(chords))[_along_face(rest)]
     return {
         "position": packed(profile.position, "f4"),
@@ -255,7 +255,7 @@ def _side(stored: StoredStage, state: BodyState) -> Content:
 
 
 def _along_face(adhering: FloatArray) -> IntArray:
-    """Which of the points of the face that adheres are kept."""
+    """Return the indices of the points of the adhering face that are kept."""
     return np.linspace(0, len(adhering) - 1, _ALONG_SIDE + 1).round().astype(np.int64)
 
 
@@ -271,7 +271,7 @@ def _shown_state(stored: StoredStage, number: int, state: BodyState, front: Wind
         "stress": packed_stress(state.fields.first_invariant, scale),
         "adhering": packed_positions(state.adhering[_along_face(state.adhering)][:, None], resolution),
         "front": [*front.x, *front.y],
-        # tension, as what holds the body
+        # tension, positive where the substrate holds the body
         "adhesion": packed(-profile.adhesive_traction, "f4"),
         "body": packed(-profile.body_traction, "f4"),
         "residuals": [float(f"{value:.2e}") for value in run.curve.residuals_of(number).tolist()],

@@ -1,4 +1,4 @@
-"""The texts of a page: what can be read of a stage without its script. What comes from a run is escaped."""
+"""The texts of a page, which are readable without its script. Texts of a run are escaped."""
 
 from collections.abc import Iterable, Sequence
 from functools import partial
@@ -15,7 +15,7 @@ from isopeel.solve.step import KINDS
 
 
 def table(headings: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
-    """A table whose first column says what is in the others."""
+    """Return a table in HTML, whose first column describes the rows."""
     head = "".join(f'<th scope="col">{escape(heading)}</th>' for heading in headings)
     body = ""
     for first, *rest in rows:
@@ -25,13 +25,13 @@ def table(headings: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
 
 
 def paragraph(text: str, kind: str = "") -> str:
-    """A paragraph of plain text."""
+    """Return a paragraph of plain text in HTML."""
     opening = f'<p class="{kind}">' if kind else "<p>"
     return f"{opening}{escape(text)}</p>\n"
 
 
 def ending(stored: StoredStage) -> str:
-    """How a stage ended, with cause and hint where it did not come to its end."""
+    """Return how a stage ended, with cause and hint where it was not completed."""
     run, column = stored.run, stored.run.curve.parameter_column
     value = partial(stored.laboratory.parameter, column)
     steps = f"{len(run.curve)} {'step' if len(run.curve) == 1 else 'steps'}"
@@ -76,7 +76,7 @@ def _box(content: str) -> str:
 
 
 def summary(stored: StoredStage, read: dict[str, Any], found: Findings) -> str:
-    """The summary of a run, beside what theory says, with its notes and units."""
+    """Return the summary of a run beside the values of theory, with its notes and units."""
     rows = summary_rows(read, stored.run.curve, found)
     columns = 4 if any(row.theory for row in rows) else 2
     headings = ("", "run", "closed form", "deviation")[:columns]
@@ -91,7 +91,7 @@ def _units(text: str) -> str:
 
 
 def states_table(stored: StoredStage, shown: int) -> str:
-    """The stored states as a table, for those who look at numbers."""
+    """Return the stored states as a table."""
     curve, steps = stored.laboratory.curve(stored.run.curve), field_steps(stored.run)
     columns = [column_words(column) for column in (curve.parameter_column, curve.reaction_column)]
     headings = ["step", *(f"{column['words']} / {column['unit']}" for column in columns), "iterations"]
@@ -106,7 +106,7 @@ def states_table(stored: StoredStage, shown: int) -> str:
 
 
 def curve_legend(stored: StoredStage, plateau: bool) -> str:
-    """What the marks on a curve mean, of those that are on it."""
+    """Return the legend of the marks on a curve."""
     curve = stored.run.curve
     kinds = {KINDS[kind] for kind in curve.kind[1:]}
     marked = {
@@ -124,7 +124,7 @@ def curve_legend(stored: StoredStage, plateau: bool) -> str:
 
 
 def provenance(stages: Sequence[StoredStage]) -> str:
-    """Where the stages come from; what differs between them is listed in turn."""
+    """Return the provenance of the stages; values that differ between them are listed in order."""
     names = dict.fromkeys(name for stored in stages for name in stored.run.attributes)
     left_out = ("L0", "E0", "stage", "space", "mesh", "dofs", "traction")
     rows = []

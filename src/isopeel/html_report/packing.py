@@ -1,4 +1,4 @@
-"""Arrays as short texts, for a script to read: numbers of few bytes, in base64."""
+"""Pack arrays as short texts for a script: numbers of few bytes, in base64."""
 
 from base64 import b64encode
 from typing import Any
@@ -10,20 +10,20 @@ from isopeel.common.arrays import FloatArray
 
 _LARGEST_DIFFERENCE = 32_767
 _LARGEST_START = 2**31 - 1
-#: What stands for a stress that does not exist; others are 0 to 254, and 127 is none.
+#: The byte of an undefined stress; other stresses are 0 to 254, and 127 is zero.
 _BLANK = 255
 
 
 def packed(values: ArrayLike, dtype: str) -> str:
-    """Numbers in the order of their array, as little-endian numbers of a type such as "f4"."""
+    """Return numbers in the order of their array, as little-endian numbers of a type such as "f4"."""
     return b64encode(np.asarray(values).astype(f"<{dtype}").tobytes()).decode("ascii")
 
 
 def packed_positions(positions: FloatArray, resolution: float) -> dict[str, Any]:
-    """Points (m, k, 2) of m columns: the first one, and the differences from one column to the next.
+    """Return points (m, k, 2) of m columns: the first column, and the differences between columns.
 
-    They are whole multiples of `unit`, which is the resolution, or more where the differences need that. Each
-    point is within half of it, as differences of rounded numbers add up without an error.
+    They are whole multiples of `unit`, which is the resolution, or more where the differences require it.
+    Each point is exact to half of it, as differences of rounded numbers add up without an error.
     """
     differences = np.abs(np.diff(positions, axis=0)).max(initial=0.0)
     unit = max(
@@ -41,6 +41,6 @@ def packed_positions(positions: FloatArray, resolution: float) -> dict[str, Any]
 
 
 def packed_stress(values: FloatArray, scale: float) -> str:
-    """Values from -scale to scale as one byte each, as fine as the colours that show them."""
+    """Return values from -scale to scale as one byte each, the resolution of the colours."""
     levels = np.rint((np.clip(values / scale, -1, 1) + 1) * 127)
     return packed(np.where(np.isnan(values), _BLANK, levels), "u1")

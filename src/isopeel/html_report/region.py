@@ -1,4 +1,4 @@
-"""What the substrate occupies of the plane, as polygons."""
+"""The region of the plane that the substrate occupies, as polygons."""
 
 from typing import Any
 
@@ -17,10 +17,10 @@ Line = list[float]
 
 
 def substrate_region(substrate: Substrate, window: Window) -> tuple[list[Line], list[Line]]:
-    """Rings around the part of a window where the gap is negative, holes among them, and its surface."""
+    """Return rings around the part of a window where the gap is negative, with holes, and its surface."""
     x, y = np.linspace(*window.x, _POINTS), np.linspace(*window.y, _POINTS)
     gap, _, _ = evaluate_substrate(substrate.kernel, substrate.parameters, np.stack(np.meshgrid(x, y), -1))
-    # a substrate from a formula may have no value somewhere
+    # the formula of a substrate may have no value somewhere
     levels = np.ma.masked_invalid(gap)
     lowest = float(levels.min()) if levels.count() else 0.0
     if lowest >= 0:

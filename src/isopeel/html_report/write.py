@@ -1,4 +1,4 @@
-"""Writing the page of a run."""
+"""Write the page of a run."""
 
 import json
 from base64 import b64encode
@@ -24,17 +24,16 @@ from isopeel.results.files import replacing
 from isopeel.running.folder import REPORT, check_overwritten
 from isopeel.running.run_reader import StoredStage, read_stages
 
-#: Of the states of all stages, so that a page can be sent by mail: it stays below 5 MB.
+#: Most bytes of the states of all stages: the page stays below 5 MB, and can be sent by mail.
 MOST_BYTES = 4_000_000
 _LEVELS = 255  # of the stress, as `packed_stress` has them
 
 
 def write_html_report(folder: Path, out: Path | None = None, *, force: bool = False) -> Path:
-    """Write what a folder holds of a run as one HTML page, DIR/report.html when no file is given.
+    """Write the run in a folder as one HTML page, by default DIR/report.html; return its path.
 
-    The page loads nothing: it opens without a network, now and later. A case of several stages has them one
-    after the other. Raises InputError where there is no run in the folder, OSError where the page cannot be
-    written.
+    The page loads nothing, and opens without a network. Several stages follow one another in it. Raises
+    InputError where the folder holds no run, OSError where the page cannot be written.
     """
     stages = read_stages(folder)
     path = out or folder / REPORT
@@ -46,7 +45,7 @@ def write_html_report(folder: Path, out: Path | None = None, *, force: bool = Fa
 
 
 def html_report(stages: tuple[StoredStage, ...]) -> str:
-    """Make the page of stages of one run. Raises InputError where their files hold no numbers."""
+    """Return the page of the stages of one run. Raises InputError where their files hold no numbers."""
     names = [f"stage-{number}" for number, _ in enumerate(stages, start=1)]
     sections, contents = [], {}
     for name, stored in zip(names, stages, strict=True):
@@ -72,21 +71,21 @@ def html_report(stages: tuple[StoredStage, ...]) -> str:
         stages="".join(sections),
         case=escape(stages[-1].run.case_text.strip()),
         provenance=markup.provenance(stages),
-        # nothing in it ends the element that it is in
+        # the text must not end the element that contains it
         content=json.dumps({"palette": palette, "stages": contents}, allow_nan=False).replace("<", "\\u003c"),
         script=script,
     )
 
 
 def _section(name: str, stored: StoredStage, several: bool, most_bytes: int) -> tuple[str, Content | None]:
-    """The part of a page on a stage, and what its script shows, where there is a state to show."""
+    """Return the part of a page on a stage, and the content for its script where there is a state."""
     run, stage = stored.run, stored.stage
     heading = f"<h2>{escape(stored.title)}</h2>\n" if several else ""
     ending = markup.ending(stored)
     if not len(run.curve) or not run.fields:
         return f'<section id="{name}">\n{heading}{ending}</section>\n', None
     if not all(np.isfinite(values).all() for values in (run.curve.parameter, run.curve.reaction)):
-        raise InputError("DIR", str(stored.folder), "its curve holds what is no number")
+        raise InputError("DIR", str(stored.folder), "its curve holds a value that is not a number")
     found = stored.found()
     points = stored.case.discretization.contact_points
     changes = stored_changes(stored.folder / "summary.json", run)
@@ -123,13 +122,13 @@ def _template(name: str) -> Template:
 
 
 def _style() -> str:
-    """The style of all documents, and what a page has beyond it, with the colours of all figures."""
+    """Return the style of all documents and that of the page, with the colours of all figures."""
     colors = {"BLUE": BLUE, "SKY": SKY, "VERMILION": VERMILION, "SHADE": SHADE}
     return "\n" + _read("report", "report.css") + _template("page.css").substitute(colors)
 
 
 def _script() -> str:
-    """The files of the script, in their order, as one."""
+    """Return the files of the script, in their order, as one text."""
     files = sorted(
         resources.files("isopeel").joinpath("html_report", "script").iterdir(), key=lambda file: file.name
     )
@@ -142,5 +141,5 @@ def _read(folder: str, name: str) -> str:
 
 
 def _hash(text: str) -> str:
-    """How a policy names a text that may be in the page."""
+    """Return the hash by which a content security policy allows a text in the page."""
     return "sha256-" + b64encode(sha256(text.encode("utf-8")).digest()).decode("ascii")
