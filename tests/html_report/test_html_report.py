@@ -182,7 +182,10 @@ def test_what_is_no_number_is_refused(folder: Path, tmp_path: Path) -> None:
     reaction = np.where(run.curve.parameter > 20, np.inf, run.curve.reaction)
     for changed, told in (
         (replace(run, fields=fields), "displacements that are no numbers"),
-        (replace(run, curve=replace(run.curve, reaction=reaction)), "its curve holds a value that is not a number"),
+        (
+            replace(run, curve=replace(run.curve, reaction=reaction)),
+            "its curve holds a value that is not a number",
+        ),
     ):
         write_run(tmp_path / "run.h5", changed)
         with pytest.raises(InputError, match=told):

@@ -311,7 +311,7 @@ class Case(Section):
 
 
 def usual_mesh(shape: Shape) -> tuple[tuple[int, int], tuple[float, float]]:
-    """The elements along the length and the height where a case names none, and their grading.
+    """Return the elements along the length and the height where a case names none, and their grading.
 
     Of most bodies 200, and 2 to 10 across: they are about as high as they are long, as the stresses of a
     front are as wide in both directions, and two are enough for bending, with the degree across that is

@@ -32,7 +32,7 @@ def changed(document: Mapping[str, Any], values: Mapping[str, Any]) -> dict[str,
 
 
 def _with(table: Any, parts: list[str], value: Any, key: str) -> Any:
-    """A copy of a table, or of a list of tables, with another value at the end of a way of names."""
+    """Return a copy of a table, or of a list of tables, with another value at the end of a way of names."""
     name, *rest = parts
     if isinstance(table, list):
         number = int(name) if re.fullmatch("[0-9]{1,6}", name) else 0
@@ -55,7 +55,7 @@ def _with(table: Any, parts: list[str], value: Any, key: str) -> Any:
 
 
 def _plain(key: str, value: Any) -> Any:
-    """A value of kinds that TOML has; numbers of NumPy are those of Python."""
+    """Return a value of kinds that TOML has; numbers of NumPy are those of Python."""
     if isinstance(value, np.generic):
         value = value.item()
     if isinstance(value, list | tuple):

@@ -49,7 +49,7 @@ def written(document: Mapping[str, Any], field: str, value: object) -> object:
 
 
 def _numbered(field: str, place: tuple[int | str, ...], document: Mapping[str, Any]) -> str:
-    """The field, with the number of the stage from 1 on where there may be several."""
+    """Return the field, with the number of the stage from 1 on where there may be several."""
     if place[:1] == ("drive",) and len(place) > 1 and isinstance(document.get("drive"), list):
         return field.replace("drive", f"drive.{int(place[1]) + 1}", 1)
     return field
@@ -58,7 +58,7 @@ def _numbered(field: str, place: tuple[int | str, ...], document: Mapping[str, A
 def _section_at(
     place: tuple[int | str, ...], document: Mapping[str, Any], case: type[Section]
 ) -> type[Section]:
-    """The section of a table: where there are several kinds, the one that the table chose."""
+    """Return the section of a table: where there are several kinds, the one that the table chose."""
     key, number = str(place[0]), place[1]
     annotation = case.model_fields[key].annotation
     candidates = [kind for kind in (annotation, *get_args(annotation)) if isclass(kind)]

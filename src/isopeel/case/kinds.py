@@ -66,7 +66,7 @@ class KindSection(Section):
 
 
 def _given(kind: type[Any]) -> list[dataclasses.Field[Any]]:
-    """The fields of a dataclass that it is made with."""
+    """Return the fields of a dataclass that it is made with."""
     return [field for field in dataclasses.fields(kind) if field.init]
 
 

@@ -95,7 +95,7 @@ def check_number(stages: object) -> object:
 
 
 def _least_step(dimension: Dimension, to: object) -> str:
-    """The least step to somewhere, with its unit, whatever the case measures in."""
+    """Return the least step to somewhere, with its unit, whatever the case measures in."""
     way = parse_quantity(str(to))
     if dimension.angle:
         return f"{abs(way.value) / MOST_STEPS:g} deg"

@@ -60,7 +60,7 @@ def read_quantity(dimension: Dimension, written: object) -> float:
 
 
 def as_written(dimension: Dimension, value: object) -> str:
-    """A value of a command line as a case file would have it, which takes no plain numbers.
+    """Return a value of a command line as a case file would have it, which takes no plain numbers.
 
     One rule for all commands: a plain number is in degrees where an angle is needed, as all curves over an
     angle are; of a length or a force it would mean another one in each case, and is left to be refused.
@@ -161,7 +161,7 @@ def _constant(written: object) -> float:
 
 
 def constant_powers(written: object) -> tuple[Fraction, Fraction]:
-    """The powers of stress and length that a constant is written in; a plain number has none."""
+    """Return the powers of stress and length that a constant is written in; a plain number has none."""
     if not isinstance(written, str):
         return Fraction(0), Fraction(0)
     quantity = parse_quantity(written)

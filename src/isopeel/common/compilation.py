@@ -54,12 +54,12 @@ def compiled_now(
 
 
 def is_kept(function: Callable[..., Any]) -> bool:
-    """Whether a function is there in compiled form."""
+    """Return whether a function is there in compiled form."""
     return keeps(function) and any(_folder(function).glob(f"{_module(function)}.{function.__name__}-*.nbi"))
 
 
 def keeps(function: Callable[..., Any]) -> bool:
-    """Whether a function is kept once it is compiled.
+    """Return whether a function is kept once it is compiled.
 
     What was kept of its file with other sources is removed. The place is beside the file or in the user's
     cache folder. Where neither can be written to, it is compiled in memory, anew in each process.

@@ -141,7 +141,7 @@ def cleared_up(how: Callable[[], object]) -> Iterator[None]:
 
 
 def _is_usual() -> bool:
-    """Whether Ctrl-C raises KeyboardInterrupt, and this thread can change that."""
+    """Return whether Ctrl-C raises KeyboardInterrupt, and this thread can change that."""
     usual = _signal.getsignal(_SIGINT) is signal.default_int_handler
     return usual and current_thread() is main_thread()
 

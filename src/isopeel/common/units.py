@@ -210,7 +210,7 @@ def _two_ways(unit: str) -> str:
 
 
 def _raised(size: Fraction, power: Fraction) -> Fraction:
-    """A size to a power: exactly where that is a whole number, else to the round-off of floats."""
+    """Return a size to a power: exactly where that is a whole number, else to the round-off of floats."""
     return size**power.numerator if power.denominator == 1 else Fraction(float(size) ** float(power))
 
 

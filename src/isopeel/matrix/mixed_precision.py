@@ -22,7 +22,7 @@ class Approximate(NamedTuple):
 
 
 def approximate(matrix: BandMatrix) -> Approximate:
-    """A factor of a symmetric matrix whose solutions are right to about a hundredth in energy.
+    """Return a factor of a symmetric matrix whose solutions are right to about a hundredth in energy.
 
     It is kept in single precision where that suffices for the softest motions, which suffer most: inverse
     iterations lead to them. Raises NotPositiveDefiniteError.

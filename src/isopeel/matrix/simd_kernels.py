@@ -34,7 +34,7 @@ class _Writer:
         return self._context.make_array(array)(self._context, self._builder, value).data
 
     def load(self, data: Any, place: Any) -> Any:
-        """A vector of an array."""
+        """Return a vector of an array."""
         return self._builder.load(self._pointer(data, place), align=self._bytes)
 
     def store(self, vector: Any, data: Any, place: Any) -> None:
@@ -56,7 +56,7 @@ class _Writer:
         return kept
 
     def all_of(self, scalar: Any) -> Any:
-        """A vector of one number."""
+        """Return a vector of one number."""
         first = self._builder.insert_element(self.zero, scalar, ir.IntType(32)(0))
         return self._shuffled(first, first, [0] * COLUMNS)
 
@@ -81,7 +81,7 @@ class _Writer:
         return self._builder.fmul(one, other, flags=_FLAGS)
 
     def sum_of_products(self, ones: list[Any], others: list[Any]) -> Any:
-        """The sum over pairs of vectors, in two halves, which need not wait for each other."""
+        """Return the sum over pairs of vectors, in two halves, which need not wait for each other."""
         products = [self.times(one, other) for one, other in zip(ones, others, strict=True)]
         halves = products[:2]
         for k, product in enumerate(products[2:]):
@@ -89,7 +89,7 @@ class _Writer:
         return self.plus(*halves)
 
     def sums(self, vectors: list[Any]) -> Any:
-        """The sum of each of eight vectors, as the numbers of one."""
+        """Return the sum of each of eight vectors, as the numbers of one."""
         while len(vectors) > 1:
             # a vector has one sum for each of those that went into it, over and over
             size = COLUMNS // len(vectors)
@@ -144,7 +144,7 @@ def forward(_context: Any, values: Any, _block: Any, _rows: Any, x: Any, _start:
 
 @intrinsic
 def backward(_context: Any, values: Any, _block: Any, _rows: Any, x: Any, _start: Any) -> Any:
-    """The same with the transposed factor."""
+    """Return the same with the transposed factor."""
 
     _check(values, x)
 

@@ -79,7 +79,7 @@ def published(mesh: str) -> dict[str, Published]:
 
 
 def quoted() -> tuple[Quoted, ...]:
-    """The best amplitudes of the enriched contact element of Corbett and Sauer (2014), as quoted."""
+    """Return the best amplitudes of the enriched contact element of Corbett and Sauer (2014), as quoted."""
     return tuple(
         Quoted(row["discretization"], row["mesh"], float(row["dM_e3"]), int(row["dofs_true"]))
         for row in _rows("table2.csv")
@@ -142,7 +142,7 @@ MISPRINTS = (
 
 
 def meant(row: Published) -> Figures | None:
-    """The figures of a row with its misprints mended."""
+    """Return the figures of a row with its misprints mended."""
     if row.figures is None:
         return None
     mended = {

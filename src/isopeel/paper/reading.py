@@ -37,7 +37,7 @@ class Rows(Enum):
     ELEVATED = "elevated in the contact row only"
 
     def enriched(self, space: str) -> str:
-        """The space that a published name is taken for.
+        """Return the space that a published name is taken for.
 
         L2 and L4 are elevations of L1, and Np.q is one of Np: ELEVATED has them in the contact row over what
         they are elevations of. L1 and Np are no elevations.
@@ -130,7 +130,7 @@ class Recipe:
     points: Points = Points.DEFAULT
 
     def run(self, space: str, mesh: str) -> Run:
-        """The run of a published discretization."""
+        """Return the run of a published discretization."""
         enriched = self.rows.enriched(space)
         return Run(enriched, mesh, self.traction, self.points.count(enriched))
 

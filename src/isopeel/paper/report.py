@@ -124,12 +124,12 @@ def _folder(parts: Sequence[str], meshes: Sequence[str]) -> str:
 
 
 def _is_folder(name: str) -> bool:
-    """Whether a report on less than everything could have a folder of this name."""
+    """Return whether a report on less than everything could have a folder of this name."""
     return set(name.split("-")) <= {*PARTS, *MESHES}
 
 
 def needed_runs(parts: Sequence[str], meshes: Sequence[str]) -> list[Run]:
-    """All runs of some parts of the report, and those they start from."""
+    """Return all runs of some parts of the report, and those they start from."""
     return with_bases(run for name in parts for run in PARTS[name].runs(meshes))
 
 

@@ -29,10 +29,10 @@ class Results:
         return self.readables[run].read(window, reading) if run in self.readables else None
 
     def amplitude(self, run: Run) -> float | None:
-        """The amplitude dM in the default window, in E0 L0^3; None as for the figures."""
+        """Return the amplitude dM in the default window, in E0 L0^3; None as for the figures."""
         figures = self.figures(run)
         return None if figures is None else figures.amplitude / 1e3
 
     def stored(self, run: Run) -> StoredRun:
-        """The whole run, with its fields. Raises InputError where it is not in the store."""
+        """Return the whole run, with its fields. Raises InputError where it is not in the store."""
         return self.store.read(run)

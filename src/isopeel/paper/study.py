@@ -120,12 +120,12 @@ class Run:
 
 
 def table_runs(meshes: Iterable[str]) -> list[Run]:
-    """The published discretizations."""
+    """Return the published discretizations."""
     return [Run(space, mesh) for mesh in meshes for space in SPACES]
 
 
 def contact_row_runs(meshes: Iterable[str]) -> list[Run]:
-    """The published discretizations with the contact row alone enriched or elevated."""
+    """Return the published discretizations with the contact row alone enriched or elevated."""
     return [Run(space, mesh) for mesh in meshes for space in (*CONTACT_ROW, *ELEVATED_ROW)]
 
 
@@ -135,7 +135,7 @@ def literature_runs(meshes: Iterable[str]) -> list[Run]:
 
 
 def traction_runs() -> list[Run]:
-    """All published discretizations and their contact rows, with the force on the projected area."""
+    """Return all published discretizations and their contact rows, with the force on the projected area."""
     return [Run(space, VARIANT_MESH, "projected") for space in VARIED_SPACES]
 
 
@@ -153,7 +153,7 @@ def quadrature_runs() -> list[Run]:
 
 
 def timed_runs(runs: Iterable[Run]) -> list[Run]:
-    """The same runs, timed."""
+    """Return the same runs, timed."""
     return [replace(run, timed=True) for run in runs]
 
 
@@ -165,7 +165,7 @@ def default_points(space: str) -> int:
 
 
 def with_bases(runs: Iterable[Run]) -> list[Run]:
-    """The runs, each after the one that it starts from, none twice; the costliest first."""
+    """Return the runs, each after the one that it starts from, none twice; the costliest first."""
     found: dict[Run, None] = {}
     for run in runs:
         if run.base is not None:

@@ -23,5 +23,5 @@ def deviations(ours: Figures | None, theirs: Figures | None) -> str:
 
 
 def endings(records: Iterable[Record]) -> tuple[str, ...]:
-    """A note for each run that ended early, where and why."""
+    """Return a note for each run that ended early, where and why."""
     return tuple(f"{record.run.name}: {record.ended}." for record in records if record.ended is not None)

@@ -54,7 +54,7 @@ class BezierMesh:
         return cls(ends, product(A, shape_factor) / weights[..., None], weights, own, factor)
 
     def edge(self, side: Side) -> "BezierMesh":
-        """The curves on a side, as cells of degree 0 across it."""
+        """Return the curves on a side, as cells of degree 0 across it."""
         at = slice(0, 1) if side in ("left", "bottom") else slice(-1, None)
         along = slice(None)
         part = (at, along, at, along) if side in ("left", "right") else (along, at, along, at)
@@ -120,14 +120,14 @@ class StraightMesh:
         return cls._at(shape, space.weighted(shape), ends, (along, across))
 
     def edge(self, side: Side) -> Self:
-        """The lines on a side, with one point across it."""
+        """Return the lines on a side, with one point across it."""
         xi, eta = self.places
         end = np.array([[0.0 if side in ("left", "bottom") else 1.0]])
         places = (end, eta) if side in ("left", "right") else (xi, end)
         return self._at(self._shape, self._space, self.ends, places)
 
     def displacement(self, coefficients: FloatArray) -> FloatArray:
-        """A displacement (n_x, n_y, k, l, 2) with coefficients (size, 2) at the points."""
+        """Return a displacement (n_x, n_y, k, l, 2) with coefficients (size, 2) at the points."""
         return on_grid(self._space, coefficients, *self.places)[0]
 
     def interpolated(self, values: FloatArray) -> FloatArray:

@@ -42,7 +42,7 @@ def difference(curve: Curve, first: Curve) -> Difference:
 
 
 def comparison(runs: Sequence[Compared]) -> list[dict[str, Any]]:
-    """A row for each run, by the names of columns; None where there is no such number.
+    """Return a row for each run, by the names of columns; None where there is no such number.
 
     The reaction and its parameter are in the units of their columns, slopes per unit of the parameter. The
     plateau is that of the window of each run. The time of a step is the median of its run.

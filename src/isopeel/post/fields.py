@@ -156,7 +156,7 @@ def nodes(breakpoints: FloatArray, cells: int) -> FloatArray:
 
 
 def as_rows(shape: NurbsSurface) -> tuple[RowSpace, FloatArray]:
-    """The shape as a space whose rows are alike, and its control points (size, 2) in it."""
+    """Return the shape as a space whose rows are alike, and its control points (size, 2) in it."""
     along, across = shape.spaces
     # equal weights are none, as a displacement on the shape has none then
     weights = None if np.ptp(shape.weights) == 0 else tuple(shape.weights.T)

@@ -248,7 +248,7 @@ def _steady(
 
 
 def _drifted(rise: float) -> str:
-    """A drift in words, without digits that are round-off."""
+    """Return a drift in words, without digits that are round-off."""
     return f"{100 * rise:+.2g} %" if abs(rise) > 1e-4 else "below 0.01 %"
 
 

@@ -109,7 +109,7 @@ def process_zones(
     fields: Mapping[float, FloatArray],
     maximum_openings: Mapping[float, FloatArray] | None = None,
 ) -> dict[float, ProcessZone]:
-    """The zones of `process_zone` in states, by parameter; those without a front are left out.
+    """Return the zones of `process_zone` in states, by parameter; those without a front are left out.
 
     An irreversible joint needs the `maximum_openings` (E, Q) in each state.
     """
@@ -125,7 +125,7 @@ def process_zones(
 
 
 def process_zone(profile: FrontProfile) -> ProcessZone | None:
-    """The stretch around the peak where the attraction exceeds half of it, by linear interpolation.
+    """Return the stretch around the peak where the attraction exceeds half of it, by linear interpolation.
 
     Half the peak lies on the steep flanks: a tenth of it would be a matter of the law's long tail. The peak
     is that of the points looked at; where several stretches are pulled alike, as all troughs of a wave that a

@@ -72,7 +72,7 @@ class Laboratory:
 
     @classmethod
     def of(cls, units: UnitSystem, problem: Problem, width: float | None = None) -> "Laboratory":
-        """The units of a problem."""
+        """Return the units of a problem."""
         return cls(
             units, float(np.ptp(problem.body.shape.control_points.reshape(-1, 2), axis=0).max()), width
         )
@@ -97,12 +97,12 @@ class Laboratory:
         return Unit(whole, float(internal * self.units.length) * self.width)
 
     def value(self, value: float, kind: Kind) -> tuple[float, str]:
-        """A value in the unit of its kind, and that unit; lengths in that of the body."""
+        """Return a value in the unit of its kind, and that unit; lengths in that of the body."""
         unit = self.unit(kind, value if kind == "stress" else None)
         return value * unit.factor, unit.name
 
     def text(self, value: float, kind: Kind, digits: int = DIGITS) -> str:
-        """A value with its unit, lengths and stresses in the one of their size."""
+        """Return a value with its unit, lengths and stresses in the one of their size."""
         unit = self.unit(kind, value)
         shown = f"{value * unit.factor:.{digits}g}"
         # of 800 um few digits are known, and 8e+02 um reads badly
@@ -111,11 +111,11 @@ class Laboratory:
         return f"{shown} {unit.name}".rstrip()
 
     def length(self, value: float) -> str:
-        """A length with its unit, in four digits, for a sentence."""
+        """Return a length with its unit, in four digits, for a sentence."""
         return self.text(value, "length", 4)
 
     def both(self, value: float, kind: Kind, digits: int = DIGITS) -> str:
-        """A value with its unit, and in the units of the case where these are the usual L0 and E0.
+        """Return a value with its unit, and in the units of the case where these are the usual L0 and E0.
 
         Those are the units of the published strip, with which it is compared.
         """
@@ -125,7 +125,7 @@ class Laboratory:
         return f"{value:.{digits}g} {scales} = {self.text(value, kind, digits)}"
 
     def column(self, column: Column) -> Unit:
-        """The unit of a column of a curve, and the factor from the values in it."""
+        """Return the unit of a column of a curve, and the factor from the values in it."""
         return self.unit(kind_of(column)) if column.unit in _KINDS else Unit(column.unit, 1.0)
 
     def heading(self, column: Column) -> str:
@@ -135,7 +135,7 @@ class Laboratory:
         return f"{name} [{unit}]" if unit not in ("", "1") else name
 
     def parameter(self, column: Column, value: float) -> str:
-        """A value of a column with its unit."""
+        """Return a value of a column with its unit."""
         if column.unit not in _KINDS:
             return f"{value:.{DIGITS}g} {column.unit}"
         return self.text(value, kind_of(column))
@@ -200,7 +200,7 @@ def kind_of(column: Column) -> Kind:
 
 
 def short_unit(column: Column) -> str:
-    """The unit of a column as it stands behind a number."""
+    """Return the unit of a column as it stands behind a number."""
     return "deg" if column.unit == "degree" else column.unit
 
 

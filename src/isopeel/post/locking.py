@@ -123,7 +123,7 @@ def _volume_notes(problem: Problem, space: RowSpace) -> list[Note]:
 
 
 def _coarser(space: RowSpace, step: int) -> RowSpace:
-    """The space on every so many breakpoints both ways."""
+    """Return the space on every so many breakpoints both ways."""
 
     def thinned(one: SplineSpace) -> SplineSpace:
         ends = np.append(one.breakpoints[:-1:step], one.breakpoints[-1])
@@ -133,7 +133,7 @@ def _coarser(space: RowSpace, step: int) -> RowSpace:
 
 
 def _richer_both_ways(space: RowSpace) -> RowSpace:
-    """The space with one degree more along, and across, and the continuity that it has."""
+    """Return the space with one degree more along, and across, and the continuity that it has."""
 
     def elevated(one: SplineSpace) -> SplineSpace:
         return SplineSpace.on(one.degree + 1, int(one.continuities.max(initial=0)), one.breakpoints)
@@ -142,7 +142,7 @@ def _richer_both_ways(space: RowSpace) -> RowSpace:
 
 
 def _with_spaces(space: RowSpace, change: Callable[[SplineSpace], SplineSpace]) -> RowSpace:
-    """The space with its univariate spaces changed; the first rows keep their kind."""
+    """Return the space with its univariate spaces changed; the first rows keep their kind."""
     across, changed = change(space.across), {row: change(row) for row in dict.fromkeys(space.rows)}
     bulk = space.rows[-1]
     first = [row for row in space.rows if row is not bulk][: across.size]
@@ -188,12 +188,12 @@ def _bending_notes(problem: Problem, space: RowSpace, laboratory: Laboratory) ->
 
 
 def _by(excess: float) -> str:
-    """An excess in words."""
+    """Return an excess in words."""
     return f"{100 * excess:.1f} %" if excess < 1 else f"{1 + excess:.2g} times"
 
 
 def _matters(problem: Problem, space: RowSpace, found: Bending) -> bool:
-    """Whether an excess of the bending stiffness makes the reaction wrong."""
+    """Return whether an excess of the bending stiffness makes the reaction wrong."""
     power, allowed = 1.0, LOCKED
     if isinstance(problem.drive, RotatedSide):
         power = 0.5  # M = sqrt(2 E'I W)

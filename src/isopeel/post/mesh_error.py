@@ -151,7 +151,7 @@ def _change_of_largest(
 
 
 def _equilibrium(system: System, start: State) -> NewtonResult | None:
-    """The equilibrium near a start, or the one that falling energy leads to."""
+    """Return the equilibrium near a start, or the one that falling energy leads to."""
     path = Path(system, NewtonSettings(), [start])
     try:
         return path.equilibrium(start.parameter).result

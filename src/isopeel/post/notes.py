@@ -18,7 +18,7 @@ MESH_CHANGE = 0.015
 
 
 def run_notes(run: StoredRun, found: Findings, onset: float | None) -> list[Note]:
-    """All notes on a run but those of a finer mesh."""
+    """Return all notes on a run but those of a finer mesh."""
     window, laboratory = found.window, found.laboratory
     notes = [*found.doubts]
     if found.inside:

@@ -194,7 +194,7 @@ def _without_drift(
 
 
 def _along(direction: FloatArray, values: FloatArray) -> tuple[float, FloatArray]:
-    """The part of values along a direction without mean: least squares of one unknown, and the fit."""
+    """Return the part of values along a direction without mean: least squares of one unknown, and the fit."""
     share = float(direction @ values / (direction @ direction))
     return share, share * direction
 

@@ -69,7 +69,7 @@ class Forces:
 
 
 def forces(curve: Curve) -> Forces | None:
-    """The force of a curve over the displacement; None where its reaction is another quantity."""
+    """Return the force of a curve over the displacement; None where its reaction is another quantity."""
     if kind_of(curve.reaction_column) == "force":
         return Forces(curve.reaction, curve.parameter)
     if kind_of(curve.parameter_column) == "force":
@@ -210,14 +210,14 @@ def is_only_pressed(problem: Problem, curve: Curve) -> bool:
 
 
 def first_fall(force: FloatArray) -> int | None:
-    """The first step at which a force is below its largest so far by more than an oscillation."""
+    """Return the first step at which a force is below its largest so far by more than an oscillation."""
     largest = np.maximum.accumulate(force)
     fallen = np.flatnonzero((force < (1 - _FALL) * largest) & (largest > 0))
     return None if not fallen.size else int(fallen[0])
 
 
 def _initiation(problem: Problem, curve: Curve, pulled: Forces) -> int | None:
-    """The step of the first peak of a force; None where it falls because the joint ends."""
+    """Return the step of the first peak of a force; None where it falls because the joint ends."""
     fallen = first_fall(pulled.force)
     if fallen is None or _at_the_end(problem, curve)[fallen]:
         return None
@@ -228,7 +228,7 @@ def _initiation(problem: Problem, curve: Curve, pulled: Forces) -> int | None:
 
 
 def _at_the_end(problem: Problem, curve: Curve) -> NDArray[np.bool_]:
-    """Whether less of a joint is left at each step (steps,) than its front reaches into it."""
+    """Return whether less of a joint is left at each step (steps,) than its front reaches into it."""
     adhesion = problem.adhesion
     length = problem.body.shape.boundary(adhesion.side).length()
     left = length * (adhesion.end - adhesion.start) - opened(problem, curve)
@@ -243,7 +243,7 @@ def _height(problem: Problem) -> float:
 
 
 def pull_off(problem: Problem, curve: Curve) -> int | None:
-    """The step of the largest tension of a body that is pulled off; None where none is."""
+    """Return the step of the largest tension of a body that is pulled off; None where none is."""
     pulled = forces(curve)
     if pulled is None or drive_test(problem, curve) != "pull":
         return None
@@ -305,7 +305,7 @@ def _opened(problem: Problem, curve: Curve, pulled: Forces, arm: str) -> list[Re
 
 
 def _buckled(curve: Curve, pulled: Forces | None) -> list[Reading]:
-    """The force or moment at the first bifurcation that the path passed."""
+    """Return the force or moment at the first bifurcation that the path passed."""
     steps = np.flatnonzero(curve.kind == KINDS.index("bifurcation"))
     if not len(steps):
         return []
@@ -339,6 +339,6 @@ def _away(problem: Problem) -> float:
 
 
 def _straight_up(problem: Problem, side: Side) -> bool:
-    """Whether a side is a straight line along y."""
+    """Return whether a side is a straight line along y."""
     places = problem.body.shape.boundary(side).evaluate(np.linspace(0.0, 1.0, 5))
     return bool(np.ptp(places[:, 0]) <= 1e-9 * np.ptp(places[:, 1]))

@@ -177,7 +177,7 @@ def elements_are_tall(problem: Problem, space: RowSpace) -> bool:
 
 
 def lies_flat(problem: Problem) -> bool:
-    """Whether the adhering part is everywhere as far from the substrate at rest."""
+    """Return whether the adhering part is everywhere as far from the substrate at rest."""
     places, gap = _at_rest(problem)
     return bool(np.ptp(gap) <= EVEN * (places[-1] - places[0]))
 
@@ -227,7 +227,7 @@ class Zones:
 
 
 def _reach(law: AdhesionLaw) -> float:
-    """The reach of a law over the process zone; 1 of a law without a peak."""
+    """Return the reach of a law over the process zone; 1 of a law without a peak."""
     try:
         character = law_character(law)
     except InputError:
@@ -237,7 +237,7 @@ def _reach(law: AdhesionLaw) -> float:
 
 
 def functions_along(problem: Problem, space: RowSpace) -> SplineSpace:
-    """The functions along the adhering side."""
+    """Return the functions along the adhering side."""
     rows: dict[Side, SplineSpace] = {"bottom": space.rows[0], "top": space.rows[-1]}
     return rows.get(problem.adhesion.side, space.across)
 

@@ -120,7 +120,7 @@ def oscillation_notes(
 
 
 def _last_part(curve: Curve) -> tuple[float, float]:
-    """The last part of the path in which a steady reaction is looked for."""
+    """Return the last part of the path in which a steady reaction is looked for."""
     first, last = float(curve.parameter[0]), float(curve.parameter[-1])
     low, high = sorted((last - LAST[0] * (last - first), last))
     return low, high
@@ -177,12 +177,12 @@ def _remedy(problem: Problem, space: RowSpace, found: Resolution) -> Remedy | No
 
 
 def _affordable(space: RowSpace, mesh: tuple[int, int]) -> bool:
-    """Whether a run on so many elements takes no more than some minutes."""
+    """Return whether a run on so many elements takes no more than some minutes."""
     return mesh[0] * (mesh[1] + space.across.degree) <= _MOST_COLUMNS
 
 
 def _graded(problem: Problem, space: RowSpace, found: Resolution) -> Remedy | None:
-    """The first graded mesh, of few elements first, that resolves a front in one half of the side."""
+    """Return the first graded mesh, of few elements first, that resolves a front in one half of the side."""
     along, across = space.elements
     middle = float(ends_along(problem, space)[-1]) / 2
     sides = {np.sign(sum(stretch) / 2 - middle) for stretch in found.stretches}
@@ -229,7 +229,7 @@ def _rows(problem: Problem, across: int, contact: float | None) -> tuple[int, in
 
 
 def _softer(problem: Problem, space: RowSpace, found: Resolution, laboratory: Laboratory) -> str:
-    """The strength whose process zone a run can resolve, by the estimate."""
+    """Return the strength whose process zone a run can resolve, by the estimate."""
     from scipy.optimize import brentq
 
     law = problem.adhesion.law
@@ -254,6 +254,6 @@ def _softer(problem: Problem, space: RowSpace, found: Resolution, laboratory: La
 
 
 def _rounded_up(number: float) -> int:
-    """The next number of two digits and zeros."""
+    """Return the next number of two digits and zeros."""
     unit: int = 10 ** max(floor(log10(number)) - 1, 0)
     return int(ceil(number / unit) * unit)

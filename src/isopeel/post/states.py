@@ -80,13 +80,13 @@ def body_state(
 
 
 def stress_scale(states: Iterable[BodyState]) -> float:
-    """The largest |I1| of all states, at which the colours of I1 end either way."""
+    """Return the largest |I1| of all states, at which the colours of I1 end either way."""
     # an invariant below 1e-6 is the round-off of a body at rest
     return max(1e-6, *(float(np.nanmax(np.abs(state.fields.first_invariant))) for state in states))
 
 
 def whole_window(states: Iterable[BodyState]) -> Window:
-    """All of the body in all states, with room for labels."""
+    """Return all of the body in all states, with room for labels."""
     points = np.concatenate([state.fields.position.reshape(-1, 2) for state in states])
     low, high = points.min(axis=0), points.max(axis=0)
     margin = 0.05 * float(np.max(high - low))
@@ -95,7 +95,7 @@ def whole_window(states: Iterable[BodyState]) -> Window:
 
 
 def front_window(problem: Problem, state: BodyState) -> Window:
-    """The body where the substrate pulls most, with a margin."""
+    """Return the body where the substrate pulls most, with a margin."""
     attraction = state.attraction
     # where nothing is pulled yet, a front will start from the end next to the drive
     from_drive = np.linalg.norm(state.adhering - state.driven[1], axis=1)

@@ -92,7 +92,7 @@ def summarize(
 
 
 def _reading(reading: Reading, curve: Curve, laboratory: Laboratory) -> dict[str, Any]:
-    """A reading in laboratory units, for JSON."""
+    """Return a reading in laboratory units, for JSON."""
     value, unit = laboratory.value(reading.value, reading.kind)
     internal = {"force": "E0 L0", "moment": "E0 L0^3", "energy": "E0 L0^3", "length": "L0"}.get(reading.kind)
     parameter = curve.parameter_column

@@ -24,7 +24,7 @@ class Row(NamedTuple):
 
 
 def summary_rows(summary: Mapping[str, Any], curve: Curve, found: Findings) -> list[Row]:
-    """A summary in words; cells are empty where there is nothing to say."""
+    """Return a summary in words; cells are empty where there is nothing to say."""
     laboratory = found.laboratory
     parameter = curve.parameter_column
     rows = [Row("space", f"{summary['space']}, {summary['mesh']}, {summary['dofs']} DOFs")]

@@ -79,7 +79,7 @@ def _peeled(case: Strip) -> float:
 
 
 def _problem(case: Strip) -> tuple[Problem, float]:
-    """The problem, and the length over which a beam held by springs of the law's stiffness decays."""
+    """Return the problem, and the length over which a beam held by springs of the law's stiffness decays."""
     law = VanDerWaals.like(0.0, case.work, case.distance / 15 ** (1 / 6))
     modulus = _MODULUS_FACTOR * case.modulus
     held = float((modulus * case.height**3 / (3 * law_character(law).stiffness)) ** 0.25)

@@ -168,7 +168,7 @@ def judge(outcomes: Sequence[PulledOff]) -> Result:
 
 
 def _theory(found: PulledOff) -> tuple[str, float, float | None]:
-    """The theory that a row is held against, its pull-off force, and what is allowed."""
+    """Return the theory that a row is held against, its pull-off force, and what is allowed."""
     if found.tabor_parameter > CRACK_LIKE:
         return "JKR", found.jkr, ALLOWED
     if found.tabor_parameter < RIGID_LIKE:

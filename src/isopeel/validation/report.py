@@ -159,7 +159,7 @@ def _blocks(name: str, result: Result) -> Iterator[Block]:
 
 
 def _brief(name: str, result: Result) -> Table:
-    """The table without what fills a console: a row's name in one column, no further details."""
+    """Return the table without what fills a console: a row's name in one column, no further details."""
     named = slice(result.named_by)
     rows = []
     for row in result.rows:

@@ -46,7 +46,7 @@ class Trace:
         return float(self.angles_deg[-1])
 
     def reaches(self, angle_deg: float) -> bool:
-        """Whether the run got to an angle."""
+        """Return whether the run got to an angle."""
         return self.end_deg >= angle_deg - _SAME
 
     def within(self, part: tuple[float, float]) -> tuple[FloatArray, FloatArray]:
@@ -64,7 +64,7 @@ class Trace:
 
 
 def around(window: tuple[float, float]) -> tuple[float, float]:
-    """The part of a curve to be shown for a window: the window and a margin."""
+    """Return the part of a curve to be shown for a window: the window and a margin."""
     margin = 0.15 * (window[1] - window[0])
     return window[0] - margin, window[1] + margin
 

@@ -16,12 +16,12 @@ _OVER_MESHES = ("L4", "N2.1")
 
 
 def runs(meshes: Sequence[str]) -> list[Run]:
-    """The published discretizations."""
+    """Return the published discretizations."""
     return table_runs(meshes)
 
 
 def blocks(results: Results, meshes: Sequence[str]) -> Iterator[Block]:
-    """The closed form beside the plateau, then the published Figs. 6 to 8."""
+    """Yield the closed form beside the plateau, then the published Figs. 6 to 8."""
     closed_form = beam_peeling(strip())
     assert closed_form is not None  # it is a strip
     panel_mesh = "m2" if "m2" in meshes else meshes[0]

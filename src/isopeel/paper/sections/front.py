@@ -22,12 +22,12 @@ _SIZE = LENGTH / MESHES[_MESH][0]  # of an element along the strip, in L0 = 1 nm
 
 
 def runs(meshes: Sequence[str]) -> list[Run]:
-    """The published spaces on m2, where all of them reach the plateau."""
+    """Return the published spaces on m2, where all of them reach the plateau."""
     return table_runs([_MESH]) if _MESH in meshes else []
 
 
 def blocks(results: Results, meshes: Sequence[str]) -> Iterator[Block]:
-    """The lengths and the traction of all spaces, and one picture; nothing without its mesh."""
+    """Yield the lengths and the traction of all spaces, and one picture; nothing without its mesh."""
     fronts = {space: results.records[Run(space, _MESH)].front for space in SPACES} if runs(meshes) else {}
     finest = fronts.get(_SHOWN[-1])
     if finest is None:

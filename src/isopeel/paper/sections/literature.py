@@ -35,13 +35,13 @@ _SCHEMES = {
 
 
 def runs(meshes: Sequence[str]) -> list[Run]:
-    """All spaces, and their timed runs."""
+    """Return all spaces, and their timed runs."""
     spaces = [*table_runs(meshes), *contact_row_runs(meshes), *literature_runs(meshes)]
     return [*spaces, *timed_runs(spaces)]
 
 
 def blocks(results: Results, meshes: Sequence[str]) -> Iterator[Block]:
-    """A table of the schemes, one of costs, and the picture of both."""
+    """Yield a table of the schemes, one of costs, and the picture of both."""
     yield Text(
         "Every enrichment is a choice of one spline space per row of control points. The published figures "
         "of Q1N2.1 are the best of that scheme, as the study quotes them from Corbett and Sauer (2014); the "

@@ -31,7 +31,7 @@ REFERENCES = """\
 
 
 def blocks() -> Iterator[Block]:
-    """The model, the method, and how the figures are read."""
+    """Yield the model, the method, and how the figures are read."""
     case = Run("L1", "m2").case
     problem = case.problem()
     settings = NewtonSettings()
@@ -66,7 +66,7 @@ def blocks() -> Iterator[Block]:
 
 
 def _constants(section: object) -> str:
-    """The numbers of a section of a case, by the names of their keys."""
+    """Return the numbers of a section of a case, by the names of their keys."""
     found = {
         name: value for name, value in vars(section).items() if isinstance(value, float) and name != "length"
     }

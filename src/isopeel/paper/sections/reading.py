@@ -49,7 +49,7 @@ def runs(meshes: Sequence[str]) -> list[Run]:
 
 
 def blocks(results: Results, meshes: Sequence[str]) -> Iterator[Block]:
-    """The window, the force, the points, then the recipe that fits best and what it leaves."""
+    """Yield the window, the force, the points, then the recipe that fits best and what it leaves."""
     if VARIANT_MESH in meshes:
         yield from _window(results)
         yield from _traction(results)

@@ -75,7 +75,7 @@ def _figures(results: Results, mesh: str) -> Table:
 
 
 def _other(results: Results, rows: Rows, space: str, mesh: str) -> str:
-    """The figures where other rows than all make another space."""
+    """Return the figures where other rows than all make another space."""
     enriched = rows.enriched(space)
     return "as all rows" if enriched == space else triple(results.figures(Run(enriched, mesh)))
 

@@ -58,7 +58,7 @@ class CohesiveCylinder:
 def maugis_cylinder(
     ratio: float, strength: float, work: float, reduced_modulus: float, radius: float
 ) -> CohesiveCylinder:
-    """The equilibrium at the ratio c/a of the attracted width to that of the contact.
+    """Return the equilibrium at the ratio c/a of the attracted width to that of the contact.
 
     The load falls and rises again with the ratio. Raises InputError unless the ratio is larger than 1 by a
     millionth, short of which digits run out.

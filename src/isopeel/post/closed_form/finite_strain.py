@@ -51,7 +51,7 @@ class Membrane:
         return self.height * (energy - self._at_rest), self.height * float(stress[0, 0])
 
     def stretch(self, force: float) -> float:
-        """The stretch under a force. Raises ArithmeticError where there is none."""
+        """Return the stretch under a force. Raises ArithmeticError where there is none."""
         return _root_around(lambda stretch: self.state(stretch)[1] - force, 1.0)
 
     @cached_property
@@ -79,7 +79,7 @@ class PeeledTape:
 def peeled_tape(
     material: Material, height: float, work: float, angle: float, *, held: bool = True
 ) -> PeeledTape | None:
-    """The force S that peels a tape at an angle (radians), at any stretch; None where none does.
+    """Return the force S that peels a tape at an angle (radians), at any stretch; None where none does.
 
     The membrane form for soft tapes (He et al. 2018), with the energy of the material itself, per reference
     length. A joint that holds along the substrate keeps what adheres as it was laid:

@@ -115,7 +115,7 @@ def _widened(window: Window, profile: FrontProfile, zone: ProcessZone) -> Window
 
 
 def _fitted(window: Window, arrows: FloatArray, body: FloatArray) -> Window:
-    """A window that holds all arrows, too, and not much that is outside of a body (..., 2)."""
+    """Return a window that holds all arrows, too, and not much that is outside of a body (..., 2)."""
     margin = 0.1 * float(np.ptp(window.y))
     ends = []
     for k, (low, high) in enumerate((window.x, window.y)):
@@ -133,7 +133,7 @@ def _inside(places: FloatArray, window: Window) -> NDArray[np.bool_]:
 
 
 def _seen(profile: FrontProfile, window: Window) -> tuple[float, float]:
-    """The part of the face, (from, to) along it, that is about what a window shows."""
+    """Return the part of the face, (from, to) along it, that is about what a window shows."""
     places, x = profile.deformed.reshape(-1, 2), profile.position.ravel()
     centre = np.mean([window.x, window.y], axis=1)
     middle = float(x[np.linalg.norm(places - centre, axis=1).argmin()])

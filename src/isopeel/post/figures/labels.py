@@ -13,7 +13,7 @@ from isopeel.problem import Column
 
 
 def axis_label(column: Column) -> str:
-    """A quantity and its unit, as "moment $M$ / $E_0 L_0^3$"."""
+    """Return a quantity and its unit, as "moment $M$ / $E_0 L_0^3$"."""
     return f"{column.words or column.name} / {mathematical(column.unit)}"
 
 
@@ -56,7 +56,7 @@ def scientific(value: float) -> str:
 
 
 def shown_parameter(column: Column, value: float, laboratory: Laboratory | None = None) -> str:
-    """A parameter of a drive with its unit, as "110°"."""
+    """Return a parameter of a drive with its unit, as "110°"."""
     if laboratory is not None and column.unit != "degree":
         return laboratory.parameter(column, value)
     return f"{value:g}" + ("°" if column.unit == "degree" else f" {mathematical(column.unit)}")

@@ -66,7 +66,7 @@ def _whole(axes: Axes, curve: Curve, closed_form: Expected | None) -> None:
 
 
 def is_reached(closed_form: Expected, curve: Curve) -> bool:
-    """Whether a curve comes to what theory says, and can be compared with it."""
+    """Return whether a curve comes to what theory says, and can be compared with it."""
     # the curve of a path that turns back has no first and last parameter to draw the theory between
     turns_back = len(curve) > 1 and np.ptp(np.sign(np.diff(curve.parameter))) > 0
     return not turns_back and len(curve) > 0 and bool(curve.parameter[-1] >= (closed_form.onset or 0.0))

@@ -102,7 +102,7 @@ def spread(parameters: Sequence[float], most: int) -> list[float]:
 
 
 def _apart(states: list[BodyState]) -> list[BodyState]:
-    """The last state, and those whose driven ends keep a distance from those of all later ones."""
+    """Return the last state, and those whose driven ends keep a distance from those of all later ones."""
     closest = _CLOSEST_ENDS * float(np.ptp(states[-1].fields.reference_position.reshape(-1, 2), axis=0).max())
     kept: list[BodyState] = []
     for state in reversed(states):

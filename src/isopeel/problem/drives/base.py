@@ -27,7 +27,7 @@ class Column:
     words: str = ""
 
     def shown(self, value: float) -> float:
-        """The value in the unit of the column, without the round-off of its conversion."""
+        """Return the value in the unit of the column, without the round-off of its conversion."""
         return round(value * self.factor, 12)
 
 

@@ -69,9 +69,9 @@ class MovedSide:
         return None
 
     def prescribed(self, points: FloatArray, parameter: float) -> FloatArray:
-        """The same displacement for all points."""
+        """Return the same displacement for all points."""
         return np.broadcast_to(parameter * unit_vector(self.angle), points.shape)
 
     def rate(self, points: FloatArray, parameter: float) -> FloatArray:  # noqa: ARG002 (a drive's interface)
-        """The direction."""
+        """Return the direction."""
         return np.broadcast_to(unit_vector(self.angle), points.shape)

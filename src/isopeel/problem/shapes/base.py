@@ -22,7 +22,7 @@ class Shape(Protocol):
     usual_hold: ClassVar[Side]
 
     def surface(self) -> NurbsSurface:
-        """The exact shape, in the unit of its lengths."""
+        """Return the exact shape, in the unit of its lengths."""
         ...
 
     def adhering_part(self, length: float) -> tuple[float, float]:

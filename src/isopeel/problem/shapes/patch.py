@@ -66,7 +66,7 @@ class Patch:
             raise InputError("body.file", str(self.file), str(error)) from error
 
     def surface(self) -> NurbsSurface:
-        """The patch of the file."""
+        """Return the patch of the file."""
         return self._surface
 
     def adhering_part(self, length: float) -> tuple[float, float]:
