@@ -11,10 +11,10 @@ from isopeel.splines.bezier import bernstein, product, surface_cells
 from isopeel.splines.nurbs import NurbsSurface, Side
 from isopeel.splines.rows import RowSpace
 
-#: Weight functions that differ by less, relative to their size, are one: refinement costs a few round-offs.
+#: Relative difference below which weight functions are the same: refinement costs a few round-offs.
 _ROUND_OFF = 1e-13
 
-#: Places on [0, 1] that are nearer are one, written in two ways.
+#: Distance below which places on [0, 1] are the same.
 _SAME_PLACE = 1e-12
 
 Ends = tuple[FloatArray, FloatArray]
@@ -22,15 +22,15 @@ Ends = tuple[FloatArray, FloatArray]
 
 @dataclass(frozen=True, eq=False)
 class BezierMesh:
-    """Cells between `ends` along xi and eta: n_x x n_y of degrees p and q, points and fields with one weight.
+    """Bezier cells between `ends` along xi and eta: n_x x n_y cells of degrees p and q, with common weights.
 
-    A shape A_X/w and a displacement A_u/v are exact in one rational cell. Where both denominators agree, as
-    they do for all rows that contain w, and for all shapes without weights, degrees are the higher ones of
-    both. Where they do not, such as for linear rows on an arc, the cell has the weight w v and the numerators
-    A_X v and A_u w, and the degrees of both add up.
+    A shape A_X/w and a displacement A_u/v are exact in one rational cell. Where both denominators are equal,
+    as for all rows that contain w, and for all shapes without weights, the degrees are the higher ones of
+    both. Where they differ, for example for linear rows on an arc, the cell has the weight w v, the
+    numerators A_X v and A_u w, and the sums of both degrees.
 
-    Stresses are no rational functions of that kind. Their control values are such that the cell gives the
-    exact stress at its (p + 1) x (q + 1) Gauss points, `places`; elsewhere, as at its edges, it interpolates.
+    Stresses are not rational functions of that kind. Their control values make the cell exact at its
+    (p + 1) x (q + 1) Gauss points, `places`; elsewhere, for example at its edges, it interpolates.
     """
 
     ends: Ends
@@ -42,7 +42,7 @@ class BezierMesh:
 
     @classmethod
     def of(cls, shape: NurbsSurface, space: RowSpace, ends: Ends) -> Self:
-        """Cut a shape and the space of a displacement; each cell lies in one element of both."""
+        """Return the cells of a shape and the space of a displacement; each lies in one element of both."""
         own = space.weighted(shape)
         A, w = surface_cells(*as_rows(shape), ends)
         v = surface_cells(own, np.zeros((own.size, 2)), ends)[1]
@@ -81,15 +81,15 @@ class BezierMesh:
         return along, across
 
     def displacement(self, coefficients: FloatArray) -> FloatArray:
-        """Control values (n_x, n_y, p + 1, q + 1, 2) of a displacement with coefficients (size, 2); exact."""
+        """Return the exact control values (n_x, n_y, p + 1, q + 1, 2) of a displacement (size, 2)."""
         numerators, _ = surface_cells(self._space, coefficients, self.ends)
         values: FloatArray = product(numerators, self._factor)[self._part] / self.weights[..., None]
         return values
 
     def interpolated(self, values: FloatArray) -> FloatArray:
-        """Control values of the field that has values (n_x, n_y, p + 1, q + 1, ...) at `places`.
+        """Return the control values of the field with values (n_x, n_y, p + 1, q + 1, ...) at `places`.
 
-        A cell with nan at one of them is nan as a whole.
+        A cell with nan at one place is nan as a whole.
         """
         functions = [bernstein(degree, _gauss_points(degree)) for degree in self.degrees]
         along, across = (np.linalg.inv(matrix) for matrix in functions)
@@ -102,9 +102,9 @@ class BezierMesh:
 
 @dataclass(frozen=True, eq=False)
 class StraightMesh:
-    """The same cells, each cut into equal straight ones, at whose corners the shape and the fields are exact.
+    """The same cells, each cut into equal straight cells, at whose corners shape and fields are exact.
 
-    A cell has k x l such points, those on its edges to itself.
+    A cell has k x l such points; cells do not share the points on their edges.
     """
 
     ends: Ends
@@ -115,7 +115,7 @@ class StraightMesh:
 
     @classmethod
     def of(cls, shape: NurbsSurface, space: RowSpace, ends: Ends, pieces: int) -> Self:
-        """Cut cells into `pieces` each way."""
+        """Return the cells, cut into `pieces` each way."""
         along, across = (nodes(breakpoints, pieces) for breakpoints in ends)
         return cls._at(shape, space.weighted(shape), ends, (along, across))
 
@@ -131,7 +131,7 @@ class StraightMesh:
         return on_grid(self._space, coefficients, *self.places)[0]
 
     def interpolated(self, values: FloatArray) -> FloatArray:
-        """Values at the places, which the points are at."""
+        """Return values at the places, which are those of the points."""
         return values
 
     @classmethod
@@ -140,13 +140,13 @@ class StraightMesh:
 
 
 def cell_ends(breakpoints: FloatArray, others: FloatArray) -> FloatArray:
-    """Breakpoints with those others between the first and the last that are not one of them, in order."""
+    """Return the breakpoints and those others between the first and the last of them, sorted."""
     inside = (others > breakpoints[0]) & (others < breakpoints[-1])
     new = np.abs(others[:, None] - breakpoints).min(axis=1) > _SAME_PLACE
     return np.sort(np.concatenate([breakpoints, others[inside & new]]))
 
 
 def _gauss_points(degree: int) -> FloatArray:
-    """As many Gauss points in (0, 1) as a polynomial of a degree needs."""
+    """Return degree + 1 Gauss points in (0, 1)."""
     points: FloatArray = (np.polynomial.legendre.leggauss(degree + 1)[0] + 1) / 2
     return points

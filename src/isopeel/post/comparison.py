@@ -1,4 +1,4 @@
-"""Runs beside each other: what was read from each, and how far their curves lie apart."""
+"""Compare runs: the values read from each, and the differences of their curves."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -12,12 +12,12 @@ from isopeel.post.plateau import onset_angle, plateau_mean, rising
 from isopeel.results.curve import Curve
 from isopeel.results.run_file import StoredRun
 
-_SAME = 1e-9  # parameters that differ by less, in their own size, differ by round-off only
+_SAME = 1e-9  # relative difference below which parameters are the same
 
 
 @dataclass(frozen=True, eq=False)
 class Compared:
-    """A run with one step or more, what it is called, and what was read from it."""
+    """A run with one step or more, its name, and its findings."""
 
     name: str
     run: StoredRun
@@ -25,14 +25,14 @@ class Compared:
 
 
 class Difference(NamedTuple):
-    """Reaction of a run less that of another one, at the parameters (n,) that both have."""
+    """Reaction of a run minus that of another one, at the parameters (n,) that both have."""
 
     parameter: FloatArray
     reaction: FloatArray
 
 
 def difference(curve: Curve, first: Curve) -> Difference:
-    """How far a curve lies above the first one; of one that turns back, only what lies beyond all before."""
+    """Return the difference of a curve and the first one; see `rising` for curves that turn back."""
     (at, values), (parameter, reaction) = rising(curve), rising(first)
     nearest = np.clip(np.searchsorted(parameter, at), 1, len(parameter) - 1) if len(parameter) > 1 else 0
     before = np.maximum(nearest - 1, 0)

@@ -1,4 +1,4 @@
-"""Where the front is in the stored states of a run, and the energy that its advance releases."""
+"""The position of the front in the stored states of a run, and the energy release rate."""
 
 from collections.abc import Mapping
 from typing import NamedTuple
@@ -12,7 +12,8 @@ from isopeel.results.curve import Curve
 from isopeel.solve.step import KINDS
 from isopeel.splines.rows import RowSpace
 
-#: Process zones that the front is away from where it began, and from the end of the joint, in steady peeling.
+#: Least distance of the front from its start, and from the end of the joint, in steady peeling: in lengths of
+#: the process zone.
 _AWAY = 2.0
 
 
@@ -28,7 +29,7 @@ class Front(NamedTuple):
 
 
 class Release(NamedTuple):
-    """The energy that is released per area, by the drive, while the front advances between two states."""
+    """The energy release rate: energy per area that the front takes while it moves between two states."""
 
     rate: float  # G, a surface energy
     between: tuple[float, float]  # parameters, in the unit of their column
@@ -40,7 +41,7 @@ def fronts(
     fields: Mapping[float, FloatArray],
     maximum_openings: Mapping[float, FloatArray] | None = None,
 ) -> dict[float, Front]:
-    """Find the front in states, as `process_zones` takes them, by parameter; those without are left out."""
+    """Return the fronts in states, given as for `process_zones`; states without one are left out."""
     origin = load_position(problem)
     zones = process_zones(problem, space, fields, maximum_openings)
     return {
@@ -50,7 +51,7 @@ def fronts(
 
 
 def load_position(problem: Problem) -> float | None:
-    """Place along the adhering side that cracks are measured from; None where there is no such place."""
+    """Return the place along the adhering side from which cracks are measured; None where there is none."""
     adhesion, drive = problem.adhesion, problem.drive
     length = problem.body.shape.boundary(adhesion.side).length()
     ends = (
@@ -62,17 +63,17 @@ def load_position(problem: Problem) -> float | None:
         return ends[drive.side]
     if drive.load is None or drive.load.end - drive.load.start > 0.25:
         return None
-    # a part of the opposite side, whose parameter runs as that of the adhering one
+    # a part of the opposite side, whose parameter has the direction of that of the adhering side
     return length * (drive.load.start + drive.load.end) / 2
 
 
 def joint_ends(problem: Problem) -> tuple[float, float]:
-    """Distances from the load to the ends of the part that adheres, the nearer one first."""
+    """Return the distances from the load to the ends of the adhering part, the nearer one first."""
     adhesion = problem.adhesion
     side = problem.body.shape.boundary(adhesion.side)
     origin = load_position(problem) or 0.0
     whole = side.length()
-    # lengths of parts of a side that is not parametrized by its length are those of its chords
+    # a side need not be parametrized by its length: lengths of its parts are sums of chords
     points = side.evaluate(np.linspace(0.0, 1.0, 401))
     along = np.append(0.0, np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1)))
     places = np.interp([adhesion.start, adhesion.end], np.linspace(0.0, 1.0, 401), along * whole / along[-1])
@@ -81,7 +82,7 @@ def joint_ends(problem: Problem) -> tuple[float, float]:
 
 
 def crack_lengths(curve: Curve, found: Mapping[float, Front]) -> FloatArray:
-    """Crack length at each step (steps,): nan where no displacement is stored, or there is no front."""
+    """Return the crack length at each step (steps,): nan without a stored displacement or a front."""
     lengths = np.full(len(curve), np.nan)
     for parameter, front in found.items():
         if front.crack_length is not None:
@@ -92,10 +93,10 @@ def crack_lengths(curve: Curve, found: Mapping[float, Front]) -> FloatArray:
 def crack_length_at(
     problem: Problem, curve: Curve, found: Mapping[float, Front], parameter: float
 ) -> float | None:
-    """Crack length at a parameter of a curve, linear between the stored states on either side.
+    """Return the crack length at a parameter of a curve, linear between the stored states on both sides.
 
-    Outside of them it is that of the nearest one with a front, and what has `opened` in between. None where
-    there is none, or the curve turns back.
+    Outside of them it is the length in the nearest state with a front, plus the length `opened` in between.
+    Returns None where there is no front, or the curve turns back.
     """
     known = sorted((at, front.crack_length) for at, front in found.items() if front.crack_length is not None)
     if not known:
@@ -108,14 +109,14 @@ def crack_length_at(
         return None
     nearest = int(np.argmin(np.abs(at - parameter)))
     order = np.argsort(curve.parameter)
-    advance = np.interp([at[nearest], parameter], curve.parameter[order], opened(problem, curve)[order])
-    return float(lengths[nearest] + advance[1] - advance[0])
+    opening = np.interp([at[nearest], parameter], curve.parameter[order], opened(problem, curve)[order])
+    return float(lengths[nearest] + opening[1] - opening[0])
 
 
 def opened(problem: Problem, curve: Curve) -> FloatArray:
-    """Length of the joint that has opened since the first step (steps,), by the energy that it took over W.
+    """Return the length (steps,) of the joint that has opened since the first step: its energy over W.
 
-    Of a joint that lies flat, as one with waves below does not take W of all of its area.
+    It is valid for a joint that lies flat; one on waves does not take W on its whole area.
     """
     taken = curve.adhesive_energy + curve.dissipated_energy
     return (taken - taken[:1]) / problem.adhesion.law.work_of_adhesion
@@ -124,12 +125,12 @@ def opened(problem: Problem, curve: Curve) -> FloatArray:
 def release(
     problem: Problem, curve: Curve, found: Mapping[float, Front], start: float | None
 ) -> Release | None:
-    """Energy release rate G = (work of the drive - stored energy gained)/(advance of the front).
+    """Return the energy release rate G = (work of the drive - stored energy gained)/(motion of the front).
 
-    Between the last state with a front and the first one from the parameter `start` on, or an earlier one, so
-    far that the front is away from both ends of the joint, and advances by more than its length. What jumps
-    released is left out, as no equilibrium holds while they last. None where there are no two such states, or
-    the path came to one of them more than once.
+    It is evaluated between the last state with a front and the first one from the parameter `start` on, or an
+    earlier one. The front must be away from both ends of the joint, and move by more than its own length. The
+    energy released in jumps is left out, as there is no equilibrium during a jump. Returns None where there
+    are no two such states, or where the path met one of them more than once.
     """
     near, far = joint_ends(problem)
     steady = [
@@ -141,12 +142,12 @@ def release(
     if len(steady) < 2:
         return None
     last, longer = steady[-1]
-    # the front is known to a part of an element, which the advance has to be long against
-    advanced = [one for one in steady if longer - one[1] >= _AWAY * found[last].zone.length]
-    if not advanced:
+    # the front is known to a part of an element: its motion must be much longer
+    distant = [one for one in steady if longer - one[1] >= _AWAY * found[last].zone.length]
+    if not distant:
         return None
-    inside = [one for one in advanced if start is not None and abs(one[0]) >= abs(start)]
-    first, crack = inside[0] if inside else advanced[-1] if start is not None else advanced[0]
+    inside = [one for one in distant if start is not None and abs(one[0]) >= abs(start)]
+    first, crack = inside[0] if inside else distant[-1] if start is not None else distant[0]
     steps = [np.flatnonzero(curve.parameter == at) for at in (first, last)]
     if any(len(step) != 1 for step in steps):
         return None
@@ -164,7 +165,7 @@ def release(
 
 
 def jumps(curve: Curve) -> np.ndarray[tuple[int], np.dtype[np.bool_]]:
-    """Which steps (steps,) jumped, or released more than a thousandth of what the energies varied by."""
+    """Return which steps (steps,) jumped, or released more than a thousandth of the range of energies."""
     varied = np.ptp(curve.stored_energy) + np.ptp(curve.adhesive_energy) if len(curve) else 0.0
     jumped: np.ndarray[tuple[int], np.dtype[np.bool_]] = (curve.kind == KINDS.index("jump")) | (
         curve.released_energy > 1e-3 * varied

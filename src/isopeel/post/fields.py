@@ -19,10 +19,10 @@ from isopeel.splines.space import SplineSpace
 class SampledFields:
     """Fields at k x l points in each of the elements, in the units of the problem.
 
-    Arrays are (n_x, n_y, k, l, ...): elements along xi and eta, then points along xi and eta. An element has
-    the points on its edges to itself, so that what jumps between elements does so here. Where an element is
-    turned inside out its stresses are nan, and at a corner where two sides of the shape meet without a
-    corner, as on a cylinder, all but the positions.
+    Arrays are (n_x, n_y, k, l, ...): elements along xi and eta, then points along xi and eta. Elements do not
+    share the points on their edges, so that fields may jump there. Where an element is inverted its stresses
+    are nan. At a corner of the parameter domain where two sides of the shape meet smoothly, as on a cylinder,
+    all fields but the positions are nan.
     """
 
     reference_position: FloatArray  # X (..., 2)
@@ -35,7 +35,7 @@ class SampledFields:
 
 @dataclass(frozen=True, eq=False)
 class SideFields:
-    """Fields at points (n, k) along a side, as seen from the elements next to it, in the problem's units."""
+    """Fields at points (n, k) along a side, in the elements next to it, in the problem's units."""
 
     position: FloatArray  # x = X + u (..., 2)
     deformation_gradient: FloatArray  # F (..., 2, 2)
@@ -46,10 +46,10 @@ class SideFields:
 def sample_fields(
     problem: Problem, space: RowSpace, displacement: FloatArray, per_element: tuple[int, int] = (1, 1)
 ) -> SampledFields:
-    """Sample the fields of coefficients (size, 2) of a displacement at the nodes of cells in each element.
+    """Return the fields of a displacement, coefficients (size, 2), at the nodes of cells in each element.
 
-    There are `per_element` equal cells, a x b of them, so (a + 1) x (b + 1) nodes. Raises as `fields_at`
-    does, and InputError for less than one cell.
+    An element has `per_element` = (a, b) equal cells, and (a + 1) x (b + 1) nodes. Raises InputError for less
+    than one cell, and for coefficients of another space.
     """
     if min(per_element) < 1:
         raise InputError("per_element", per_element, "an element has at least one cell each way")
@@ -63,9 +63,9 @@ def sample_fields(
 def fields_at(
     problem: Problem, space: RowSpace, displacement: FloatArray, xi: FloatArray, eta: FloatArray
 ) -> SampledFields:
-    """Fields of coefficients (size, 2) of a displacement at all xi (n_x, k) and eta (n_y, l).
+    """Return the fields of a displacement, coefficients (size, 2), at all xi (n_x, k) and eta (n_y, l).
 
-    Each row of xi and of eta is seen from within the interval that it spans, which is a part of one element.
+    Each row of xi and of eta spans a part of one element, in which it is evaluated.
     F = 1 + du/dX and sigma = P F^T / J, with sigma_33 that of plane strain (Bonet and Wood, Nonlinear
     Continuum Mechanics for Finite Element Analysis, 2nd ed., Sec. 5.5). Raises InputError for coefficients
     of another space.
@@ -74,13 +74,13 @@ def fields_at(
     X, x, F, _ = _deformation(problem, space, displacement, xi, eta)
     nominal, stress = np.zeros((2, *F.shape[:-2], 3, 3))
     _, P, _ = evaluate_material(material.kernel, material.parameters, F)
-    with np.errstate(invalid="ignore", divide="ignore"):  # J <= 0 is answered by nan
+    with np.errstate(invalid="ignore", divide="ignore"):  # J <= 0 gives nan
         J = np.linalg.det(F)
         nominal[..., :2, :2] = P
         stress[..., :2, :2] = P @ np.swapaxes(F, -1, -2) / J[..., None, None]
         stress[..., 2, 2] = material.out_of_plane_stress(F)
         nominal[..., 2, 2] = J * stress[..., 2, 2]
-    # by all materials, also those that stay finite there
+    # for all materials, also those that stay finite there
     nominal[J <= 0] = stress[J <= 0] = np.nan
     invariant = np.trace(stress, axis1=-2, axis2=-1) / material.youngs_modulus
     return SampledFields(X, x, F, nominal, stress, invariant)
@@ -89,10 +89,10 @@ def fields_at(
 def sample_side(
     problem: Problem, space: RowSpace, displacement: FloatArray, side: Side, parameters: FloatArray
 ) -> SideFields:
-    """Fields of coefficients (size, 2) of a displacement at parameters (n, k) in [0, 1] along a side.
+    """Return the fields of a displacement, coefficients (size, 2), at parameters (n, k) along a side.
 
-    Each of the n rows of parameters is seen from within the interval that it spans, which is a part of one
-    element. Raises InputError for coefficients of another space.
+    The parameters lie in [0, 1]. Each of the n rows spans a part of one element, in which it is evaluated.
+    Raises InputError for coefficients of another space.
     """
     _, x, F, inverse = _deformation(problem, space, displacement, *_side_grid(side, parameters))
     _, P, _ = evaluate_material(problem.body.material.kernel, problem.body.material.parameters, F)
@@ -107,16 +107,16 @@ def sample_side(
 def side_positions(
     problem: Problem, space: RowSpace, displacement: FloatArray, side: Side, parameters: FloatArray
 ) -> FloatArray:
-    """Deformed positions (n, 2) at parameters (n,) in [0, 1] along a side."""
+    """Return the deformed positions (n, 2) at parameters (n,) in [0, 1] along a side."""
     along = np.asarray(parameters, dtype=np.float64)[:, None]
     _, x, _, _ = _deformation(problem, space, displacement, *_side_grid(side, along))
     return x.reshape(-1, 2)
 
 
 def depth_inside(problem: Problem, space: RowSpace, fields: Mapping[float, FloatArray]) -> float:
-    """How deep what does not adhere of the adhesive side lies inside the substrate, in the deepest state.
+    """Return the largest depth in the substrate of the part of the adhesive side that does not adhere.
 
-    Of states as `shapes_figure` takes them. The part that adheres is pushed out; the rest feels nothing.
+    The states are given as for `shapes_figure`. The adhering part is repelled; the rest feels no force.
     """
     substrate, extent = problem.adhesion.substrate, float(np.ptp(problem.body.shape.control_points))
     along = np.linspace(0.0, 1.0, 10 * max(space.elements) + 1)
@@ -137,7 +137,7 @@ def _side_grid(side: Side, parameters: FloatArray) -> tuple[FloatArray, FloatArr
 def _deformation(
     problem: Problem, space: RowSpace, displacement: FloatArray, xi: FloatArray, eta: FloatArray
 ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-    """X, x = X + u, F = 1 + du/dX and d(xi, eta)/dX at xi (n_x, k) and eta (n_y, l)."""
+    """Return X, x = X + u, F = 1 + du/dX and d(xi, eta)/dX at xi (n_x, k) and eta (n_y, l)."""
     if displacement.shape != (space.size, 2):
         raise InputError("displacement", displacement.shape, f"the space has {space.size} functions")
     shape = problem.body.shape
@@ -151,14 +151,14 @@ def _deformation(
 
 
 def nodes(breakpoints: FloatArray, cells: int) -> FloatArray:
-    """Ends of equal cells between all breakpoints, (elements, cells + 1)."""
+    """Return the ends (elements, cells + 1) of equal cells between all breakpoints."""
     return np.linspace(breakpoints[:-1], breakpoints[1:], cells + 1, axis=1)
 
 
 def as_rows(shape: NurbsSurface) -> tuple[RowSpace, FloatArray]:
     """Return the shape as a space whose rows are alike, and its control points (size, 2) in it."""
     along, across = shape.spaces
-    # equal weights are none, as a displacement on the shape has none then
+    # equal weights are left out: a displacement on the shape then has none either
     weights = None if np.ptp(shape.weights) == 0 else tuple(shape.weights.T)
     space = RowSpace("shape", across, (along,) * across.size, weights)
     return space, np.swapaxes(shape.control_points, 0, 1).reshape(-1, 2)
@@ -167,10 +167,10 @@ def as_rows(shape: NurbsSurface) -> tuple[RowSpace, FloatArray]:
 def on_grid(
     space: RowSpace, coefficients: FloatArray, xi: FloatArray, eta: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
-    """Values (n_x, n_y, k, l, 2) of a field at xi (n_x, k), eta (n_y, l), and its derivatives (..., 2, 2).
+    """Return values (n_x, n_y, k, l, 2) of a field at xi (n_x, k), eta (n_y, l), and derivatives (..., 2, 2).
 
-    Each row of xi and of eta is seen from within the interval that it spans. Rational fields by the
-    quotient rule (Piegl and Tiller, The NURBS Book, Eq. 4.20).
+    Each row of xi and of eta is evaluated in the interval that it spans. Derivatives of rational fields
+    follow from the quotient rule (Piegl and Tiller, The NURBS Book, Eq. 4.20).
     """
     parts = np.split(coefficients, space.offsets[1:-1])
     weights = space.weights or tuple(np.ones(row.size) for row in space.rows)
@@ -189,7 +189,7 @@ def on_grid(
 
 
 def _functions(space: SplineSpace, points: FloatArray) -> tuple[FloatArray, IntArray]:
-    """Functions, their derivatives (2, elements, nodes, p + 1) at points (elements, nodes), and numbers."""
+    """Return functions, derivatives (2, elements, nodes, p + 1) at points (elements, nodes), and indices."""
     # a point on a knot belongs to the side on which the rest of its interval lies
     inwards = points.mean(axis=1, keepdims=True) - points
     elements = space.element_of((points + 1e-6 * inwards).ravel())

@@ -1,4 +1,4 @@
-"""What is read from a run: readings, fronts, closed forms, and doubts of the discretization."""
+"""The findings of a run: readings, fronts, closed forms, and doubts about the discretization."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -38,13 +38,13 @@ from isopeel.splines.rows import RowSpace
 
 @dataclass(frozen=True)
 class Findings:
-    """What is read from a run beyond its curve, and what theory says of it.
+    """The values read from a run beyond its curve, and the closed form for them.
 
-    `window` is where the plateau is read, if the case names one; `inside` is how deep (in L0) the body has
-    come to lie in the substrate. `period` is that of the mesh's oscillation, in the parameter's unit, also
-    where the closed form is not valid, for the reason that `unproven` gives. `fronts` are those of the stored
-    states, `readings` what a user of the drive looks for. `zones` are the elements at the fronts, and
-    `doubts` what is to be said of the discretization, whose elements may be `tall` at the contact.
+    The plateau is read in the `window`, if the case names one; `inside` is the largest depth (in L0) of the
+    body in the substrate. `period` is that of the mesh's oscillation, in the parameter's unit; it is given
+    also where the closed form is not valid, for the reason `unproven`. `fronts` are those of the stored
+    states, `readings` the quantities of interest of the drive, `zones` the elements at the fronts, and
+    `doubts` the notes on the discretization; `tall` is whether its elements at the contact are too high.
     """
 
     window: tuple[float, float] | None
@@ -69,14 +69,14 @@ def find(
     window: tuple[float, float] | None,
     laboratory: Laboratory | None = None,
 ) -> Findings:
-    """Read a run of a problem on a space, to be shown in the units of a laboratory."""
+    """Return the findings of a run of a problem on a space, shown in the units of a laboratory."""
     laboratory = laboratory or Laboratory.of(UnitSystem(), problem)
     curve = run.curve
     said = theory(problem, space)
     form, unproven = said.form, said.reason
     if form is not None and run.base is not None:
-        # a stage after another one comes to the same steady state, but not by the same way; what lies on the
-        # substrate without being held was stretched by the stage before
+        # a later stage reaches the same steady state by another path; and a part that lies on the substrate
+        # without being held was stretched by the stage before
         slides = problem.adhesion.sliding_length is None and problem.drive.load is not None
         form = None if slides else replace(form, onset=None)
     period = form.period if form else None
@@ -108,7 +108,7 @@ def find(
             readings.insert(0, load)
     inside = depth_inside(problem, space, run.fields)
     zones = Zones.of(problem, space, {at: front.zone for at, front in _used(problem, curve, found).items()})
-    # Kendall's force does not depend on how a tape bends; what starts it does
+    # Kendall's force does not depend on the bending of a tape; the start of peeling does
     bends = form is None or test != "tape" or any(one.name == "initiation force" for one in readings)
     doubts = locking_notes(problem, space, laboratory, bends=bends)
     if not is_only_pressed(problem, curve) and (
@@ -136,7 +136,7 @@ def find(
 
 
 def history_notes(problem: Problem, run: StoredRun) -> list[Note]:
-    """Say that tractions are those without damage, where the file of a run does not hold its history."""
+    """Return a note that tractions are without damage, where the file of a run does not hold its history."""
     if not (problem.adhesion.irreversible and run.fields and run.lacks_history):
         return []
     text = (
@@ -147,7 +147,7 @@ def history_notes(problem: Problem, run: StoredRun) -> list[Note]:
 
 
 def _used(problem: Problem, curve: Curve, found: Mapping[float, Front]) -> Mapping[float, Front]:
-    """The fronts on which the readings depend: of a body that is pulled off, those until it comes off."""
+    """Return the fronts on which the readings depend: until a body that is pulled off comes off."""
     last = pull_off(problem, curve)
     if last is None:
         return found
@@ -162,9 +162,10 @@ def _own_window(
     form: Expected | None,
     laboratory: Laboratory,
 ) -> tuple[tuple[float, float] | None, str | None]:
-    """Where a curve is read that the case names no window of, and why the closed form does not hold there.
+    """Return a window where the case names none, and why the closed form is not valid there, or None.
 
-    The first part of its end that is steady, and where the closed form holds if there is one.
+    The window is the first of the last parts of the curve that is steady, and in which the closed form is
+    valid if there is one.
     """
     windows = [window for share in LAST if (window := steady_window(curve, share))]
     reasons = [_invalid(problem, curve, found, form, window, laboratory) for window in windows]
@@ -182,7 +183,7 @@ def _invalid(
     window: tuple[float, float],
     laboratory: Laboratory,
 ) -> str | None:
-    """Why a closed form does not hold in a window; None where it does, or there is none."""
+    """Return why a closed form is not valid in a window; None where it is, or where there is none."""
     if form is None:
         return None
     lengths = [crack_length_at(problem, curve, found, at) for at in window]
@@ -190,7 +191,7 @@ def _invalid(
 
 
 class Shown(NamedTuple):
-    """A curve and what was read from it in laboratory units, for figures and tables of several runs."""
+    """A curve and its findings in laboratory units, for figures and tables of several runs."""
 
     curve: Curve
     plateau: PlateauReading | None
@@ -199,7 +200,7 @@ class Shown(NamedTuple):
 
 
 def in_laboratory(curve: Curve, found: Findings) -> Shown:
-    """Convert a curve, its plateau and its closed form to the units that they are shown in."""
+    """Return a curve, its plateau and its closed form in the units in which they are shown."""
     laboratory, plateau, form = found.laboratory, found.plateau, found.closed_form
     p, r = (laboratory.column(column).factor for column in (curve.parameter_column, curve.reaction_column))
     return Shown(
@@ -232,15 +233,15 @@ def _steady(
     plateau: PlateauReading | None,
     form: Expected | None,
 ) -> Reading:
-    """The mean reaction in a window, steady where it drifts by little, with that and its oscillation."""
+    """Return the mean reaction in a window, with drift and oscillation; steady where the drift is small."""
     words, rise = "mean", 0.0
     if mean:
-        # the fit of the plateau is not moved by its oscillation
+        # the oscillation does not change the fit of the plateau
         rise = plateau.drift * (window[1] - window[0]) / mean if plateau else drift(curve, window)
         words += f", drift {_drifted(rise)}"
         if plateau:
             words += f", oscillation {100 * plateau.amplitude / abs(mean):.2g} %"
-    # where a closed form is valid the state is steady, and what drifts is the swing from element to element
+    # where a closed form is valid the state is steady, and the drift comes from the oscillation of the mesh
     name = "steady" if form or abs(rise) <= DRIFT else "mean"
     kind = kind_of(curve.reaction_column)
     theory, source = (form.reaction, form.source) if form else (None, "")
@@ -253,7 +254,7 @@ def _drifted(rise: float) -> str:
 
 
 def all_readings(curve: Curve, found: Findings, onset: float | None) -> list[Reading]:
-    """What was read, in the order of the table."""
+    """Return all readings, in the order of the table."""
     readings = list(found.readings)
     form = found.closed_form
     if onset is not None:

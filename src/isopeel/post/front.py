@@ -1,4 +1,4 @@
-"""The peeling front: the adhesive stress there, its extent, and how it dies out in the part still held."""
+"""The peeling front: the adhesive stress there, its extent, and its decay in the part that still adheres."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -17,7 +17,7 @@ from isopeel.post.fields import sample_side
 from isopeel.problem import Problem
 from isopeel.splines.rows import RowSpace
 
-#: Where an element is looked at, from its start (0) to its end (1): the ends of 20 equal cells.
+#: Points of an element, from its start (0) to its end (1): the ends of 20 equal cells.
 POINTS = frozen(np.linspace(0.0, 1.0, 21))
 
 _ALIKE = 0.95  # of the largest attraction
@@ -28,25 +28,25 @@ _RIGID = 2.1061961 + 1.1253643j
 
 @dataclass(frozen=True, eq=False)
 class FrontProfile:
-    """Tractions along the part of a side that adheres: elements in order, and the points in each, (n, k).
+    """Tractions along the adhering part of a side: arrays (n, k) of the elements in order and their points.
 
     Tractions act per reference area, along the normal n_o of the substrate, and repulsion is positive. In
-    equilibrium both are equal; a discrete solution has them equal only on average, with its functions as
-    weights.
+    equilibrium both tractions are equal; in a discrete solution their averages, weighted by its functions,
+    are equal.
     """
 
     position: FloatArray  # distance along the reference side, from where the side begins
     deformed: FloatArray  # x (n, k, 2)
     normal: FloatArray  # n_o there (n, k, 2)
     gap: FloatArray
-    adhesive_traction: FloatArray  # T, as the assembly has it
+    adhesive_traction: FloatArray  # T, as in the assembly
     body_traction: FloatArray  # n_o . P N of the field in the elements next to the side
     softening: NDArray[np.bool_]  # does the attraction weaken as the gap grows beyond the largest one so far?
 
 
 @dataclass(frozen=True)
 class ProcessZone:
-    """Where the attraction exceeds half its peak; positions along the reference side."""
+    """The part where the attraction exceeds half its peak; positions along the reference side."""
 
     peak: float  # largest attraction
     position: float  # of the peak
@@ -61,7 +61,7 @@ class ProcessZone:
 
 @dataclass(frozen=True)
 class Decay:
-    """Stress that dies out along a strip as exp(-s/length) cos(2 pi s/wavelength + phase)."""
+    """Stress that decays along a strip as exp(-s/length) cos(2 pi s/wavelength + phase)."""
 
     length: float
     wavelength: float
@@ -74,11 +74,11 @@ def front_profile(
     points: FloatArray = POINTS,
     maximum_openings: FloatArray | None = None,
 ) -> FrontProfile:
-    """Tractions of coefficients (size, 2) of a displacement at points (k,), 0 to 1, of every element.
+    """Return the tractions of a displacement (size, 2) at points (k,), 0 to 1, of every element.
 
-    An element that adheres in part is looked at in that part. An irreversible joint needs its
-    `maximum_openings`, as `InterfacePoints.state` takes them. Raises InputError for points that do not rise
-    from 0 to 1 at most, coefficients of another space, or missing openings.
+    In an element that adheres in part, the points span that part. An irreversible joint needs its
+    `maximum_openings`, as for `InterfacePoints.state`. Raises InputError for points that do not rise within
+    [0, 1], for coefficients of another space, and for missing openings.
     """
     if points.size < 2 or not (points[0] >= 0 and points[-1] <= 1 and np.all(np.diff(points) > 0)):
         raise InputError("points", points.tolist(), "two or more that rise, from 0 to 1 at most")
@@ -97,7 +97,7 @@ def front_profile(
 
 
 def _adhering(problem: Problem, space: RowSpace, points: FloatArray) -> FloatArray:
-    """Parameters (n, k) of points (k,) of the elements of the side where they adhere."""
+    """Return the parameters (n, k) of points (k,) of the elements, in their adhering parts."""
     adhesion = problem.adhesion
     ends = element_ends(space, adhesion.side, (adhesion.start, adhesion.end))
     return ends[:-1, None] + np.diff(ends)[:, None] * points
@@ -127,11 +127,11 @@ def process_zones(
 def process_zone(profile: FrontProfile) -> ProcessZone | None:
     """Return the stretch around the peak where the attraction exceeds half of it, by linear interpolation.
 
-    Half the peak lies on the steep flanks: a tenth of it would be a matter of the law's long tail. The peak
-    is that of the points looked at; where several stretches are pulled alike, as all troughs of a wave that a
-    tape bridges, the strongest one that is a front. None where there is no front: the attraction stays above
-    half its peak up to an end of the part that adheres, or the law softens on both sides of the peak, or on
-    none.
+    Half the peak lies on the steep flanks; a tenth of it would depend on the long tail of the law. The peak
+    is the largest value at the points. Where several stretches are pulled nearly alike, such as the troughs
+    of a wave that a tape bridges, it is the strongest of those that are fronts. Returns None where there is
+    no front: the attraction stays above half its peak up to an end of the adhering part, or the law softens
+    on both sides of the peak, or on neither.
     """
     return _zone(profile.position.ravel(), -profile.adhesive_traction.ravel(), profile.softening.ravel())
 
@@ -168,7 +168,7 @@ def _zone_around(
 
 
 def beam_decay(problem: Problem) -> Decay | None:
-    """Decay behind the front of a strip as a beam on springs; None where the problem is not a strip.
+    """Return the decay behind the front of a strip as a beam on springs; None for other problems.
 
     E'I w'''' + k w = 0 with k = -T'(r_eq) gives exp(-s/l) cos(s/l + phase), l = (4 E'I/k)^(1/4) (Hetenyi,
     Beams on Elastic Foundation, 1946). It holds where l is well above the height of the strip.
@@ -182,7 +182,7 @@ def beam_decay(problem: Problem) -> Decay | None:
 
 
 def layer_decay(problem: Problem) -> Decay | None:
-    """Decay behind the front of a strip as an elastic layer on springs; None where it is not a strip.
+    """Return the decay behind the front of a strip as an elastic layer on springs; None for other problems.
 
     A layer of height h, loaded along one face by a stress p sin(qx) without shear, deflects there by
     (2 p/(E' q)) (sinh qh cosh qh + qh) / (sinh^2 qh - (qh)^2) sin(qx) (plane strain, small strain). With a
@@ -211,7 +211,7 @@ def layer_decay(problem: Problem) -> Decay | None:
 
 
 def _held_strip(problem: Problem) -> tuple[float, float, float] | None:
-    """Height, E' and the stiffness -T'(r_eq) of the adhesion; None where the problem is not a strip."""
+    """Return height, E' and the stiffness -T'(r_eq) of the adhesion; None where it is not a strip."""
     closed_form = beam_peeling(problem)
     if closed_form is None:
         return None
@@ -224,7 +224,7 @@ def _held_strip(problem: Problem) -> tuple[float, float, float] | None:
 
 
 def _distance(problem: Problem, space: RowSpace, parameters: FloatArray) -> FloatArray:
-    """Length (n, k) along the reference side up to rising parameters, from where the side begins."""
+    """Return the lengths (n, k) along the reference side, from its start to rising parameters."""
     side = problem.adhesion.side
     curve = problem.body.shape.boundary(side)
     knots = element_ends(space, side, (0.0, 1.0))

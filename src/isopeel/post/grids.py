@@ -1,12 +1,11 @@
 """A deformed body and its adhesive side as grids for ParaView, of Bezier cells or of straight ones.
 
-Points are those of the body at rest; its displacement deforms it (in ParaView, "Warp By Vector"). Names of
-fields tell their units. Data in cells are those at their centres.
+Points are those of the undeformed body; its displacement deforms it (in ParaView, "Warp By Vector"). Names of
+fields contain their units. Data in cells are those at their centres.
 
-Displacements are exact in Bezier cells. All other fields are none that such a cell can hold: they are exact
-at its Gauss points and interpolated in between (`BezierMesh`). In straight cells all are exact at the points,
-and nan at a corner where the sides of a shape meet without a corner. Where an element is inside out, stresses
-are nan.
+Displacements are exact in Bezier cells. Other fields are not rational: they are exact at the Gauss points of
+a cell and interpolated in between (`BezierMesh`). In straight cells all fields are exact at the points, and
+nan where two sides of a shape meet smoothly. Where an element is inverted, stresses are nan.
 """
 
 from collections.abc import Iterable, Iterator
@@ -29,7 +28,7 @@ _SYMMETRIC = ([0, 1, 2, 0, 1, 0], [0, 1, 2, 1, 2, 2])
 
 
 def body_mesh(problem: Problem, space: RowSpace, pieces: int | None) -> Mesh:
-    """Cut a body into a Bezier cell for each element of shape and space, or those into straight `pieces`."""
+    """Return a body as a Bezier cell for each element of shape and space, or as straight `pieces` of them."""
     shape = problem.body.shape
     return _mesh(
         problem, space, pieces, _ends(space, shape.spaces[0].breakpoints, shape.spaces[1].breakpoints)
@@ -37,7 +36,7 @@ def body_mesh(problem: Problem, space: RowSpace, pieces: int | None) -> Mesh:
 
 
 def side_mesh(problem: Problem, space: RowSpace, pieces: int | None) -> Mesh:
-    """Cut the part of a side that adheres into Bezier curves or straight lines, likewise."""
+    """Return the adhering part of a side as Bezier curves, or as straight `pieces` of them."""
     adhesion, shape = problem.adhesion, problem.body.shape
     ends = _ends(space, shape.spaces[0].breakpoints, shape.spaces[1].breakpoints)
     along = 1 if adhesion.side in ("left", "right") else 0
@@ -50,7 +49,10 @@ def side_mesh(problem: Problem, space: RowSpace, pieces: int | None) -> Mesh:
 def body_grids(
     problem: Problem, space: RowSpace, mesh: Mesh, displacements: Iterable[FloatArray]
 ) -> Iterator[vtk.Grid]:
-    """Grids of a body in states with coefficients (size, 2). Raises InputError for those of another space."""
+    """Return the grids of a body in states with coefficients (size, 2).
+
+    Raises InputError for coefficients of another space.
+    """
     kind, cells, centres = _cells(mesh)
     for displacement in displacements:
         fields, central = (fields_at(problem, space, displacement, *at) for at in (mesh.places, centres))
@@ -65,7 +67,7 @@ def side_grids(
     displacements: Iterable[FloatArray],
     maximum_openings: Iterable[FloatArray | None] | None = None,
 ) -> Iterator[vtk.Grid]:
-    """Grids of the side that adheres, in states with coefficients (size, 2).
+    """Return the grids of the adhering side, in states with coefficients (size, 2).
 
     An irreversible joint needs its `maximum_openings` (E, Q) in each state. Raises as
     `body_grids` does, and InputError where openings are missing.

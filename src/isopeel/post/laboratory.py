@@ -78,7 +78,7 @@ class Laboratory:
         )
 
     def unit(self, kind: Kind, size: float | None = None) -> Unit:
-        """The unit of a kind for values of a size (internal); lengths by default for the size of the body."""
+        """Return the unit of a kind for values of a size (internal), for lengths by default the body's."""
         if kind == "angle":
             return Unit("deg", 1.0)
         if kind == "number":
@@ -105,7 +105,7 @@ class Laboratory:
         """Return a value with its unit, lengths and stresses in the one of their size."""
         unit = self.unit(kind, value)
         shown = f"{value * unit.factor:.{digits}g}"
-        # of 800 um few digits are known, and 8e+02 um reads badly
+        # few digits of 800 um are known, and 8e+02 um is hard to read
         if "e+" in shown and abs(float(shown)) < 1e6:
             shown = f"{float(shown):.0f}"
         return f"{shown} {unit.name}".rstrip()
@@ -117,7 +117,7 @@ class Laboratory:
     def both(self, value: float, kind: Kind, digits: int = DIGITS) -> str:
         """Return a value with its unit, and in the units of the case where these are the usual L0 and E0.
 
-        Those are the units of the published strip, with which it is compared.
+        L0 and E0 are the units of the published strip, with which results are compared.
         """
         scales = {"force": "E0 L0", "moment": "E0 L0^3"}.get(kind)
         if scales is None or self.units != UnitSystem():
@@ -129,7 +129,7 @@ class Laboratory:
         return self.unit(kind_of(column)) if column.unit in _KINDS else Unit(column.unit, 1.0)
 
     def heading(self, column: Column) -> str:
-        """What a column is called in a table: "force [N/m]"."""
+        """Return the heading of a column in a table: "force [N/m]"."""
         unit = self.column(column).name
         name = column.name.removesuffix("_deg")
         return f"{name} [{unit}]" if unit not in ("", "1") else name
@@ -141,7 +141,7 @@ class Laboratory:
         return self.text(value, kind_of(column))
 
     def curve(self, curve: Curve) -> Curve:
-        """A curve whose parameter, reaction and columns are in these units, to be shown; energies stay."""
+        """Return a curve with parameter, reaction and columns in these units; energies do not change."""
         columns, values = [], []
         for column, internal in (
             (curve.parameter_column, curve.parameter),
@@ -160,7 +160,7 @@ class Laboratory:
         )
 
     def sentence(self, text: str) -> str:
-        """A sentence whose values are in the units of columns, as the reason of a failure, in these units."""
+        """Return a sentence with the values in it, in units of columns, converted to these units."""
 
         def shown(found: re.Match[str]) -> str:
             value, unit = float(found[1]), found[2]
@@ -169,13 +169,13 @@ class Laboratory:
         return _VALUE.sub(shown, text)
 
     def note(self) -> str:
-        """What outputs are measured in, in words."""
+        """Return to which width forces, moments and energies refer, in words."""
         if self.width is not None:
             return f"for a width of {self.text(self.width, 'length')}"
         return "forces, moments and energies per width"
 
 
-#: What is measured in the units of columns.
+#: The kinds of quantities by the units of columns.
 _KINDS: dict[str, Kind] = {
     "L0": "length",
     "E0 L0": "force",
@@ -192,8 +192,8 @@ _VALUE = re.compile(rf"(?<![\w.])([-+]?\d[\d.]*(?:e[-+]?\d+)?) ({_UNITS})(?![\w^
 
 
 def kind_of(column: Column) -> Kind:
-    """What a column measures."""
-    # a moment and an energy have one unit; what a drive's reaction is called tells which it is
+    """Return the kind of quantity of a column."""
+    # moments and energies have the same unit: the name of the column decides
     if column.unit == "E0 L0^3" and column.name == "moment":
         return "moment"
     return _KINDS.get(column.unit, "number")
@@ -208,7 +208,7 @@ def _by_size(kind: Kind, size: float, internal: Fraction) -> Unit:
     si = size * float(internal)
     *units, last = _BY_SIZE[kind]
     for name, scale in units:
-        # millimetres go on up to 10 m, as laboratories write the lengths of their tapes
+        # millimetres up to 10 m, as laboratories write the lengths of their tapes
         most = 10_000 if name == "mm" else 1000
         if si < most * float(scale) * (1 - 1e-12):
             return Unit(name, float(internal / scale))

@@ -1,4 +1,4 @@
-"""What a law of adhesion amounts to: strength, stiffness, losses, and the gaps at which it acts."""
+"""The numbers of a law of adhesion: strength, stiffness, losses, and the gaps at which it acts."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -12,12 +12,12 @@ from isopeel.physics.adhesion import AdhesionLaw
 from isopeel.physics.adhesion.irreversible import SecantUnloading, secant_unloading
 from isopeel.physics.batch import evaluate_law
 
-#: Openings that the strongest attraction is looked for at, in the problem's unit of length.
+#: Range of openings in which the strongest attraction is searched, in the problem's unit of length.
 SMALLEST, LARGEST = 1e-6, 1e6
 _PER_DECADE = 50
-#: Where the attraction has fallen to this share of its peak, there is no more to be seen of it.
+#: The attraction is spent where it has fallen to this share of its peak.
 _SPENT = 0.02
-#: Places that an opening is narrowed down at, and how often: from neighbours on the grid to round-off.
+#: Places per bisection of an opening, and number of bisections: from neighbours on the grid to round-off.
 _PLACES, _ROUNDS = 65, 10
 
 
@@ -31,24 +31,24 @@ class LawCharacter:
     strongest_gap: float  # where it acts
     stiffness: float  # -T' at the equilibrium gap, a stress per length
     spent_gap: float  # where the attraction has become small
-    softened_gap: float  # where it has fallen to half of its strength
-    dissipated_energy: float  # by then, per area, of irreversible adhesion; when parted, the work of adhesion
-    dissipated_share: float  # of the work of opening it so far
+    softened_gap: float  # where the attraction has fallen to half of its strength
+    dissipated_energy: float  # up to there, per area, if irreversible; in all it is the work of adhesion
+    dissipated_share: float  # of the work done up to there
 
 
 def evaluate_flat(law: AdhesionLaw, gap: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Potential, traction (repulsion positive) and its derivative at gaps (...) to a flat substrate."""
+    """Return potential, traction (repulsion positive) and derivative at gaps (...) to a flat substrate."""
     return evaluate_law(law.kernel, law.parameters, gap, np.zeros_like(gap))
 
 
 def opened_flat(law: AdhesionLaw, gap: FloatArray) -> SecantUnloading:
-    """State of irreversible adhesion at gaps (...) to a flat substrate that are the largest so far."""
+    """Return the state of irreversible adhesion on a flat substrate, at largest gaps (...) so far."""
     return secant_unloading(law, gap, np.maximum(gap - law.equilibrium_gap, 0.0))
 
 
 @dataclass(frozen=True)
 class _Response:
-    """A law, which is another one's equal where it answers to a gap in the same way."""
+    """A law; two are equal where their traction depends on the gap in the same way."""
 
     law: AdhesionLaw = field(compare=False)
     kernel: object
@@ -56,12 +56,12 @@ class _Response:
 
 
 def law_character(law: AdhesionLaw) -> LawCharacter:
-    """Find the numbers of a law. Raises InputError where it attracts at no gap."""
+    """Return the numbers of a law. Raises InputError where it attracts at no gap."""
     numbers = (law.equilibrium_gap, law.work_of_adhesion, *law.parameters)
     return _character(_Response(law, law.kernel, numbers))
 
 
-# a run asks for them at each of its fronts
+# cached: a run needs them at each of its fronts
 @lru_cache(maxsize=8)
 def _character(response: _Response) -> LawCharacter:
     law = response.law
@@ -76,12 +76,12 @@ def _character(response: _Response) -> LawCharacter:
     def attraction_at(openings: FloatArray) -> FloatArray:
         return -evaluate_flat(law, law.equilibrium_gap + openings)[1]
 
-    # the grid's neighbours hold the peak between them
+    # the peak lies between the neighbours on the grid
     strongest = _narrowed(opening[at - 1], opening[at + 1], lambda z: int(np.argmax(attraction_at(z))))
     strength = float(attraction_at(np.array([strongest]))[0])
 
     def last_above(share: float) -> int:
-        # of the peak itself, which is above that on the grid
+        # the exact peak is above that on the grid
         return at + int(np.flatnonzero(attraction[at:-1] >= share * strength)[-1])
 
     half = last_above(0.5)
@@ -107,9 +107,9 @@ def _character(response: _Response) -> LawCharacter:
 
 
 def _narrowed(low: float, high: float, nearest: Callable[[FloatArray], int]) -> float:
-    """Find an opening between two: the neighbours of the `nearest` of some places hold it between them.
+    """Return an opening between two others, by repeated search for the `nearest` of some places between them.
 
-    The same by `scipy.optimize` would take longer to import than all else of a law.
+    To import `scipy.optimize` for this would take longer than all else of a law.
     """
     for _ in range(_ROUNDS):
         places = np.linspace(low, high, _PLACES)

@@ -1,7 +1,7 @@
-"""Whether a discretization locks: a body that bends, or keeps its volume, more stiffly than its material.
+"""Locking: a discretized body that is stiffer in bending, or at constant volume, than its material.
 
-What a few elements of the actual space answer to pure bending is compared with what is exact, and where the
-body is nearly incompressible also with what bending to the curvature of the peeling front adds.
+The stiffness of a few elements of the actual space in pure bending is compared with the exact one. For a
+nearly incompressible body the error of bending to the curvature of the peeling front is added.
 """
 
 from collections.abc import Callable, Iterator, Sequence
@@ -21,20 +21,20 @@ from isopeel.splines.names import parse_space_name
 from isopeel.splines.rows import RowSpace
 from isopeel.splines.space import SplineSpace
 
-#: Error of the drive's reaction from which a note is written: less than the 3 % that a run is to be right
-#: within, and more than what closed forms of slender bodies leave open.
+#: Error of the drive's reaction above which a note is written: less than the 3 % within which a run must be
+#: right, and more than the error of closed forms of slender bodies.
 LOCKED = 0.02
-#: Lengths over heights from which a body answers by bending.
+#: Ratio of length and height above which a body deforms by bending.
 _SLENDER = 4.0
-#: Elements side by side that are bent: two have no inner one, and more bend as four do.
+#: Number of element columns that are bent: two have no inner one, and more bend like four.
 _COLUMNS = 4
-#: A steady tape peels at a force that does not depend on how it bends; its start and its stresses do.
+#: The force of steady peeling of a tape does not depend on its bending; its start and its stresses do.
 _TAPE = 0.1
-#: Poisson's ratio up to which a body is no nearly incompressible one.
+#: Poisson's ratio above which a body is nearly incompressible.
 _COMPRESSIBLE = 0.45
-#: Degree across from which more elements help more than a higher degree.
+#: Degree across above which more elements help more than a higher degree.
 _ENOUGH = 3
-#: Functions of a block that is pulled to see whether it locks, which takes some ten milliseconds.
+#: Most functions of a block that is pulled to check whether it locks; it takes some ten milliseconds.
 _MOST_FUNCTIONS = 1000
 # K/E (height x curvature)^2 / (elements across)^4 times this is what degree 2 across adds to the bending
 # stiffness: 7.3 % measured at nu = 0.499 of a strip bent to 15 heights with one element, 0.5 % with two
@@ -44,10 +44,10 @@ _QUADRATIC_VOLUME = 0.1
 
 @dataclass(frozen=True)
 class Bending:
-    """How much too stiff a discretization is in bending: excess of E'I, relative to it."""
+    """Excess of the bending stiffness of a discretization, relative to E'I."""
 
-    linear: float  # at small curvature, by the functions
-    volume: float  # at the curvature of the front, by the change of volume that degree 2 leaves
+    linear: float  # at small curvature, from the functions
+    volume: float  # at the curvature of the front, from the change of volume that degree 2 leaves
 
     @property
     def excess(self) -> float:
@@ -56,9 +56,9 @@ class Bending:
 
 
 def bending(problem: Problem, space: RowSpace) -> Bending | None:
-    """Excess of the bending stiffness of a body on a space; None of one that is too thick, or moved flat.
+    """Return the excess of the bending stiffness of a body on a space; None if it is thick or moved flat.
 
-    The mean over the body's length, where it bends by the same moment everywhere.
+    It is the mean over the body's length under a uniform moment.
     """
     lengths, heights = _sizes(problem, space)
     moved_flat = problem.drive.load is None and problem.drive.side in ("bottom", "top")
@@ -80,20 +80,21 @@ def bending(problem: Problem, space: RowSpace) -> Bending | None:
 def locking_notes(
     problem: Problem, space: RowSpace, laboratory: Laboratory, *, bends: bool = True
 ) -> list[Note]:
-    """Say how much too stiff the body is, and what would not be, where that matters to the reaction.
+    """Return notes on how much too stiff the body is, where this affects the reaction, and on a remedy.
 
-    `bends` is whether what is read depends on how the body bends.
+    `bends` is whether the values read from the run depend on the bending of the body.
     """
     notes = _bending_notes(problem, space, laboratory) if bends else []
     return notes + _volume_notes(problem, space)
 
 
 def confined(problem: Problem, space: RowSpace) -> float | None:
-    """Excess of the stiffness of a nearly incompressible body that lies flat, pulled from its other side.
+    """Return the excess of stiffness of a nearly incompressible body that lies flat and is pulled.
 
-    Of its block with both sides held, in this space over one of a degree more both ways, less what that is
-    at a Poisson's ratio of 0.3: corners are not resolved either, whatever the material. Of large spaces with
-    every so many breakpoints, in whose number errors fall at least linearly. None of other bodies.
+    It is that of a block with both sides held: the stiffness in this space over that with one degree more
+    both ways, minus the same at a Poisson's ratio of 0.3, as corners are not resolved for any material. Large
+    spaces are coarsened, where the error falls at least linearly with the number of elements. Returns None
+    for other bodies.
     """
     nu = problem.body.material.poissons_ratio
     drive, adhesion = problem.drive.side, problem.adhesion.side
@@ -151,7 +152,7 @@ def _with_spaces(space: RowSpace, change: Callable[[SplineSpace], SplineSpace]) 
 
 
 def _block_stiffness(space: RowSpace, aspect: float, poissons_ratios: Sequence[float]) -> list[float]:
-    """Stiffness of a block `aspect` times as long as high, both its lower and upper side held; E = 1."""
+    """Return stiffnesses of a block `aspect` times as long as high, lower and upper side held; E = 1."""
     from scipy.sparse.linalg import spsolve
 
     long = {row: SplineSpace(row.degree, row.knot_vector * aspect) for row in dict.fromkeys(space.rows)}
@@ -203,7 +204,7 @@ def _matters(problem: Problem, space: RowSpace, found: Bending) -> bool:
 
 
 def _richer(space: RowSpace) -> Iterator[tuple[RowSpace, str]]:
-    """Spaces on the same elements that lock less, with what to write for them in a case."""
+    """Yield spaces on the same elements that lock less, with their keys in a case."""
     degree = space.across.degree
     curved = min(row.degree for row in space.rows) < 2
     for across in dict.fromkeys((degree, max(degree, 2), max(degree, 3))):
@@ -226,7 +227,7 @@ def _on_the_same_elements(space: RowSpace, name: str, across_degree: int) -> Row
 
 
 def _sizes(problem: Problem, space: RowSpace) -> tuple[FloatArray, FloatArray]:
-    """Length and height (elements,) of the body at its elements along xi."""
+    """Return length and height (elements,) of the body at its elements along xi."""
     shape, ends = problem.body.shape, space.rows[0].breakpoints
     middle = (shape.evaluate(ends, 0.0) + shape.evaluate(ends, 1.0)) / 2
     at = (ends[1:] + ends[:-1]) / 2
@@ -235,14 +236,14 @@ def _sizes(problem: Problem, space: RowSpace) -> tuple[FloatArray, FloatArray]:
 
 
 def _largest(problem: Problem, space: RowSpace) -> tuple[float, float]:
-    """Length and height of the longest element."""
+    """Return length and height of the longest element."""
     lengths, heights = _sizes(problem, space)
     at = int(np.argmax(lengths))
     return float(lengths[at]), float(heights[at] * np.diff(space.across.breakpoints).max())
 
 
 def _linear(space: RowSpace, lengths: FloatArray, heights: FloatArray, poissons_ratio: float) -> float:
-    """Mean excess of the bending stiffness of elements (elements,) at small strain."""
+    """Return the mean excess of the bending stiffness of elements (elements,) at small strain."""
     # the exact deflection is quadratic both ways, and an extent across that is of degree 2 along is constant
     if space.across.degree >= 2 and min(row.degree for row in space.rows) >= 2:
         return 0.0
@@ -256,7 +257,7 @@ def _linear(space: RowSpace, lengths: FloatArray, heights: FloatArray, poissons_
 
 
 def _excess_of_columns(space: RowSpace, aspect: float, poissons_ratio: float) -> float:
-    """Excess of the bending stiffness of equal element columns, `aspect` times as long as high; E = 1.
+    """Return the excess of the bending stiffness of equal columns, `aspect` times as long as high; E = 1.
 
     Plane strain. The exact field of pure bending is u = curvature (-x y, x^2/2 + nu/(1 - nu) y^2/2), with
     an energy E'I/2 curvature^2 per length; the columns have its horizontal displacement at both ends.
@@ -277,7 +278,7 @@ def _excess_of_columns(space: RowSpace, aspect: float, poissons_ratio: float) ->
     lame = 2 * shear * poissons_ratio / (1 - 2 * poissons_ratio)
     stiffness = _stiffness(columns, lame, shear)
     size = columns.size
-    # horizontal displacement at the ends: a turn about the middle
+    # horizontal displacement at the ends: a rotation about the middle
     turned = columns.across.interpolate(columns.across.greville - 0.5)
     given = np.zeros(2 * size)
     left, right = columns.side_functions("left"), columns.side_functions("right")
@@ -293,7 +294,7 @@ def _excess_of_columns(space: RowSpace, aspect: float, poissons_ratio: float) ->
 
 
 def _stiffness(space: RowSpace, lame: float, shear: float) -> csr_array:
-    """Stiffness (2 size, 2 size) of the unit height in plane strain, all horizontal components first."""
+    """Return the stiffness (2 size, 2 size) in plane strain for height 1, horizontal components first."""
     families = list(dict.fromkeys(space.rows))
     along = {
         (a, b, i, j): _products(one, other, i, j)
@@ -308,7 +309,7 @@ def _stiffness(space: RowSpace, lame: float, shear: float) -> csr_array:
     kinds = [families.index(row) for row in space.rows]
 
     def block(i: int, j: int, k: int, m: int) -> csr_array:
-        """int d^i N d^k M . d^j N d^m M, of derivatives along and across of both functions."""
+        """Return int d^i N d^k M . d^j N d^m M, of derivatives along and across of both functions."""
         table = across[k, m]
         if len(families) == 1:
             return csr_array(kron(table, along[0, 0, i, j]))
@@ -326,7 +327,7 @@ def _stiffness(space: RowSpace, lame: float, shear: float) -> csr_array:
 
 
 def _products(one: SplineSpace, other: SplineSpace, i: int, j: int) -> csr_array:
-    """Integrals (size, other size) of derivatives of order i and j of the functions of two spaces."""
+    """Return integrals (size, other size) of derivatives of order i and j of the functions of two spaces."""
     nodes, weights = np.polynomial.legendre.leggauss(max(one.degree, other.degree) + 1)
     half = np.diff(one.breakpoints)[:, None] / 2
     points = (one.breakpoints[:-1, None] + half * (nodes + 1)).ravel()

@@ -1,10 +1,10 @@
-"""How much a reaction changes on a finer space: the discretization error of a state, measured.
+"""The change of a reaction on a finer space, which measures the discretization error of a state.
 
-A stored state is transferred to the space with elements of half the length and, of few elements across the
-height, one degree more there; the equilibrium is found there at the same parameter. For an error that falls
-as h^p the change is 1 - 2^-p of it, so half of it at least where p >= 1. It can be less where elements are
-larger than the process zone: the front then sticks between them, on the finer space too, and only
-`post.resolution` shows it.
+A stored state is transferred to the space with elements of half the length and, where there are few elements
+across the height, with one degree more across. The equilibrium is computed there at the same parameter. For
+an error that falls as h^p the change is 1 - 2^-p of the error, at least half of it for p >= 1. The change can
+be smaller where elements are larger than the process zone: the front then sticks between them, on the finer
+space too, and only `post.resolution` detects it.
 """
 
 from typing import NamedTuple
@@ -25,13 +25,13 @@ from isopeel.solve.step import State
 from isopeel.splines.finer import finer, transferred
 from isopeel.splines.rows import RowSpace
 
-#: Of the largest reaction: states with less are not looked at, as the error of so little means little.
+#: States whose reaction is below this share of the largest one are left out: their error means little.
 _LEAST = 0.05
-#: Times the last reaction: a largest one up to here is that of a plateau, of which one state tells enough.
+#: The largest reaction is that of a plateau up to this factor times the last one: then one state is enough.
 _STEADY = 1.2
-#: Steps to the largest reaction, at most, on the finer space: each costs some corrections.
+#: Most steps to the largest reaction on the finer space: each costs some corrections.
 _MOST_STEPS = 12
-#: Unknowns of the finer space, at most: beyond it a state takes longer than a user should wait.
+#: Most unknowns of the finer space: with more, a state takes longer than a user should wait.
 _MOST_UNKNOWNS = 200_000
 
 
@@ -47,7 +47,7 @@ class MeshChange(NamedTuple):
 
     @property
     def relative(self) -> float:
-        """Change over the reaction on the finer space, or over that of the run where the latter is less."""
+        """Change over the smaller of the reactions on the finer space and of the run."""
         if self.finer is None:
             return np.inf
         return abs(self.finer - self.reaction) / max(abs(self.finer), abs(self.reaction))
@@ -56,11 +56,12 @@ class MeshChange(NamedTuple):
 def mesh_changes(
     problem: Problem, space: RowSpace, run: StoredRun, contact_points: int | None = None
 ) -> list[MeshChange]:
-    """Reactions on a finer space: the largest one, and that of the last stored state.
+    """Return the changes on a finer space of the largest reaction and of that in the last stored state.
 
-    To the largest reaction the finer space is traced from the stored state before it. States that carry next
-    to nothing are left out, and all where the finer space would be too large, or where a file holds what is
-    no number. The damage of an irreversible joint is that of each state, at the points of the finer space.
+    The path on the finer space is traced to the largest reaction from the stored state before it. States with
+    nearly no reaction are left out; all states are left out where the finer space would be too large, or
+    where the file holds values that are not numbers. The damage of an irreversible joint is that of each
+    state, at the points of the finer space.
     """
     refined = finer(space, tall=elements_are_tall(problem, space))
     finite = all(np.isfinite(displacement).all() for displacement in run.fields.values())
@@ -72,9 +73,9 @@ def mesh_changes(
     try:
         system = System(problem, refined, contact_points, base)
     except InputError:
-        # the memory does not suffice for it
+        # it needs more memory than there is
         return []
-    looked_at, points = _looked_at(run), InterfacePoints.of_contact(problem, refined, contact_points)
+    looked_at, points = _compared(run), InterfacePoints.of_contact(problem, refined, contact_points)
     points = InterfacePoints(problem, space, points.parameters)
     changes = []
     for parameter in looked_at:
@@ -89,14 +90,14 @@ def mesh_changes(
     return [change for change in changes if change is not None]
 
 
-def _looked_at(run: StoredRun) -> list[float]:
-    """Parameters of the stored states to look at."""
+def _compared(run: StoredRun) -> list[float]:
+    """Return the parameters of the stored states to compare."""
     curve, stored = run.curve, list(run.fields)
     size = np.abs(curve.reaction)
     strongest = int(np.argmax(size))
     if size[strongest] <= _STEADY * size[-1]:
         return stored[-1:]
-    # the state of the largest reaction may lie at a limit point, which the finer space has a little elsewhere
+    # the largest reaction may be at a limit point, which is at a slightly different place on the finer space
     at = abs(float(curve.parameter[strongest]))
     before = [parameter for parameter in stored if abs(parameter) < at]
     return list(dict.fromkeys([*before[-1:], stored[-1]]))
@@ -123,25 +124,26 @@ def _change(
 def _change_of_largest(
     system: System, problem: Problem, run: StoredRun, stored: FloatArray, before: float
 ) -> MeshChange | None:
-    """The change of the largest reaction; None where the finer space does not lead on from the state before.
+    """Return the change of the largest reaction; None where no path leads there on the finer space.
 
-    That state may lie well below it: where a joint comes off, the error is largest at the largest reaction.
+    The path starts at the stored state before it, which may lie well below: where a joint comes off, the
+    error is largest at the largest reaction.
     """
     curve, drive = run.curve, problem.drive
     strongest = int(np.argmax(np.abs(curve.reaction)))
     (first,) = np.nonzero(curve.parameter[:strongest] == before)
     if not len(first):
         return None
-    way = np.linspace(first[-1] + 1, strongest, min(strongest - first[-1], _MOST_STEPS)).round().astype(int)
+    steps = np.linspace(first[-1] + 1, strongest, min(strongest - first[-1], _MOST_STEPS)).round().astype(int)
     path = Path(system, NewtonSettings(), [State(before / drive.parameter_column.factor, stored)])
     finer: list[float] = []
     try:
-        # the state that is stored is no equilibrium of the finer space
-        for parameter in curve.parameter[[first[-1], *way]]:
+        # the stored state is not an equilibrium of the finer space
+        for parameter in curve.parameter[[first[-1], *steps]]:
             found = path.equilibrium(parameter / drive.parameter_column.factor)
             finer.append(path.step(found, 0.0).reaction * drive.reaction_column.factor)
     except (ConvergenceError, SingularError):
-        # its own largest reaction may come a little earlier
+        # the largest reaction on the finer space may be at a slightly smaller parameter
         pass
     if len(finer) < 2:
         return None
@@ -151,7 +153,7 @@ def _change_of_largest(
 
 
 def _equilibrium(system: System, start: State) -> NewtonResult | None:
-    """Return the equilibrium near a start, or the one that falling energy leads to."""
+    """Return the equilibrium near a start, or the one that a descent of the energy reaches; else None."""
     path = Path(system, NewtonSettings(), [start])
     try:
         return path.equilibrium(start.parameter).result

@@ -1,4 +1,4 @@
-"""The notes on a run: where its numbers can be doubted, and what could not be read."""
+"""The notes on a run: which of its numbers are doubtful, and which could not be read."""
 
 from collections.abc import Sequence
 from functools import partial
@@ -28,7 +28,7 @@ def run_notes(run: StoredRun, found: Findings, onset: float | None) -> list[Note
     notes += stability_notes(run.curve, laboratory)
     for reading in found.readings:
         deviation = reading.deviation
-        # a crack's length differs from that of an arm clamped at its front by what the front gives way
+        # the front is compliant: a crack's length differs from that of an arm clamped at its front
         if deviation is None or abs(deviation) <= FAR or reading.kind in ("length", "toughness"):
             continue
         text = (
@@ -54,14 +54,17 @@ def run_notes(run: StoredRun, found: Findings, onset: float | None) -> list[Note
 
 
 def _more(change: MeshChange) -> int:
-    """Times the elements on which a reaction would change by little, where that falls with their square."""
+    """Return the factor on the number of elements with which a reaction changes by less than MESH_CHANGE.
+
+    The change is assumed to fall with the square of the element size.
+    """
     if change.finer is None:
         return 2
     return int(2 ** min(max(ceil(log2(change.relative / MESH_CHANGE) / 2), 1), 3))
 
 
 def mesh_notes(run: StoredRun, found: Findings, changes: Sequence[MeshChange]) -> list[Note]:
-    """Say where a reaction changes on a finer mesh by more than MESH_CHANGE."""
+    """Return notes on the reactions that change by more than MESH_CHANGE on a finer mesh."""
     parameter, reaction = run.curve.parameter_column, run.curve.reaction_column
     length, height = str(run.attributes["mesh"]).split("x")
     notes = []

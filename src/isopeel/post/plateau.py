@@ -1,4 +1,4 @@
-"""Reading a reaction curve: plateau, oscillation, steepest slopes, onset."""
+"""Read a reaction curve: its plateau, oscillation, steepest slopes and onset."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -11,9 +11,9 @@ from isopeel.common.arrays import FloatArray
 from isopeel.common.errors import InputError
 from isopeel.results.curve import Curve
 
-#: The onset is where the reaction has fallen this far below its initial straight line.
+#: Share by which the reaction is below its initial straight line at the onset.
 ONSET_DEVIATION = 0.02
-#: An oscillation is seen with so many steps per period: of eight, one is within 8 % of a sine's peak.
+#: Steps per period that an oscillation needs: of eight, one is within 8 % of a sine's peak.
 STEPS_PER_PERIOD = 8
 # an angle of the window and one of the curve are the same when they differ by round-off only
 _SAME = 1e-9
@@ -21,17 +21,17 @@ _SAME = 1e-9
 
 @dataclass(frozen=True)
 class PlateauReading:
-    """What a window of the plateau tells; in the units of the curve, slopes per unit of its parameter.
+    """The numbers of a plateau in a window, in the units of the curve; slopes per unit of its parameter.
 
     The oscillation comes from the mesh: one period is the passage of one element. Amplitude and slopes are
-    read after the drift of the plateau was taken out, a parabola fitted to its running mean or a line
-    fitted to the curve, because the drift across a window can be larger than the oscillation.
+    those of the curve minus the drift of the plateau, as the drift across a window can be larger than the
+    oscillation. The drift is a parabola fitted to the running mean, or a line fitted to the curve.
     """
 
     window: tuple[float, float]
     mean: float
-    drift: float  # mean slope of what was taken out
-    drift_of: Literal["running mean", "curve"]  # what the line was fitted to
+    drift: float  # mean slope of the subtracted drift
+    drift_of: Literal["running mean", "curve"]  # to which the drift was fitted
     amplitude: float  # peak to peak
     steepest_rise: float  # largest one-sided difference quotient from step to step
     steepest_fall: float  # most negative one
@@ -53,7 +53,7 @@ def unreadable(
     period: float | None = None,
     shown: Callable[[float], str] | None = None,
 ) -> str | None:
-    """Why a window of a curve cannot be read, or None where it can.
+    """Return why a window of a curve cannot be read, or None where it can.
 
     The curve must cover the window; with the `period` of the oscillation known, the window must hold one
     period, in at least STEPS_PER_PERIOD steps. A parameter is written by `shown`, by default with its unit.
@@ -87,7 +87,7 @@ def unreadable(
 
 
 def plateau_mean(curve: Curve, window: tuple[float, float]) -> float | None:
-    """Mean reaction in a window of the parameter; None where the curve does not cover it."""
+    """Return the mean reaction in a window of the parameter; None where the curve does not cover it."""
     parameter, reaction = rising(curve)
     if not _covers(parameter, window):
         return None
@@ -95,9 +95,9 @@ def plateau_mean(curve: Curve, window: tuple[float, float]) -> float | None:
 
 
 def rising(curve: Curve) -> tuple[FloatArray, FloatArray]:
-    """Parameter and reaction (steps,), from the other end where the run goes towards smaller parameters.
+    """Return parameter and reaction (steps,) with rising parameter; a falling curve is reversed.
 
-    Where a curve turns back, only what lies beyond all that was before.
+    Of a curve that turns back, only the steps beyond all earlier ones are returned.
     """
     falls = len(curve) > 0 and curve.parameter[-1] < curve.parameter[0]
     way = -curve.parameter if falls else curve.parameter
@@ -120,11 +120,11 @@ def _inside(parameter: FloatArray, window: tuple[float, float]) -> NDArray[np.bo
 def read_plateau(
     curve: Curve, window: tuple[float, float], period: float | None = None
 ) -> PlateauReading | None:
-    """Read the plateau in a window of the parameter; None where it is `unreadable`.
+    """Return the plateau in a window of the parameter; None where it is `unreadable`.
 
     The drift is a parabola fitted to the mean of the curve over one `period` of the oscillation around each
-    step, which the oscillation itself does not move; without a period, or where the curve ends too soon for
-    that, it is a line fitted to the curve.
+    step, which the oscillation does not change. Without a period, or where the curve ends too early, the
+    drift is a line fitted to the curve.
     """
     if unreadable(curve, window, period) is not None:
         return None
@@ -136,9 +136,9 @@ def read_plateau(
 def read_window(
     parameter: FloatArray, reaction: FloatArray, window: tuple[float, float], mean: FloatArray | None = None
 ) -> PlateauReading:
-    """The same of a curve's arrays (steps,), which must cover the window with at least four steps in it.
+    """Return the same for arrays (steps,), which must cover the window with at least four steps in it.
 
-    `mean` (steps,) is what the drift is fitted to, where it is known in all of the window.
+    The drift is fitted to `mean` (steps,) where that is known in the whole window.
     """
     at, values, drift, taken_out, fitted = _without_drift(parameter, reaction, window, mean)
     oscillation = values - taken_out
@@ -155,7 +155,7 @@ def read_window(
 
 
 class Oscillation(NamedTuple):
-    """The steps (steps,) of a window: the reaction less its mean there, and what of that is drift."""
+    """The steps (steps,) of a window: the reaction minus its mean there, and the drift."""
 
     parameter: FloatArray
     deviation: FloatArray
@@ -163,12 +163,12 @@ class Oscillation(NamedTuple):
 
     @property
     def values(self) -> FloatArray:
-        """What oscillates, whose peaks and slopes are read."""
+        """The oscillation, from which amplitude and slopes are read."""
         return self.deviation - self.drift
 
 
 def oscillation(curve: Curve, plateau: PlateauReading, period: float | None = None) -> Oscillation:
-    """What a plateau was read from, with the same `period` as there."""
+    """Return the oscillation that a plateau was read from, with the same `period`."""
     parameter, reaction = rising(curve)
     mean = None if period is None else running_mean(parameter, reaction, period)
     at, values, _, taken_out, _ = _without_drift(parameter, reaction, plateau.window, mean)
@@ -178,7 +178,7 @@ def oscillation(curve: Curve, plateau: PlateauReading, period: float | None = No
 def _without_drift(
     parameter: FloatArray, reaction: FloatArray, window: tuple[float, float], mean: FloatArray | None
 ) -> tuple[FloatArray, FloatArray, float, FloatArray, Literal["running mean", "curve"]]:
-    """Parameter and reaction in a window, mean slope and values of the drift, and what that is fitted to."""
+    """Return parameter and reaction in a window, mean slope and values of the drift, and its source."""
     inside = _inside(parameter, window)
     at, values = parameter[inside], reaction[inside]
     if mean is not None and np.isnan(mean[inside]).any():
@@ -186,7 +186,7 @@ def _without_drift(
     line = at - at.mean()
     drift, taken_out = _along(line, values if mean is None else mean[inside])
     if mean is not None:
-        # the curvature of the drift: a parabola, orthogonal to the line; the mean itself would bring noise
+        # the curvature of the drift: a parabola, orthogonal to the line; the running mean itself is noisy
         bend = line**2 - np.mean(line**2)
         bend -= _along(line, bend)[1]
         taken_out = taken_out + _along(bend, mean[inside])[1]
@@ -200,7 +200,7 @@ def _along(direction: FloatArray, values: FloatArray) -> tuple[float, FloatArray
 
 
 def running_mean(parameter: FloatArray, reaction: FloatArray, period: float) -> FloatArray:
-    """Mean of a curve over one period around each step, (steps,); nan where the curve ends before that."""
+    """Return the mean (steps,) of a curve over one period around each step; nan next to its ends."""
     from scipy.interpolate import CubicSpline
 
     known = (parameter - period / 2 >= parameter[0]) & (parameter + period / 2 <= parameter[-1])
@@ -212,9 +212,9 @@ def running_mean(parameter: FloatArray, reaction: FloatArray, period: float) -> 
 
 
 def onset_angle(curve: Curve) -> float | None:
-    """Parameter at which the curve has left its initial straight line by 2 %, by linear interpolation.
+    """Return the parameter at which the curve is 2 % below its initial straight line; None where it is not.
 
-    None where it has not. The line goes through the origin and the first step after it.
+    By linear interpolation. The line passes through the origin and the first step after it.
     """
     later = curve.parameter > 0
     parameter, reaction = curve.parameter[later], curve.reaction[later]

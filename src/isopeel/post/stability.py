@@ -1,4 +1,4 @@
-"""What is said of the stability of a run: where it was lost, and what is not stable."""
+"""Notes on the stability of a run: where it was lost, and which states are unstable."""
 
 import numpy as np
 
@@ -9,7 +9,7 @@ from isopeel.solve.step import KINDS
 
 
 def stability_notes(curve: Curve, laboratory: Laboratory) -> list[Note]:
-    """One note for each bifurcation that a path passed, and one for all unstable states that are in it."""
+    """Return a note for each bifurcation that a path passed, and one for all its unstable states."""
 
     def shown(value: float) -> str:
         return laboratory.parameter(curve.parameter_column, value)
@@ -19,11 +19,11 @@ def stability_notes(curve: Curve, laboratory: Laboratory) -> list[Note]:
     for k in bifurcations:
         at = float(curve.parameter[k])
         text = (
-            f"stability is lost at {shown(at)}, a bifurcation: the path goes over to the stable branch; the"
-            " other one is followed by path_control = continuation"
+            f"stability is lost at {shown(at)}, a bifurcation: the path changes to the stable branch; the"
+            " unstable one is followed by path_control = continuation"
         )
         late = 0
-        # a path that finds out late has gone beyond, and comes back to it
+        # a path that detects the loss of stability late returns to the bifurcation
         while k - late > 1 and (at - curve.parameter[k - 1 - late]) * (at - curve.parameter[0]) < 0:
             late += 1
         if late:

@@ -1,4 +1,4 @@
-"""One state of a body, ready to be drawn, and what of the plane a picture of it shows."""
+"""One state of a body, ready to be drawn, and the window of a picture of it."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
@@ -14,7 +14,7 @@ from isopeel.problem import Problem
 from isopeel.splines.nurbs import Side
 from isopeel.splines.rows import RowSpace
 
-#: Cells along and across a body from which on bends and fields look smooth.
+#: Cells along and across a body with which curves and fields look smooth.
 SMOOTH = (300, 16)
 
 _OPPOSITE: dict[Side, Side] = {"left": "right", "right": "left", "bottom": "top", "top": "bottom"}
@@ -24,7 +24,7 @@ _ALIKE = 0.95  # of the strongest pull
 
 @dataclass(frozen=True)
 class Window:
-    """A part of the plane, (from, to) each way."""
+    """A rectangle of the plane, (from, to) each way."""
 
     x: tuple[float, float]
     y: tuple[float, float]
@@ -41,7 +41,7 @@ class BodyState:
 
     parameter: float
     fields: SampledFields
-    adhering: FloatArray  # (n, 2) positions along the part of the side that adheres
+    adhering: FloatArray  # (n, 2) positions along the adhering part of the side
     attraction: FloatArray  # (n,) of the substrate there
     opposite: FloatArray  # (n, 2) positions on the other side of the body
     driven: FloatArray  # (3, 2) start, middle and end of the driven side
@@ -55,11 +55,11 @@ def body_state(
     per_element: tuple[int, int] | None = None,
     maximum_openings: FloatArray | None = None,
 ) -> BodyState:
-    """Sample what a picture shows of coefficients (size, 2) of a displacement, as `sample_fields` does.
+    """Return a state of the body for pictures, from the coefficients (size, 2) of a displacement.
 
-    An irreversible joint needs its `maximum_openings` (`InterfacePoints.state`). Without a
-    number of cells per element there are so many that bends and fields look smooth on coarse and on graded
-    meshes too.
+    An irreversible joint needs its `maximum_openings` (`InterfacePoints.state`). By default an element has so
+    many cells that curves and fields look smooth, on coarse and on graded meshes too. Raises as
+    `sample_fields`.
     """
     adhesion = problem.adhesion
     along = np.linspace(adhesion.start, adhesion.end, 10 * max(space.elements) + 1)
@@ -80,13 +80,13 @@ def body_state(
 
 
 def stress_scale(states: Iterable[BodyState]) -> float:
-    """Return the largest |I1| of all states, at which the colours of I1 end either way."""
+    """Return the largest |I1| of all states, which is the end of the colour scale."""
     # an invariant below 1e-6 is the round-off of a body at rest
     return max(1e-6, *(float(np.nanmax(np.abs(state.fields.first_invariant))) for state in states))
 
 
 def whole_window(states: Iterable[BodyState]) -> Window:
-    """Return all of the body in all states, with room for labels."""
+    """Return a window around the body in all states, with space for labels."""
     points = np.concatenate([state.fields.position.reshape(-1, 2) for state in states])
     low, high = points.min(axis=0), points.max(axis=0)
     margin = 0.05 * float(np.max(high - low))
@@ -95,18 +95,19 @@ def whole_window(states: Iterable[BodyState]) -> Window:
 
 
 def front_window(problem: Problem, state: BodyState) -> Window:
-    """Return the body where the substrate pulls most, with a margin."""
+    """Return a window around the strongest attraction, with a margin."""
     attraction = state.attraction
-    # where nothing is pulled yet, a front will start from the end next to the drive
+    # where there is no attraction yet, a front will start at the end next to the drive
     from_drive = np.linalg.norm(state.adhering - state.driven[1], axis=1)
     pulls = attraction.max() > _NO_PULL * problem.body.material.youngs_modulus
-    # of several places that are pulled alike, as the troughs of a wave, the one next to the drive
+    # of several places with nearly the same attraction, such as the troughs of a wave, the one next to the
+    # drive
     front = attraction > _ALIKE * attraction.max() if pulls else np.full(len(attraction), True)
     at = int(np.argmin(np.where(front, from_drive, np.inf)))
     through = state.opposite[at] - state.adhering[at]
     length = float(np.linalg.norm(np.diff(state.adhering, axis=0), axis=1).sum())
     thickness = float(np.linalg.norm(through))
-    # of a body that is thick for what adheres, such as a cylinder, only the part next to the substrate
+    # of a body that is thick for its adhering part, such as a cylinder, only the part next to the substrate
     size = min(thickness, length / 2)
     x, y = (state.adhering[at] + through * size / thickness / 2).tolist()
     half_width, half_height = 1.6 * size, 0.65 * size
@@ -114,7 +115,7 @@ def front_window(problem: Problem, state: BodyState) -> Window:
 
 
 def adheres_to(problem: Problem) -> str:
-    """What the body adheres to, in words."""
+    """Return what the body adheres to, in words."""
     return "mirror plane" if isinstance(problem.adhesion.law, Mirrored) else "substrate"
 
 
@@ -124,11 +125,11 @@ def common_view(
     fields: Mapping[float, FloatArray],
     maximum_openings: Mapping[float, FloatArray] | None = None,
 ) -> tuple[Window, float]:
-    """A window for all states of a run, and the largest |I1| of them; of one state at a time, to save room.
+    """Return a window for all states of a run, and their largest |I1|; one state at a time, to save memory.
 
     `fields` maps parameters to coefficients (size, 2) of displacements, and `maximum_openings` to those of an
-    irreversible joint. The window holds the body; where that is thick for what adheres, such as a cylinder,
-    the fronts alone, of which nothing would be seen else.
+    irreversible joint. The window holds the body. Where the body is thick for its adhering part, such as a
+    cylinder, it holds the fronts only, which would be invisible otherwise.
     """
     windows, scale, history = [], 0.0, maximum_openings or {}
     for value, displacement in fields.items():

@@ -1,4 +1,4 @@
-"""The steady load of a tape whose load is raised, along a path that goes on beyond its largest value."""
+"""The steady load of a tape under load control, along a path that continues beyond the largest load."""
 
 from dataclasses import replace
 
@@ -13,15 +13,16 @@ from isopeel.problem import Problem, PulledSide
 from isopeel.results.curve import Curve
 from isopeel.splines.rows import RowSpace
 
-#: Steps whose mean is taken, at least.
+#: Least number of steps for a mean.
 _FEWEST = 4
 
 
 def steady_load(problem: Problem, space: RowSpace, curve: Curve) -> Reading | None:
-    """Mean load while the crack is as long as the closed form of a prescribed displacement asks for.
+    """Return the mean load while the crack length is in the range of the closed form; None otherwise.
 
-    A dead load has one parameter for all cracks, so that no window of it can be named: the crack's length
-    follows from what the joint has opened by. None where few steps or no form are valid.
+    The closed form is that of a prescribed displacement. A dead load has the same value for all cracks, so
+    that no window of the parameter can be named: the crack length follows from the opened part of the joint.
+    Returns None where there is no valid form, or too few steps.
     """
     drive, strip = problem.drive, free_strip(problem)
     if not isinstance(drive, PulledSide) or drive.control != "force" or strip is None or not len(curve):

@@ -1,4 +1,4 @@
-"""The reactions on a finer mesh that a summary has already, so that they are not computed again."""
+"""Read the reactions on a finer mesh from a stored summary, so that they are not computed again."""
 
 import json
 from math import isfinite
@@ -9,14 +9,14 @@ from isopeel.post.mesh_error import MeshChange
 from isopeel.results.files import check_readable
 from isopeel.results.run_file import StoredRun
 
-#: Bytes of the file of a summary that is read: a long list of jumps has a tenth of them.
+#: Most bytes of a summary that is read: one with a long list of jumps has a tenth of them.
 _LARGEST_SUMMARY = 10_000_000
 
 
 def stored_changes(summary: Path, run: StoredRun) -> list[MeshChange] | None:
-    """Reactions on a finer space that the file of a summary has of this very run; None where it has not.
+    """Return the reactions on a finer space in the summary of this very run; None where it has none.
 
-    The file may come from anywhere, and is not believed where it is not as `summarize` writes it.
+    The file is not trusted: it must have the form that `summarize` writes.
     """
     parameter, reaction = run.curve.parameter_column.name, run.curve.reaction_column.name
     try:
