@@ -1,4 +1,4 @@
-"""What a user of a drive looks for in a run: pull-off, initiation, crack length, energy release rate."""
+"""The quantities of interest of a test: pull-off, initiation, crack length, energy release rate."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -22,28 +22,28 @@ from isopeel.results.curve import Curve
 from isopeel.solve.step import KINDS
 from isopeel.splines.nurbs import Side
 
-#: What a drive tests.
+#: The kind of test that a drive makes.
 Test: TypeAlias = Literal["moment", "tape", "opening", "pull", "other"]
 
-#: A run that is further off a closed form is told in a note, as a share.
+#: Relative deviation from a closed form above which a note is written.
 FAR = 0.05
-#: A peak counts as one when the force falls by this share after it: more than a mesh's oscillation does.
+#: A maximum is a peak where the force falls by this share after it: more than the oscillation of a mesh.
 _FALL = 0.02
-#: Tension over the largest push up to which adhesion does not matter: half of the 1 % that is right.
+#: Ratio of tension and largest pressure below which adhesion is negligible: half of the allowed 1 %.
 _PRESSED = 0.005
-#: Cosine of the angle to the normal of the substrate up to which a load pulls rather than peels.
+#: Cosine of the angle to the normal of the substrate above which a load pulls and does not peel.
 _NORMAL = sqrt(0.5)
-#: Share of the path, its last, in which a steady value is read where a case names no window, and how much the
-#: reaction may vary there to be steady, as a share; smaller ones for a path that becomes steady late.
+#: Last shares of the path in which a steady value is read where a case names no window, the smaller ones for
+#: a path that becomes steady late; and the relative variation of the reaction up to which it is steady.
 LAST, _STEADY = (0.2, 0.1, 0.05), 0.05
-#: Drift, as a share of the mean, up to which a reaction is called steady: in a window that the case names,
-#: and over the largest share of the path where it names none.
+#: Drift, as a share of the mean, up to which a reaction is steady: in a window that the case names, and over
+#: the largest share of the path where it names none.
 DRIFT = 0.02
 
 
 @dataclass(frozen=True)
 class Reading:
-    """One number that was read, in the units of the case, beside that of theory where it is valid."""
+    """One value read from a run, in the units of the case, and that of theory where it is valid."""
 
     name: str
     value: float
@@ -51,18 +51,18 @@ class Reading:
     at: float | None = None  # parameter, in the unit of its column
     theory: float | None = None
     source: str = ""
-    words: str = ""  # of what it is, or how it was found
+    words: str = ""  # what the value is, or how it was found
     between: tuple[float, float] | None = None  # parameters, in the unit of their column
 
     @property
     def deviation(self) -> float | None:
-        """Share by which the run is above theory."""
+        """Relative deviation of the run from theory."""
         return None if not self.theory else self.value / self.theory - 1
 
 
 @dataclass(frozen=True)
 class Forces:
-    """Force and displacement of a curve (steps,), whichever of them was raised."""
+    """Force and displacement of a curve (steps,), under load control or displacement control."""
 
     force: FloatArray
     displacement: FloatArray
@@ -78,11 +78,11 @@ def forces(curve: Curve) -> Forces | None:
 
 
 def drive_test(problem: Problem, curve: Curve) -> Test:
-    """What a drive tests.
+    """Return the kind of test of a drive.
 
-    A load on the end of a side that adheres opens a joint where the arms are mirror images, or where the end
-    was lifted by less than the length sqrt(E'I/W) over which a tape turns into its direction; else it peels a
-    tape. One on the opposite side pulls, where it acts along the normal of the substrate, within 45 degrees.
+    A load on the end of an adhering side opens a joint where the arms are mirror images, or where the end is
+    lifted by less than the length sqrt(E'I/W) over which a tape turns into its direction; otherwise it peels
+    a tape. A load on the opposite side pulls where it acts within 45 degrees of the normal of the substrate.
     """
     if kind_of(curve.reaction_column) == "moment":
         return "moment"
@@ -101,7 +101,7 @@ def drive_test(problem: Problem, curve: Curve) -> Test:
 
 
 def halves(problem: Problem, test: Test) -> str | None:
-    """What is said of a problem of which one half is modelled; None where it is whole, as far as is known."""
+    """Return a sentence where one half of a problem is modelled; None where it is whole, as far as known."""
     if isinstance(problem.adhesion.law, Mirrored):
         return (
             "one half of a symmetric joint is modelled: forces act on each arm, displacements are of one arm"
@@ -126,7 +126,7 @@ def read(
     found: Mapping[float, Front],
     window: tuple[float, float] | None,
 ) -> list[Reading]:
-    """Read a curve of one step or more as a user of its drive does, without the plateau of a window."""
+    """Return the readings of a curve of one step or more, without the plateau of a window."""
     test, pulled = drive_test(problem, curve), forces(curve)
     mirrored = isinstance(problem.adhesion.law, Mirrored)
     readings = []
@@ -153,7 +153,8 @@ def read(
     released = release(problem, curve, found, window[0] if window else None)
     if released is not None:
         both = 2 if mirrored else 1
-        # what only touches, as a strip does on waves, takes W of a part of its face: G is right, W no theory
+        # a body that touches in part, such as a strip on waves, takes W on a part of its face: G is right,
+        # but W is not its theory
         flat = lies_flat(problem)
         work = both * problem.adhesion.law.work_of_adhesion if flat else None
         readings.append(
@@ -171,7 +172,7 @@ def read(
 
 
 def steady_window(curve: Curve, share: float = LAST[0]) -> tuple[float, float] | None:
-    """The last share of a curve, where its reaction is steady: for a case that names no window; or None."""
+    """Return the window of the last share of a curve where its reaction is steady there, else None."""
     if len(curve) < 10 or kind_of(curve.reaction_column) not in ("force", "moment"):
         return None
     rise = np.diff(curve.parameter)
@@ -183,7 +184,7 @@ def steady_window(curve: Curve, share: float = LAST[0]) -> tuple[float, float] |
     inside = curve.reaction[(curve.parameter >= low) & (curve.parameter <= high)]
     if len(inside) < 4 or np.ptp(inside) > _STEADY * abs(float(inside.mean())):
         return None
-    # what is left of a joint that has come off is steady too, and as small as round-off
+    # the reaction of a joint that has come off is steady too, and as small as round-off
     if np.abs(inside).max() < _FALL * np.abs(curve.reaction).max():
         return None
     if abs(drift(curve, (low, high))) * LAST[0] / share > DRIFT:
@@ -192,7 +193,7 @@ def steady_window(curve: Curve, share: float = LAST[0]) -> tuple[float, float] |
 
 
 def drift(curve: Curve, window: tuple[float, float]) -> float:
-    """What a line fitted to the reaction rises by in a window of at least two steps, over the mean there."""
+    """Return the rise of a line fitted to the reaction in a window of two steps or more, over its mean."""
     inside = (curve.parameter >= window[0]) & (curve.parameter <= window[1])
     along, values = curve.parameter[inside], curve.reaction[inside]
     along = along - along.mean()
@@ -201,7 +202,7 @@ def drift(curve: Curve, window: tuple[float, float]) -> float:
 
 
 def is_only_pressed(problem: Problem, curve: Curve) -> bool:
-    """Whether a body that a load pulls or presses is pulled by next to nothing: then no front peels."""
+    """Return whether the tension of a body that is pulled or pressed is negligible: no front peels then."""
     pulled = forces(curve)
     if pulled is None or drive_test(problem, curve) != "pull":
         return False
@@ -221,14 +222,14 @@ def _initiation(problem: Problem, curve: Curve, pulled: Forces) -> int | None:
     fallen = first_fall(pulled.force)
     if fallen is None or _at_the_end(problem, curve)[fallen]:
         return None
-    # a film that buckles far from its joint lets go of nothing
+    # a film that buckles far from its joint does not peel
     if opened(problem, curve)[fallen] < _FALL * _height(problem):
         return None
     return int(np.argmax(pulled.force[: fallen + 1]))
 
 
 def _at_the_end(problem: Problem, curve: Curve) -> NDArray[np.bool_]:
-    """Return whether less of a joint is left at each step (steps,) than its front reaches into it."""
+    """Return whether the rest of a joint at each step (steps,) is shorter than the reach of its front."""
     adhesion = problem.adhesion
     length = problem.body.shape.boundary(adhesion.side).length()
     left = length * (adhesion.end - adhesion.start) - opened(problem, curve)
@@ -237,7 +238,7 @@ def _at_the_end(problem: Problem, curve: Curve) -> NDArray[np.bool_]:
 
 
 def _height(problem: Problem) -> float:
-    """Mean thickness of the body."""
+    """Return the mean thickness of the body."""
     shape = problem.body.shape
     return shape.area() / shape.boundary(problem.adhesion.side).length()
 
@@ -250,7 +251,8 @@ def pull_off(problem: Problem, curve: Curve) -> int | None:
     tension = pulled.force * np.sign(_away(problem))
     moved = np.diff(pulled.displacement) * np.sign(_away(problem))
     step = int(np.argmax(tension))
-    # a body that snaps into contact is pulled while it approaches, one that holds most at the last step
+    # a body that snaps into contact is pulled while it approaches; the largest tension may be at the last
+    # step
     return step if tension[step] > 0 and 0 < step < len(curve) - 1 and moved[step] > 0 else None
 
 
@@ -330,7 +332,7 @@ def _cracks(curve: Curve, found: Mapping[float, Front]) -> list[Reading]:
 
 
 def _away(problem: Problem) -> float:
-    """Cosine of the angle between the load and the outward normal of the substrate where the joint begins."""
+    """Return the cosine of the angle of the load to the outward normal where the joint begins."""
     adhesion, drive = problem.adhesion, problem.drive
     place = problem.body.shape.boundary(adhesion.side).evaluate([adhesion.start])
     _, normal, _ = evaluate_substrate(adhesion.substrate.kernel, adhesion.substrate.parameters, place)

@@ -1,25 +1,25 @@
-"""Whether the elements of the adhering side resolve the peeling front: as estimated, and as measured.
+"""The resolution of the peeling front by the elements of the adhering side, estimated and measured.
 
-At a front the attraction rises and falls over a length that law, material and thickness set together. With
-the strength sigma and the work of adhesion W of the law, E' = E/(1 - nu^2) and the height h,
+At a front the attraction rises and falls over a length that depends on law, material and thickness. With the
+strength sigma and the work of adhesion W of the law, E' = E/(1 - nu^2) and the height h,
 
     l_I = E' W / sigma^2                    in a thick body (Irwin's and Hillerborg's characteristic length),
     l_s = (E' W / sigma^2)^(1/4) h^(3/4)    in a slender one (Yang and Cox, Int. J. Fract. 133, 2005; Turon,
                                             Davila, Camanho and Costa, Eng. Fract. Mech. 74, 2007)
 
-up to factors. The process zone is the stretch where the attraction exceeds half of its peak
-(`front.process_zone`). Its estimate is 1/(1/(0.47 l_s) + 1/(1.45 l_I)): the shorter of both governs. The
+up to factors. The process zone is the part where the attraction exceeds half of its peak
+(`front.process_zone`). Its estimate is 1/(1/(0.47 l_s) + 1/(1.45 l_I)): the shorter length dominates. The
 factors were fitted to strips that a moment peels from a rigid substrate, with exponential, bilinear and van
 der Waals laws and l_I from 0.02 h to 88 h, where it is right within a quarter (`benchmarks/resolution.py`).
 Of l_I, 1.45 is near twice the 9 pi/32 of a crack with the same body on both sides (Rice, 1968): one side is
 rigid here, which halves the compliance.
 
-The reach of the law is the stretch over which the attraction falls from its peak to a fiftieth of it. A gap
-grows with the square of the distance at a front, so that it is 0.88 sqrt(d_r/d_z) process zones with the
-openings d_r and d_z at which the attraction has fallen to a fiftieth and to a half (fitted likewise).
+The reach of the law is the length over which the attraction falls from its peak to a fiftieth of it. At a
+front the gap grows with the square of the distance. So the reach is 0.88 sqrt(d_r/d_z) process zones, where
+the attraction has fallen to a fiftieth at the opening d_r and to a half at d_z (fitted in the same way).
 
-A body that only touches the substrate, as a cylinder does, is pulled where its shape leaves a small gap:
-where that stretch is shorter than the estimate, it governs.
+A body that touches the substrate, such as a cylinder, is attracted where its shape leaves a small gap: where
+that part is shorter than the estimate, its length is used.
 """
 
 from collections.abc import Mapping
@@ -44,9 +44,9 @@ from isopeel.splines.space import SplineSpace
 
 #: Process zone over the lengths of slender and of thick bodies, and reach over process zone (see above).
 _SLENDER, _THICK, _REACH = 0.47, 1.45, 0.88
-#: Places along the adhering side that its gap at rest is looked at.
+#: Number of places along the adhering side at which its gap at rest is evaluated.
 _PLACES = 2001
-#: A gap that varies by less of the length of the joint is the same everywhere: round-off.
+#: Variation of a gap, as a share of the length of the joint, that is round-off.
 EVEN = 1e-9
 
 
@@ -57,7 +57,7 @@ class Resolution:
     zone: float  # length of the process zone
     reach: float  # length over which the law acts ahead of its peak
     element: float  # the longest element in the zone
-    needed: float  # elements in the zone that the space needs
+    needed: float  # number of elements in the zone that the space needs
     stretches: tuple[tuple[float, float], ...]  # of the side, around the fronts, where elements count
     contact: float | None = None  # half of the width over which a body touches, where that is a part of it
 
@@ -77,7 +77,7 @@ class Resolution:
         return self.elements >= self.needed
 
     def on(self, problem: Problem, space: RowSpace) -> "Resolution":
-        """Of the same zone on another space."""
+        """Return the resolution of the same zone on another space."""
         ends = ends_along(problem, space)
         longest = max(_longest(ends, *stretch) for stretch in self.stretches)
         return replace(self, element=longest, needed=needed_elements(functions_along(problem, space)))
@@ -94,16 +94,16 @@ class Resolution:
 
 
 def process_zone_length(irwin: float, height: float) -> float:
-    """Estimated length of the process zone of a body of a height, from l_I = E' W/sigma^2."""
+    """Return the estimated length of the process zone of a body of a height, from l_I = E' W/sigma^2."""
     slender = sqrt(sqrt(irwin * height**3))
     return 1 / (1 / (_SLENDER * slender) + 1 / (_THICK * irwin))
 
 
 def needed_elements(functions: SplineSpace) -> float:
-    """Elements in the process zone with which a plateau is right within about 1 %.
+    """Return the number of elements in the process zone with which a plateau is right within about 1 %.
 
-    What counts is the number of functions in the zone: 1 of smooth splines, 0.7 where they are of degree 4
-    and more, 1.8 of C0 splines of degree 2 and more (`benchmarks/resolution.py`).
+    It follows from the number of functions needed in the zone: 1 for smooth splines, 0.7 for those of degree
+    4 and more, 1.8 for C0 splines of degree 2 and more (`benchmarks/resolution.py`).
     """
     smooth = functions.degree - 1
     if functions.elements > 1:
@@ -114,11 +114,11 @@ def needed_elements(functions: SplineSpace) -> float:
 
 
 def estimated(problem: Problem, space: RowSpace) -> Resolution | None:
-    """Resolution where the front of a problem starts, before any step; None of a law without a peak.
+    """Return the estimated resolution where the front of a problem starts; None if the law has no peak.
 
-    A body that lies on the substrate parts first at the ends of the adhering part that face the drive; one
-    that touches it, at the edge of the contact that its shape and the law leave, or that of Johnson, Kendall
-    and Roberts at pull-off where this is wider.
+    A body that lies on the substrate begins to peel at the ends of the adhering part that face the drive. A
+    body that touches it begins at the edge of the contact: that given by its shape and the law, or that of
+    Johnson, Kendall and Roberts at pull-off where it is wider.
     """
     law = problem.adhesion.law
     try:
@@ -147,7 +147,7 @@ def estimated(problem: Problem, space: RowSpace) -> Resolution | None:
 
 
 def measured(problem: Problem, space: RowSpace, zone: ProcessZone) -> Resolution:
-    """Resolution of a process zone that was found in a state, with the law's reach beside such a zone."""
+    """Return the resolution of a process zone that was found in a state, and of the reach beside it."""
     before = estimated(problem, space)
     contact = None if before is None else before.contact
     return _resolution(problem, space, zone.length, ((zone.start, zone.end),), contact)
@@ -165,7 +165,7 @@ def _resolution(
 
 
 def elements_are_tall(problem: Problem, space: RowSpace) -> bool:
-    """Whether the first element above the lower side is higher than two of the shortest ones are long."""
+    """Return whether the first element above the lower side is higher than twice the shortest length."""
     shape = problem.body.shape
     length, height = (
         max(shape.boundary(side).length() for side in pair) for pair in (("bottom", "top"), ("left", "right"))
@@ -183,7 +183,7 @@ def lies_flat(problem: Problem) -> bool:
 
 
 def parts_at_once(problem: Problem) -> bool:
-    """Whether a joint opens alike everywhere, so that it has no front, as below a bar that is pulled."""
+    """Return whether a joint opens uniformly, without a front, as below a bar that is pulled."""
     adhesion, drive = problem.adhesion, problem.drive
     opposite = {"bottom": "top", "top": "bottom", "left": "right", "right": "left"}
     across = 0 if adhesion.side in ("bottom", "top") else 1
@@ -203,7 +203,7 @@ class Zones:
 
     @classmethod
     def of(cls, problem: Problem, space: RowSpace, zones: Mapping[float, ProcessZone]) -> Self:
-        """Those of a problem on a space; `zones` are the process zones of its stored states."""
+        """Return the zones of a problem on a space; `zones` are the process zones of its stored states."""
         found = {at: measured(problem, space, zone) for at, zone in zones.items() if zone.length > 0}
         return cls(estimated(problem, space), found)
 
@@ -214,11 +214,11 @@ class Zones:
 
     @property
     def worst(self) -> tuple[float, Resolution] | None:
-        """Those with the fewest elements."""
+        """Parameter and process zone of the state with the fewest elements in it."""
         return min(self.measured.items(), key=lambda item: item[1].elements, default=None)
 
     def summary(self, parameter: str) -> dict[str, dict[str, float] | None]:
-        """Plain numbers in L0: what was estimated, and what was measured last, at a parameter of a name."""
+        """Return plain numbers in L0: the estimated and the last measured zone, with its named parameter."""
         last = self.last
         return {
             "estimated": None if self.estimated is None else self.estimated.summary(),
@@ -243,7 +243,7 @@ def functions_along(problem: Problem, space: RowSpace) -> SplineSpace:
 
 
 def ends_along(problem: Problem, space: RowSpace) -> FloatArray:
-    """Ends (elements + 1,) of the elements along the adhering side at rest, from its start."""
+    """Return the ends (elements + 1,) of the elements along the adhering side at rest, from its start."""
     ends = functions_along(problem, space).breakpoints
     # chords of parts of each element: the elements of a bent side are its arcs
     parts = (ends[:-1, None] + np.diff(ends)[:, None] * np.arange(4) / 4).ravel()
@@ -253,13 +253,13 @@ def ends_along(problem: Problem, space: RowSpace) -> FloatArray:
 
 
 def _longest(ends: FloatArray, start: float, end: float) -> float:
-    """The longest of the elements between ends (elements + 1,) that a stretch of the side covers in part."""
+    """Return the longest element, of ends (elements + 1,), that overlaps a part of the side."""
     covered = (ends[1:] > start) & (ends[:-1] < end)
     return float(np.diff(ends)[covered].max()) if covered.any() else float(np.diff(ends)[-1])
 
 
 def _at_rest(problem: Problem) -> tuple[FloatArray, FloatArray]:
-    """Places (n,) along the adhering part from the start of its side, and the gap at rest there."""
+    """Return places (n,) along the adhering part, from the start of its side, and the gaps at rest there."""
     adhesion = problem.adhesion
     curve = problem.body.shape.boundary(adhesion.side)
     points = curve.evaluate(np.linspace(adhesion.start, adhesion.end, _PLACES))
@@ -270,7 +270,7 @@ def _at_rest(problem: Problem) -> tuple[FloatArray, FloatArray]:
 
 
 def _beside(places: FloatArray, touches: BoolArray, lowest: int) -> float:
-    """Length of the touching stretch around the lowest place, on that side of it where it is longer."""
+    """Return the length of the contact on one side of the lowest place, where it is longer."""
     apart = np.flatnonzero(~touches)
     before, after = apart[apart < lowest], apart[apart > lowest]
     start = places[before[-1] + 1] if before.size else places[0]
@@ -280,7 +280,7 @@ def _beside(places: FloatArray, touches: BoolArray, lowest: int) -> float:
 
 
 def body_height(problem: Problem) -> float:
-    """Thickness of the body above the adhering side, in the middle of what adheres."""
+    """Return the thickness of the body above the adhering side, in the middle of the adhering part."""
     adhesion, shape = problem.adhesion, problem.body.shape
     at, ends = (adhesion.start + adhesion.end) / 2, (0.0, 1.0)
     if adhesion.side in ("bottom", "top"):

@@ -1,4 +1,4 @@
-"""What is said where the elements at a front are too few, and what discretization would do."""
+"""Notes where a front has too few elements, with a discretization that has enough."""
 
 from collections.abc import Mapping
 from math import ceil, floor, log, log10
@@ -32,25 +32,25 @@ from isopeel.results.notes import Note, Remedy
 from isopeel.splines.rows import RowSpace, row_space
 from isopeel.splines.space import SplineSpace
 
-#: Element columns times rows, with those of the degree across, that a run takes minutes for.
+#: Element columns times rows, with those of the degree across, for which a run takes minutes.
 _MOST_COLUMNS = 20_000
-#: Times the elements along up to which more of them are proposed, rather than a grading; and what is tried.
+#: Factor on the elements along up to which more of them are proposed instead of a grading; and those tried.
 _FEW_MORE = 2.0
-#: Elements are this much longer than their neighbours at most.
+#: Largest ratio of the lengths of neighbouring elements.
 _NEIGHBOURS = 1.3
 _ROWS = (10, 16, 24, 32)
 _TIMES, _GRADINGS = (1.0, 1.5, 2.0, 3.0, 4.0), (2, 5, 10, 20, 50, 100, 200, 500, 1000)
-#: Oscillation of a plateau, over its mean, from which the mean may be wrong by a percent: 3 to 5 % on strips.
+#: Oscillation of a plateau over its mean above which the mean may be wrong by a percent: 3 to 5 % on strips.
 SWINGS = 0.04
-#: Jumps of a strip on flat ground that its start and its end do not explain.
+#: Number of jumps of a strip on flat ground that its start and its end do not explain.
 JUMPS = 3
-#: A proposed mesh has so many times the elements that are needed; of a graded one, of which more elements
-#: are shorter by less where they are short, more of them.
+#: Factor on the needed elements of a proposed mesh; larger for a graded one, where additional elements
+#: shorten the short elements less.
 _SPARE, _SPARE_GRADED = 1.1, 1.4
 
 
 def estimate_notes(problem: Problem, space: RowSpace, laboratory: Laboratory) -> list[Note]:
-    """Say before the first step that the elements are too few for the front, and what would do."""
+    """Return notes, before the first step, where a front has too few elements, with a remedy."""
     found = estimated(problem, space)
     if found is None or found.is_enough or parts_at_once(problem):
         return []
@@ -63,10 +63,10 @@ def peels(
     fields: Mapping[float, FloatArray],
     maximum_openings: Mapping[float, FloatArray] | None = None,
 ) -> bool:
-    """Whether a joint was pulled by half of its strength somewhere in one of the last and largest states.
+    """Return whether half of a joint's strength was reached somewhere in one of the last and largest states.
 
-    One that was not is a support, whose front is nowhere; `fields` are displacements (size, 2) by parameters,
-    and `maximum_openings` those of an irreversible joint.
+    A joint without such a place is a support, which has no front. `fields` are displacements (size, 2) by
+    parameter, and `maximum_openings` those of an irreversible joint.
     """
     try:
         strength = law_character(problem.adhesion.law).strength
@@ -82,13 +82,13 @@ def peels(
 
 
 def zone_notes(problem: Problem, space: RowSpace, zones: Zones, laboratory: Laboratory) -> list[Note]:
-    """Say that elements were too few at a front that was measured, or at that estimated where none was."""
+    """Return notes where a measured front, or else the estimated one, has too few elements."""
     if zones.worst is None:
         return estimate_notes(problem, space, laboratory)
     value, front = zones.worst
     if front.is_enough:
         return []
-    # a front that elements do not resolve is as long as they are
+    # a front that the elements do not resolve is as long as an element
     if zones.estimated is not None and zones.estimated.elements < front.elements:
         return estimate_notes(problem, space, laboratory)
     where = f"measured at the front at {laboratory.parameter(problem.drive.parameter_column, value)}"
@@ -98,11 +98,11 @@ def zone_notes(problem: Problem, space: RowSpace, zones: Zones, laboratory: Labo
 def oscillation_notes(
     problem: Problem, curve: Curve, plateau: PlateauReading | None, steady: tuple[float, float] | None
 ) -> list[Note]:
-    """Say that the front of a strip moves from element to element, where its reaction swings by SWINGS.
+    """Return notes where the front of a strip moves from element to element: its reaction swings by SWINGS.
 
     The swing is that of a `plateau`, or else that about a line in the `steady` window, or in the last fifth
-    of the path where the front jumped. A strip on flat ground parts steadily but for its start and its end,
-    which may jump.
+    of the path where the front jumped. A strip on flat ground peels steadily, except for its start and its
+    end, which may jump.
     """
     if free_strip(problem) is None:
         return []
@@ -127,7 +127,7 @@ def _last_part(curve: Curve) -> tuple[float, float]:
 
 
 def _about_a_line(curve: Curve, window: tuple[float, float]) -> PlateauReading | None:
-    """What a window tells about a line; None where it holds few steps."""
+    """Return the plateau about a line in a window; None where the window has too few steps."""
     parameter, reaction = rising(curve)
     inside = (parameter >= window[0]) & (parameter <= window[1])
     if np.count_nonzero(inside) < 4:
@@ -138,7 +138,7 @@ def _about_a_line(curve: Curve, window: tuple[float, float]) -> PlateauReading |
 def _zone_note(
     problem: Problem, space: RowSpace, found: Resolution, laboratory: Laboratory, source: str
 ) -> Note:
-    """Numbers of a resolution that is not enough, with where they come from."""
+    """Return the note on an insufficient resolution, with the source of its numbers."""
     element, zone, reach = (
         laboratory.text(length, "length", 3) for length in (found.element, found.zone, found.reach)
     )
@@ -154,7 +154,7 @@ def _zone_note(
 
 
 def _remedy(problem: Problem, space: RowSpace, found: Resolution) -> Remedy | None:
-    """What would give the process zone the elements that it needs, of what a run can take; or None."""
+    """Return a discretization that a run can afford and that resolves the process zone, or None."""
     along, across = space.elements
     more = _SPARE * found.needed / found.elements
     if problem.adhesion.side in ("left", "right"):
@@ -167,7 +167,7 @@ def _remedy(problem: Problem, space: RowSpace, found: Resolution) -> Remedy | No
     sizes = np.diff(space.rows[0].breakpoints)
     even = np.ptp(sizes) < EVEN
     wanted = (_rounded_up((more if even else more * _SPARE_GRADED / _SPARE) * along), across)
-    # a front that stays near where it starts takes few small elements
+    # a front that stays near its start needs few small elements
     stays = problem.drive.side in ("bottom", "top")
     if stays and wanted[0] > _FEW_MORE * along:
         graded = _graded(problem, space, found)
@@ -210,9 +210,10 @@ def _graded(problem: Problem, space: RowSpace, found: Resolution) -> Remedy | No
 
 
 def _rows(problem: Problem, across: int, contact: float | None) -> tuple[int, int]:
-    """Elements across and their grading, on which the first one is no higher than a contact is wide.
+    """Return elements across and their grading with a first row no higher than a contact is wide.
 
-    With a first row of 4 contacts a cylinder is pulled off at 3.4 % more, with one of 0.9 contacts at 0.2 %.
+    With a first row of 4 contact widths the pull-off force of a cylinder is 3.4 % too large, with one of 0.9
+    widths 0.2 %.
     """
     height = body_height(problem)
     if contact is None:
@@ -237,7 +238,7 @@ def _softer(problem: Problem, space: RowSpace, found: Resolution, laboratory: La
     modulus = plane_strain_modulus(problem.body.material)
     along, across = space.elements
     most = _MOST_COLUMNS / (across + space.across.degree) / along
-    # more than is needed, as numbers of elements are rounded up
+    # more than needed, as numbers of elements are rounded up
     longer = max(_SPARE_GRADED * found.needed / found.elements / most, 1.0) * _SPARE
 
     def misses(logarithm: float) -> float:
@@ -248,7 +249,7 @@ def _softer(problem: Problem, space: RowSpace, found: Resolution, laboratory: La
     # a zone of a slender body is longer by the root of the strength at least
     strength = character.strength * float(np.exp(brentq(misses, -2 * log(longer) - 1, 0.0)))
     return (
-        "no mesh that a run can take would do, but a longer zone: that of a strength of "
+        "no mesh that a run can afford is enough, but a longer zone is possible: that of a strength of "
         f"{laboratory.text(strength, 'stress', 3)} or less, with the same work of adhesion"
     )
 

@@ -1,4 +1,4 @@
-"""One look for all figures: made for print, and for readers who see colours differently."""
+"""The common style of all figures: for print, and for all kinds of colour vision."""
 
 import logging
 from collections.abc import Iterator
@@ -15,13 +15,13 @@ from isopeel.common.errors import InputError
 from isopeel.results.files import MAKER
 from isopeel.splines.names import parse_space_name
 
-#: Colours that stay apart for all kinds of colour vision (Okabe and Ito, 2008), the strongest first.
+#: Colours that are distinct for all kinds of colour vision (Okabe and Ito, 2008), the strongest first.
 BLUE, VERMILION, GREEN, ORANGE, PURPLE, SKY = "#0072B2", "#D55E00", "#009E73", "#E69F00", "#CC79A7", "#56B4E9"
 DASHES = (0, (4, 2))
 LONG_DASHES, DOT_DASHES = (0, (8, 2)), (0, (5, 1.5, 1, 1.5))
 DOT_DOT_DASHES, DOTS = (0, (5, 1.5, 1, 1.5, 1, 1.5)), (0, (1, 1.2))
 GREY, SHADE = "#666666", "#eeeeee"
-#: Perceptually uniform, and lighter from end to end, so that it survives a grey print.
+#: A perceptually uniform colour map whose lightness rises, so that it is readable in a grey print.
 FIELD_MAP = "viridis"
 #: Widths of a figure in one and in two columns of a journal, in inches.
 ONE_COLUMN, TWO_COLUMNS = 3.5, 7.2
@@ -56,7 +56,7 @@ _SETTINGS: dict[Any, Any] = {
 
 @contextmanager
 def style() -> Iterator[None]:
-    """Draw in the common style, whatever the user's settings are, and leave those untouched."""
+    """Draw in the common style while the context is open, whatever the user's settings are."""
     with mpl.rc_context():
         mpl.rcdefaults()
         mpl.rcParams.update(_SETTINGS)
@@ -70,7 +70,7 @@ def check_format(suffix: str) -> None:
 
 
 def save(figure: Figure, path: Path) -> None:
-    """Write a figure; InputError for a suffix that is not one of FORMATS."""
+    """Write a figure; raises InputError for a suffix that is not one of FORMATS."""
     if path.suffix.lower() not in FORMATS:
         raise InputError("figure", str(path), f"its name must end in one of {', '.join(FORMATS)}")
     dates = {".pdf": {"CreationDate": None}, ".svg": {"Date": None}}  # the same figure, the same file
@@ -86,7 +86,7 @@ def save(figure: Figure, path: Path) -> None:
 
 @contextmanager
 def _undated_fonts() -> Iterator[None]:
-    """Embed fonts of no date without a warning: matplotlib takes the prime of a formula from such a one."""
+    """Embed fonts without a date without a warning: matplotlib takes the prime of a formula from one."""
     logger = logging.getLogger("fontTools.ttLib.tables._h_e_a_d")
     logger.addFilter(_is_not_about_dates)
     try:
@@ -104,7 +104,7 @@ LineStyle = Literal["-"] | tuple[int, tuple[float, ...]]
 
 @dataclass(frozen=True)
 class SpaceStyle:
-    """How one spline space looks in every figure.
+    """The style of one spline space in all figures.
 
     `hollow` where the contact row alone is enriched, `half_filled` where it alone is elevated.
     """
@@ -117,7 +117,7 @@ class SpaceStyle:
 
     @property
     def line(self) -> dict[str, Any]:
-        """Arguments of a line without markers, as of `Axes.plot`."""
+        """Arguments of `Axes.plot` for a line without markers."""
         return {
             "color": self.color,
             "linestyle": self.linestyle,
@@ -126,7 +126,7 @@ class SpaceStyle:
 
     @property
     def marked(self) -> dict[str, Any]:
-        """Arguments of a line with markers, as of `Axes.plot`."""
+        """Arguments of `Axes.plot` for a line with markers."""
         return self.line | {
             "marker": self.marker,
             "markersize": 5,
@@ -155,11 +155,11 @@ _LEFT_COLORS, _LEFT_MARKERS = (GREY, "#8C6BB1", "#A6611A", "#4A5A8A"), ("8", "h"
 
 
 def space_style(name: str) -> SpaceStyle:
-    """Return the look of a space, the same in every figure; InputError for what is no name of a space.
+    """Return the style of a space, the same in all figures; raises InputError for other names.
 
-    The published spaces have looks of their own; L1+X, the contact row alone enriched, has that of X with
-    hollow markers and a thinner line, and Np+Np.q that of Np.q with half of its marker filled. Other names
-    share the colours and markers that are left.
+    Each published space has its own style. L1+X, with only the contact row enriched, has that of X with
+    hollow markers and a thinner line; Np+Np.q has that of Np.q with half of its marker filled. Other spaces
+    share the remaining colours and markers.
     """
     parsed = parse_space_name(name)
     bulk, contact, rows = parsed.bulk, parsed.contact, parsed.contact_rows
@@ -169,7 +169,7 @@ def space_style(name: str) -> SpaceStyle:
         return replace(_STYLES[str(contact)], half_filled=True)
     if str(parsed) in _STYLES:
         return _STYLES[str(parsed)]
-    # weights by which the spaces of the literature, of degrees 1, 2 and 4 with 1 to 3 contact rows, differ
+    # with these weights the spaces of the literature, of degrees 1, 2 and 4 with 1 to 3 contact rows, differ
     which = 3 * bulk.degree + contact.degree + 2 * contact.continuity + rows
     marker = _LEFT_MARKERS[(rows + contact.continuity) % len(_LEFT_MARKERS)]
     return SpaceStyle(_LEFT_COLORS[which % len(_LEFT_COLORS)], marker, DOTS)
@@ -180,8 +180,8 @@ _COLORS = (BLUE, VERMILION, GREEN, ORANGE, PURPLE, SKY, "#000000")
 
 
 def line_style(number: int) -> dict[str, Any]:
-    """Look of one of several lines, by its number from zero: told apart by colour, and in grey by dashes.
+    """Return the style of one of several lines, by its number from zero: distinct in colour, dashed for grey.
 
-    The first 42 differ.
+    The first 42 are distinct.
     """
     return {"color": _COLORS[number % len(_COLORS)], "linestyle": _LINES[number % len(_LINES)]}

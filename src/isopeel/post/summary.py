@@ -23,11 +23,11 @@ from isopeel.results.run_file import StoredRun
 def summarize(
     title: str, run: StoredRun, found: Findings, wall_time: float, changes: Sequence[MeshChange]
 ) -> dict[str, Any]:
-    """Collect what a run says, as plain numbers and texts; `notes` say why a value is None, or doubted.
+    """Return the summary of a run as plain numbers and texts; `notes` say why a value is None, or doubtful.
 
-    `readings` are in laboratory units, each with its own. All other numbers are those of the curve: parameter
-    and reaction in the units of their columns, which `units` names, slopes per unit of the parameter. A jump
-    is a step of that kind, or one that released more than a thousandth of what the energies varied by.
+    `readings` are in laboratory units, each with its own unit. All other numbers are those of the curve:
+    parameter and reaction in the units of their columns, named in `units`, slopes per unit of the parameter.
+    A jump is a step of that kind, or one that released more than a thousandth of the range of the energies.
     `wall_time` (seconds) is that of the whole run, with its compilation. `changes` are those on a finer
     space, by `mesh_changes`.
     """
@@ -35,7 +35,7 @@ def summarize(
     window, plateau, closed_form = found.window, found.plateau, found.closed_form
     iterations = int(curve.iterations.sum())
     parameter, reaction = curve.parameter_column, curve.reaction_column
-    # a straight line that bends tells when peeling begins under a moment, not under a force
+    # a bend in a straight line is the onset of peeling under a moment, not under a force
     onset = onset_angle(curve) if parameter.unit == "degree" else None
     strongest = int(np.argmax(np.abs(curve.reaction))) if len(curve) else None
     versions = {name: value for name, value in attributes.items() if name.startswith("version_")}
@@ -83,7 +83,7 @@ def summarize(
             "reason": found.laboratory.sentence(failure.reason),
             "cause": failure.cause,
             "hint": failure.hint,
-            # JSON knows no inf
+            # JSON has no inf
             "iterations": [measure if isfinite(measure) else None for measure in failure.iterations],
         },
         "versions": {name.removeprefix("version_"): value for name, value in versions.items()},

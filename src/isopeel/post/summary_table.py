@@ -1,4 +1,4 @@
-"""The table of a summary, as it is printed."""
+"""The table of a summary, as printed."""
 
 from collections.abc import Mapping
 from typing import Any, NamedTuple
@@ -15,7 +15,7 @@ from isopeel.results.curve import Curve
 
 
 class Row(NamedTuple):
-    """A row of the table of a summary: of what, its value, that of theory, and how far they are apart."""
+    """A row of the table of a summary: name, value, value of theory, and deviation."""
 
     name: str
     value: str
@@ -24,7 +24,7 @@ class Row(NamedTuple):
 
 
 def summary_rows(summary: Mapping[str, Any], curve: Curve, found: Findings) -> list[Row]:
-    """Return a summary in words; cells are empty where there is nothing to say."""
+    """Return the rows of a summary in words; cells without content are empty."""
     laboratory = found.laboratory
     parameter = curve.parameter_column
     rows = [Row("space", f"{summary['space']}, {summary['mesh']}, {summary['dofs']} DOFs")]
@@ -95,7 +95,7 @@ def _row(reading: Reading, parameter: Column, laboratory: Laboratory) -> Row:
 
 
 def _zone_rows(found: Findings, parameter: Column) -> list[Row]:
-    """How many elements the process zone has, and needs."""
+    """Return a row on the elements that the process zone has, and needs; empty where unknown."""
     laboratory, zones = found.laboratory, found.zones
     counts, needed = [], None
     if zones.last is not None:

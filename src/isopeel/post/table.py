@@ -13,7 +13,7 @@ from isopeel.post.laboratory import Laboratory
 from isopeel.problem import Column, Problem
 from isopeel.results.curve import Curve, write_table
 
-#: No state in which a front was looked for.
+#: No state with a front.
 NO_FRONTS: Mapping[float, Front] = MappingProxyType({})
 
 
@@ -24,15 +24,15 @@ def write_curve(
     laboratory: Laboratory,
     fronts: Mapping[float, Front] = NO_FRONTS,
 ) -> None:
-    """Write the curve of a problem with all digits of its numbers; one line for each step.
+    """Write the curve of a problem with all digits; one line for each step.
 
-    The column crack_length is filled where the displacement is stored and there is a front; a problem whose
-    load acts on all of the body has none. Raises OSError.
+    The column crack_length has a value where the displacement is stored and there is a front; a problem whose
+    load acts on the whole body has no such column. Raises OSError.
     """
     table = {}
     for column, values in curve.table():
         factor = laboratory.column(column).factor
-        # a factor of one leaves whole numbers and texts as they are
+        # a factor of one does not change whole numbers and texts
         table[laboratory.heading(column)] = (values if factor == 1.0 else values * factor).tolist()
     if load_position(problem) is not None:
         column = Column("crack_length", "L0")

@@ -1,4 +1,4 @@
-"""Parts of a picture of a deformed body: its field, its elements, its outline, and what it adheres to."""
+"""Parts of a picture of a deformed body: its field, its elements, its outline, and the substrate."""
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -26,7 +26,7 @@ def draw_field(axes: Axes, fields: SampledFields, scale: float, order: float) ->
         ]
     )
     x, y = fields.position.reshape(-1, 2).T
-    # an element that is turned inside out has no stress, and stays blank
+    # an inverted element has no stress, and stays blank
     values = fields.first_invariant.ravel()
     return axes.tripcolor(
         Triangulation(x, y, triangles[np.isfinite(values[triangles]).all(axis=1)]),
@@ -69,7 +69,7 @@ def draw_substrate(axes: Axes, substrate: Substrate, window: Window) -> None:
 
 
 def mark_adhering(axes: Axes, state: BodyState, width: float, order: float) -> None:
-    """Draw the part of the side that adheres."""
-    # the white seam keeps the mark apart from the field in print without colours
+    """Draw the adhering part of the side."""
+    # the white seam separates the mark from the field in print without colours
     for color, total in (("white", width + 1), (VERMILION, width)):
         axes.plot(*state.adhering.T, color=color, linewidth=total, zorder=order, solid_capstyle="butt")

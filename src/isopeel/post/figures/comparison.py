@@ -1,4 +1,4 @@
-"""Curves of several runs over each other, and what they differ by."""
+"""Curves of several runs in one figure, and their differences."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -37,7 +37,7 @@ def comparison_figure(runs: Sequence[Compared]) -> Figure:
         panels["w"].margins(x=0)
         panels["w"].set_xlabel(axis_label(curve.parameter_column))
         panels["w"].set_ylabel(axis_label(curve.reaction_column))
-        # what is marked on several curves is told once
+        # marks on several curves have one entry in the legend
         handles, labels = panels["w"].get_legend_handles_labels()
         marks = dict(zip(labels, handles, strict=True))
         if marks:

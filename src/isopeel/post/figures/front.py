@@ -1,4 +1,4 @@
-"""The peeling front of one state: its stress, what pulls at it, and how well the body holds against that."""
+"""The peeling front of one state: its stress, the adhesive forces, and the tractions in the body."""
 
 from typing import Any
 
@@ -41,10 +41,10 @@ def front_figure(
 ) -> Figure:
     """Draw the front of coefficients (size, 2) of a displacement, at a parameter in its column's unit.
 
-    Above, the body with I1 on its elements, and the force of the adhesion on it as arrows; below, along the
-    same part of the face, the tension of the adhesion and that in the body, which are equal in equilibrium,
-    and the length of the process zone, if there is a front. Elements are shaded by turns. An irreversible
-    joint needs its `maximum_openings`.
+    The upper panel has the body with I1 on its elements, and arrows for the adhesive force. The lower panel
+    has, along the same part of the face, the tension of the adhesion and that in the body, which are equal in
+    equilibrium, and the length of the process zone, if there is a front. Every other element is shaded. An
+    irreversible joint needs its `maximum_openings`.
     """
     state = body_state(problem, space, parameter, displacement, maximum_openings=maximum_openings)
     profile = front_profile(problem, space, displacement, maximum_openings=maximum_openings)
@@ -58,7 +58,7 @@ def front_figure(
     if zone is not None:
         seen = min(seen[0], zone.start), max(seen[1], zone.end)
     inside = _inside(state.fields.position, window)
-    # of what is seen: stresses far from the front would drown it
+    # of the visible part: stresses far from the front would dominate
     scale = max(1e-6, float(np.nanmax(np.abs(state.fields.first_invariant[inside]), initial=0.0)))
     with style():
         width = TWO_COLUMNS - 1.4  # without labels and colour bar
@@ -83,7 +83,7 @@ def front_figure(
 
 
 def _arrows(profile: FrontProfile, window: Window) -> FloatArray:
-    """Forces on the face in a window, from the face to the tip, (n, 2, 2)."""
+    """Return the forces on the face in a window as arrows (n, 2, 2), from the face to the tip."""
     places, normals = profile.deformed.reshape(-1, 2), profile.normal.reshape(-1, 2)
     inside = _inside(places, window)
     start, tractions = places[inside], profile.adhesive_traction.ravel()[inside]
@@ -92,7 +92,7 @@ def _arrows(profile: FrontProfile, window: Window) -> FloatArray:
 
 
 def _evenly(arrows: FloatArray, window: Window) -> FloatArray:
-    """Those of many arrows along a face that are far enough apart to be told from each other."""
+    """Return those of many arrows along a face that are far enough apart to be distinguished."""
     steps = np.linalg.norm(np.diff(arrows[:, 0], axis=0), axis=1)
     number = np.floor(np.cumsum(np.append(0.0, steps)) * _ARROWS / float(np.ptp(window.x)))
     kept: FloatArray = arrows[np.flatnonzero(np.diff(number, prepend=-1.0))]
@@ -100,7 +100,7 @@ def _evenly(arrows: FloatArray, window: Window) -> FloatArray:
 
 
 def _widened(window: Window, profile: FrontProfile, zone: ProcessZone) -> Window:
-    """A window that holds all of a process zone with a margin; that of a thin body is longer than high."""
+    """Return a window that holds the whole process zone with a margin; for a thin body it is long."""
     inside = (profile.position >= zone.start) & (profile.position <= zone.end)
     places = profile.deformed[inside]
     if not len(places):

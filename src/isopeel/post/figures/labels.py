@@ -1,4 +1,4 @@
-"""Words at axes and marks: quantities with their units, and numbers."""
+"""Labels of axes and marks: quantities with their units, and numbers."""
 
 import re
 from math import floor, log10
@@ -44,13 +44,13 @@ def mathematical(unit: str) -> str:
     """Set scales such as E0 L0^3 in mathematical type."""
     if re.search("[A-Z]0", unit):
         return f"${re.sub('(?<=[A-Z])0', '_0', unit)}$"
-    # what stands behind a slash is one unit
+    # the text after a slash is one unit
     plain = unit.replace("um", "\N{MICRO SIGN}m").replace("^2", "\N{SUPERSCRIPT TWO}")
     return f"({plain})" if "/" in plain else plain
 
 
 def scientific(value: float) -> str:
-    """Three digits and a power of ten, in mathematical type."""
+    """Return three digits and a power of ten, in mathematical type."""
     digits, exponent = f"{value:.2e}".split("e")
     return rf"${digits}\times 10^{{{int(exponent)}}}$"
 
@@ -63,5 +63,5 @@ def shown_parameter(column: Column, value: float, laboratory: Laboratory | None 
 
 
 def power_of_ten(values: FloatArray, scale: float) -> int:
-    """Exponent of the largest of values, which are differences of numbers of a scale, up to round-off."""
+    """Return the power of ten of the largest of values, which are differences of numbers of a scale."""
     return floor(log10(max(float(np.abs(values).max(initial=0.0)), abs(scale) * 1e-12, 1e-300)))

@@ -11,15 +11,15 @@ from isopeel.post.law import evaluate_flat, law_character, opened_flat
 from isopeel.post.style import BLUE, DASHES, DOTS, GREY, TWO_COLUMNS, VERMILION, style
 
 _POINTS = 1001
-_COMPRESSED = 0.15  # of what is shown lies in compression
+_COMPRESSED = 0.15  # share of the axis that lies in compression
 
 
 def law_figure(law: AdhesionLaw, units: Laboratory | None = None) -> Figure:
-    """Draw T, dT/dr, the potential and what irreversible adhesion dissipates, until the attraction is spent.
+    """Draw T, dT/dr, the potential and the energy dissipated if irreversible, until the attraction is spent.
 
-    The dissipated energy is over the largest gap so far; a path of unloading begins at half of the strength.
-    In `units`, and in E0 and L0 without; repulsion is positive. Raises InputError where the law attracts
-    at no gap.
+    The dissipated energy is drawn over the largest gap so far; a path of unloading begins at half of the
+    strength. Values are in `units`, by default in E0 and L0; repulsion is positive. Raises InputError where
+    the law attracts at no gap.
     """
     character = law_character(law)
     equilibrium, end = character.equilibrium_gap, character.spent_gap

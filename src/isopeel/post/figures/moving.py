@@ -1,4 +1,4 @@
-"""The deformed body and the curve side by side, at one state of a run after the other."""
+"""The deformed body and the curve side by side, for each state of a run."""
 
 from collections.abc import Mapping
 
@@ -22,7 +22,7 @@ Picture = np.ndarray[tuple[int, ...], np.dtype[np.uint8]]
 
 
 class MovingFigure:
-    """A picture of (width, height) pixels, drawn anew for each of the states.
+    """A picture of (width, height) pixels, drawn again for each state.
 
     `fields` maps values of the drive's parameter, in the unit of its column, to displacement coefficients
     (size, 2), and `maximum_openings` to those of an irreversible joint. Window and colours
@@ -47,7 +47,7 @@ class MovingFigure:
         window, self._scale = common_view(problem, space, fields, maximum_openings)
         width, height = size
         with style():
-            # letters are as large beside the picture as on paper; the tiny part is for the sizes to come out
+            # letters have the size that they have on paper; the tiny addition makes the pixel sizes exact
             inches = TWO_COLUMNS, TWO_COLUMNS * height / width
             dots = (width + 1e-6) / TWO_COLUMNS
             self._figure = Figure(figsize=inches, dpi=dots, layout="constrained")
@@ -69,7 +69,8 @@ class MovingFigure:
             self._figure.colorbar(
                 mesh, ax=self._body, label=FIELD_LABEL, location="bottom", aspect=40, pad=0.02
             )
-            # laid out once, with a title: pictures that are laid out one by one would tremble
+            # the layout is computed once, with a title: with a new layout for each state, pictures would
+            # jitter
             self._body.set_title("0", loc="left")
             for _ in range(2):
                 self._canvas.draw()  # type: ignore[no-untyped-call]
@@ -106,9 +107,9 @@ class MovingFigure:
 
 
 def _places(curve: Curve, shown: Curve, parameters: list[float]) -> FloatArray:
-    """Where states are on a curve, (2, states): a curve that turns back meets a parameter more than once.
+    """Return the places (2, states) of states on a curve.
 
-    What is stored for a parameter is what came last there.
+    Where the curve meets a parameter more than once, the stored state is the last one.
     """
     last = len(curve) - 1
     steps = [last - int(np.abs(curve.parameter[::-1] - value).argmin()) for value in parameters]

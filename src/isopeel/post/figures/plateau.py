@@ -13,9 +13,9 @@ from isopeel.results.curve import Curve
 
 
 def plateau_figure(curve: Curve, plateau: PlateauReading, period: float | None = None) -> Figure:
-    """Draw the reaction around the window, and its oscillation in it, without the mean and the drift.
+    """Draw the reaction around the window, and its oscillation in the window without mean and drift.
 
-    With the steepest steps and the amplitude, as they were read with the same `period`.
+    The steepest steps and the amplitude are marked, as they were read with the same `period`.
     """
     read = oscillation(curve, plateau, period)
     with style():

@@ -55,10 +55,10 @@ def _whole(axes: Axes, curve: Curve, closed_form: Expected | None) -> None:
     words = f"{closed_form.source} {reaction:.5g}"
     look: dict[str, Any] = {"textcoords": "offset points", "fontsize": 8, "color": GREY}
     if onset is None:
-        # the curve comes down to its steady value, or up past a peak: below that there is room
+        # the curve falls to its steady value, or rises over a peak: below it there is space
         axes.annotate(words, (last, reaction), (-3, -4), ha="right", va="top", **look)
     else:
-        # the curve rises from the lower left to the upper right, so that two corners are free for words
+        # the curve rises from the lower left to the upper right, so that two corners are free for labels
         axes.annotate(words, (curve.parameter[0], reaction), (3, 3), **look)
         axes.plot([onset, onset], [0.0, reaction], color=GREY, linestyle=DASHES, linewidth=0.8)
         axes.annotate(f"onset {onset:.1f}{degree}", (onset, 0.0), (4, 3), **look)
@@ -66,17 +66,17 @@ def _whole(axes: Axes, curve: Curve, closed_form: Expected | None) -> None:
 
 
 def is_reached(closed_form: Expected, curve: Curve) -> bool:
-    """Return whether a curve comes to what theory says, and can be compared with it."""
+    """Return whether a curve reaches the range of the closed form, and can be compared with it."""
     # the curve of a path that turns back has no first and last parameter to draw the theory between
     turns_back = len(curve) > 1 and np.ptp(np.sign(np.diff(curve.parameter))) > 0
     return not turns_back and len(curve) > 0 and bool(curve.parameter[-1] >= (closed_form.onset or 0.0))
 
 
 def widest_turn(curve: Curve) -> tuple[int, int] | None:
-    """Two limit points, by their steps, between which the parameter turns back the most."""
+    """Return the steps of two limit points between which the parameter turns back the most, or None."""
     limits = np.flatnonzero(curve.kind == KINDS.index("limit point"))
     back = np.abs(np.diff(curve.parameter[limits]))
-    # of a path that jumps, no piece between two limit points is unstable
+    # on a path that jumps, no part between two limit points is unstable
     back[curve.negative_eigenvalues[limits[:-1] + 1] < 1] = 0.0
     if not back.any():
         return None
@@ -85,7 +85,7 @@ def widest_turn(curve: Curve) -> tuple[int, int] | None:
 
 
 def _turned(axes: Axes, curve: Curve, turn: tuple[int, int]) -> None:
-    """Enlarge a snap-back, with as much on either side of it as it is wide."""
+    """Draw a snap-back enlarged, with margins of its own width."""
     _branches(axes, curve)
     parameter, reaction = curve.parameter[list(turn)], curve.reaction[list(turn)]
     width = np.ptp(parameter)
@@ -95,9 +95,9 @@ def _turned(axes: Axes, curve: Curve, turn: tuple[int, int]) -> None:
 
 
 def unstable_pieces(curve: Curve) -> NDArray[np.bool_]:
-    """Which of the pieces (n - 1,) between one step and the next are of unstable states."""
+    """Return which pieces (n - 1,) between one step and the next are unstable."""
     unstable = curve.negative_eigenvalues > 0
-    # a piece belongs to the state at either end that is no limit point, and a jump is no piece
+    # a piece has the stability of its end that is not a limit point; a jump is not a piece
     pieces: NDArray[np.bool_] = np.where(
         curve.kind[1:] == KINDS.index("limit point"), unstable[:-1], unstable[1:]
     )
@@ -105,9 +105,9 @@ def unstable_pieces(curve: Curve) -> NDArray[np.bool_]:
 
 
 def draw_branches(axes: Axes, curve: Curve, **look: Any) -> None:
-    """Stable states as a line, by default solid and blue, unstable ones dashed and thin, jumps dotted.
+    """Draw stable states as a line, by default solid and blue, unstable ones dashed and thin, jumps dotted.
 
-    Limit points, and what jumps led to, are marked.
+    Limit points and results of jumps are marked.
     """
     jump, limit = KINDS.index("jump"), KINDS.index("limit point")
     # a line through one step could not be seen
@@ -126,7 +126,7 @@ def draw_branches(axes: Axes, curve: Curve, **look: Any) -> None:
 
 
 def _pieces(curve: Curve, drawn: NDArray[np.bool_]) -> tuple[FloatArray, FloatArray]:
-    """Parameter and reaction of a line that is broken where a piece (n - 1,) of the curve is not drawn."""
+    """Return parameter and reaction of a line, with gaps where a piece (n - 1,) is not drawn."""
     breaks = np.flatnonzero(~drawn) + 1
     return np.insert(curve.parameter, breaks, np.nan), np.insert(curve.reaction, breaks, np.nan)
 

@@ -27,7 +27,7 @@ from isopeel.splines.rows import RowSpace
 
 MOST_SHAPES = 6
 
-_CLOSEST_ENDS = 0.03  # of the largest extent: nearer shapes would hide each other, and their labels meet
+_CLOSEST_ENDS = 0.03  # of the largest extent: closer shapes and their labels would overlap
 
 
 def shapes_figure(
@@ -42,8 +42,8 @@ def shapes_figure(
 
     `fields` maps values of the drive's parameter, in the unit of its column, to displacement coefficients
     (size, 2), in the order of the run. The last one is drawn, and up to MOST_SHAPES - 1 before it, evenly
-    spread, whose driven ends are far enough apart to be told from each other; or all those `at` parameters
-    that are given. Lengths are in `units`, and in L0 without. An irreversible joint needs its
+    spread, whose driven ends are far enough apart to be distinguished; or all states `at` given parameters.
+    Lengths are in `units`, by default in L0. An irreversible joint needs its
     `maximum_openings` in each state. Raises InputError where there are no fields, or openings are
     missing.
     """
@@ -94,7 +94,7 @@ def shapes_figure(
 
 
 def spread(parameters: Sequence[float], most: int) -> list[float]:
-    """At most so many of the values, as evenly spread as they allow, in their order; the last is one."""
+    """Return at most so many of the values, spread evenly, in their order; the last one is included."""
     values = np.array(parameters)
     wanted = np.linspace(values[0], values[-1], most)
     nearest = np.unique(np.abs(values[:, None] - wanted).argmin(axis=0))

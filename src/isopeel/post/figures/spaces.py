@@ -34,7 +34,7 @@ def space_figure(space: RowSpace) -> Figure:
 
 
 def _kinds(space: RowSpace) -> list[tuple[str, SplineSpace]]:
-    """What to call each run of equal rows, the first at the contact, and its space."""
+    """Return the title and the space of each group of equal rows, the first at the contact."""
     kinds, first = [], 1
     for _, group in groupby(space.rows, key=lambda row: (row.degree, row.knot_vector.tobytes())):
         rows = list(group)
