@@ -82,7 +82,7 @@ def estimates() -> Iterator[tuple[str, ...]]:
 
 
 def errors(law: str, strength: float) -> Iterator[tuple[str, ...]]:
-    """Each space with errors of the plateau in percent, over elements in the zone; * where told of."""
+    """Each space with errors of the plateau in percent, over elements in the zone; * with a note."""
     reference = strip(law, strength, "N2.1", STRENGTHS[strength])
     fine, _ = peeled(reference)
     found = estimated(reference.problem(), reference.space())
@@ -93,11 +93,11 @@ def errors(law: str, strength: float) -> Iterator[tuple[str, ...]]:
             case = strip(law, strength, space, round(40 * elements / found.zone))
             resolution = estimated(case.problem(), case.space())
             assert resolution is not None
-            told = "" if resolution.is_enough else " *"
+            mark = "" if resolution.is_enough else " *"
             try:
-                cells.append(f"{100 * (peeled(case)[0] / fine - 1):.2f}{told}")
+                cells.append(f"{100 * (peeled(case)[0] / fine - 1):.2f}{mark}")
             except ConvergenceError:
-                cells.append(f"-{told}")
+                cells.append(f"-{mark}")
         yield law, f"{strength:g}", space, *cells
 
 
@@ -120,7 +120,7 @@ def main() -> None:
         "strength / E",
         "space",
         *(f"{elements:g}" for elements in ELEMENTS),
-        caption="* told of before the run; L1 with what its elements are too stiff in bending",
+        caption="* with a note before the run; L1 with the excess of its bending stiffness",
         labels=3,
     )
     for law in chosen.law:

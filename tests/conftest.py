@@ -9,7 +9,11 @@ from isopeel.solve.newton import NewtonSettings
 
 def pytest_addoption(parser: pytest.Parser) -> None:
     """Let all tests be run with every shortcut off."""
-    parser.addoption("--plain", action="store_true", help="a new tangent for every correction, unless told")
+    parser.addoption(
+        "--plain",
+        action="store_true",
+        help="a new tangent for every correction, without tests of chord tangents",
+    )
 
 
 def pytest_configure(config: pytest.Config) -> None:

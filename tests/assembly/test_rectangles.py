@@ -53,14 +53,14 @@ def test_forces_and_tangent_are_those_of_any_elements(
         ([[1.0, 0.2], [0.0, 1.0]], False),  # sheared
     ],
 )
-def test_rectangles_are_told(map_of_points: list[list[float]], expected: bool) -> None:
+def test_rectangles_are_reported(map_of_points: list[list[float]], expected: bool) -> None:
     shape = rectangle(6.0, 2.0)
     mapped = replace(shape, control_points=shape.control_points @ np.array(map_of_points).T)
     assert (body_table(mapped, row_space("N2", (4, 2))).rectangles == expected).all()
 
 
 @pytest.mark.parametrize("elements", [7, 1000, 2000])
-def test_rectangles_are_told_whatever_the_round_off_of_their_sizes(elements: int) -> None:
+def test_rectangles_are_reported_whatever_the_round_off_of_their_sizes(elements: int) -> None:
     assert body_table(rectangle(elements, 2.0), row_space("N2", (elements, 1))).rectangles.all()
 
 

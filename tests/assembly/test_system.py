@@ -273,7 +273,7 @@ def test_part_of_an_element_adheres() -> None:
 
 
 @pytest.mark.parametrize("points", [1, 2, 3, 7])
-def test_the_adhesive_force_has_the_gauss_points_asked_for(points: int) -> None:
+def test_the_adhesive_force_has_the_requested_gauss_points(points: int) -> None:
     """On a strip lifted along a straight line, against the same rule on the law's own potential."""
     system = System(strip(), row_space("N2", (20, 2)), points)
     lift = system.space.interpolate(lambda xi, _eta: np.stack([0 * xi, 2e-3 * 200 * xi], axis=-1))

@@ -60,8 +60,8 @@ def test_peers_find_the_same_equilibria(peer: str, degree: int) -> None:
     assert all(step.assembly is not None and step.solution is not None for step in theirs.steps)
 
 
-class Told:
-    """A program whose moments, and where it finds no more, are told beforehand."""
+class Prescribed:
+    """A program with prescribed moments, and a prescribed end."""
 
     def __init__(self, label: str, error: float = 0.0, *, count: int = 9, gone: bool = False) -> None:
         self.label, self.versions = label, {"library": "1"}
@@ -86,7 +86,7 @@ class Told:
         self.closed = True
 
 
-def advanced(*programs: Told) -> "Comparison":
+def advanced(*programs: Prescribed) -> "Comparison":
     from comparison import Comparison, Entry
 
     comparison = Comparison([Entry(program) for program in programs])
@@ -95,8 +95,8 @@ def advanced(*programs: Told) -> "Comparison":
 
 
 def test_no_time_is_shown_of_a_program_that_disagrees() -> None:
-    right, wrong = Told("right", 9e-9), Told("wrong", 2e-8)
-    comparison = advanced(Told("isopeel"), right, wrong)
+    right, wrong = Prescribed("right", 9e-9), Prescribed("wrong", 2e-8)
+    comparison = advanced(Prescribed("isopeel"), right, wrong)
     assert [entry.program.label for entry in comparison.entries] == ["isopeel", "right"]
     # 9e-9 is known to 2e-16 beside a moment of 2
     assert comparison.largest_difference == pytest.approx(9e-9, rel=1e-6)
@@ -108,7 +108,7 @@ def test_no_time_is_shown_of_a_program_that_disagrees() -> None:
 
 
 def test_the_comparison_ends_where_a_program_finds_no_equilibrium() -> None:
-    comparison = advanced(Told("isopeel"), Told("other", count=2))
+    comparison = advanced(Prescribed("isopeel"), Prescribed("other", count=2))
     assert comparison.notes == [
         "no equilibrium at 114.592 degrees, where the comparison ends: other (none after 25 iterations)"
     ]
@@ -117,7 +117,7 @@ def test_the_comparison_ends_where_a_program_finds_no_equilibrium() -> None:
 
 
 def test_a_program_that_breaks_does_not_end_the_others() -> None:
-    comparison = advanced(Told("isopeel"), Told("broken", gone=True), Told("other"))
+    comparison = advanced(Prescribed("isopeel"), Prescribed("broken", gone=True), Prescribed("other"))
     assert comparison.notes == ["broken is left out: it ended with status -11"]
     assert [len(entry.steps) for entry in comparison.entries] == [3, 3]
 

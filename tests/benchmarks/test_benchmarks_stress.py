@@ -1,4 +1,4 @@
-"""The random strips of `benchmarks/stress.py`: their ranges, their cases, and what is told of them."""
+"""The random strips of `benchmarks/stress.py`: their ranges, their cases, and their tables."""
 
 import sys
 from pathlib import Path
@@ -14,7 +14,7 @@ from isopeel.physics.adhesion import VanDerWaals
 from isopeel.post.law import law_character
 
 
-def test_a_seed_tells_the_strips_whatever_their_number() -> None:
+def test_a_seed_determines_the_strips_whatever_their_number() -> None:
     assert stress.draws(3, 5) == stress.draws(3, 9)[:5]
     assert stress.draws(3, 5) != stress.draws(4, 5)
 
@@ -45,7 +45,7 @@ def test_the_strength_is_that_of_the_law() -> None:
     assert draw.strength == pytest.approx(strength, rel=1e-6)
 
 
-def test_a_strip_is_traced_under_each_control_and_its_failure_told() -> None:
+def test_a_strip_is_traced_under_each_control_and_its_failure_reported() -> None:
     draw = next(draw for draw in stress.draws(0, 200) if draw.mesh == "13x2")
     plain, automatic = stress.Attempt(draw, 60.0, 2.0)()
     assert (plain.path_control, automatic.path_control) == stress.CONTROLS

@@ -156,7 +156,7 @@ def test_the_work_of_a_curve_is_known_to_its_estimated_error() -> None:
     assert missing * (1 - 1e-9) <= error[15]
 
 
-def test_where_a_path_jumps_either_force_may_have_worked_all_the_way() -> None:
+def test_where_a_path_jumps_either_force_may_have_worked_in_the_whole_step() -> None:
     jumped = np.array([False, False, True, False])
     work, error = works(np.arange(4.0), np.array([1.0, 2.0, 0.5, 0.5]), jumped=jumped)
     assert work[1] + error[1] >= 2.0

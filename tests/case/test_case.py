@@ -61,7 +61,7 @@ def test_sections_with_defaults_may_be_left_out() -> None:
     assert case.reading is None
 
 
-def test_angles_are_multiples_of_the_step_and_end_where_asked() -> None:
+def test_angles_are_multiples_of_the_step_and_end_at_the_requested_one() -> None:
     case = load_case("strip")
     asked = [float(f"{k}e-1") for k in range(1201)]
     (stage,) = case.stages()

@@ -178,7 +178,7 @@ STAGES = [
 
 
 @pytest.mark.parametrize(("keys", "drive", "parameters"), STAGES)
-def test_a_stage_goes_on_in_the_dimension_of_its_drive(
+def test_a_stage_continues_in_the_dimension_of_its_drive(
     keys: str, drive: object, parameters: list[float]
 ) -> None:
     case = Case.parse(two_stages(keys + '\nname = "peel"'))

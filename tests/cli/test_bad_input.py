@@ -15,7 +15,7 @@ LAW = 'law = "van-der-waals"\nhamaker_constant = "1e-19 J"\nequilibrium_distance
 
 
 @pytest.mark.parametrize(
-    ("text", "told"),
+    ("text", "message"),
     [
         pytest.param(
             STRIP.replace(LAW, 'law = "formula"\npotential = "W*exp(-r/s)"\n' + OF_W_AND_S),
@@ -83,19 +83,19 @@ LAW = 'law = "van-der-waals"\nhamaker_constant = "1e-19 J"\nequilibrium_distance
     ],
 )
 def test_bad_cases_end_with_2_and_one_line(
-    text: str, told: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    text: str, message: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     file = tmp_path / "bad.toml"
     file.write_text(text)
     assert main(["run", str(file), "--out", str(tmp_path / "out")]) == 2
     error = capsys.readouterr().err
-    assert told in error
+    assert message in error
     assert error.count("\n") == 1
     assert not (tmp_path / "out").exists()
 
 
 @pytest.mark.parametrize(
-    ("text", "told"),
+    ("text", "message"),
     [
         pytest.param("a" * 300_000, "a case has at most 20000 bytes", id="too long"),
         pytest.param("a = " + "[" * 9_000, "it is not TOML", id="nested lists"),
@@ -114,7 +114,11 @@ def test_bad_cases_end_with_2_and_one_line(
     ],
 )
 def test_what_would_fill_memory_or_terminal_ends_with_2_and_one_line(
-    text: str, told: str, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+    text: str,
+    message: str,
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     class Memory:
         available = 200 * 2**20
@@ -124,7 +128,7 @@ def test_what_would_fill_memory_or_terminal_ends_with_2_and_one_line(
     file.write_text(text)
     assert main(["run", str(file), "--out", str(tmp_path / "out")]) == 2
     error = capsys.readouterr().err
-    assert told in error
+    assert message in error
     assert len(error.splitlines()) == 1
     assert len(error) < 1000
     assert not (tmp_path / "out").exists()

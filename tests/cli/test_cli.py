@@ -87,7 +87,7 @@ def test_a_run_leaves_its_files(capsys: pytest.CaptureFixture[str]) -> None:
     assert shown.err == ""
 
 
-def test_the_summary_tells_what_was_read_and_why_not() -> None:
+def test_the_summary_says_what_was_read_and_why_not() -> None:
     assert main(["run", "strip", *SMALL]) == 0
     found = summary(Path("out/strip"))
     assert (found["case"], found["space"], found["mesh"], found["dofs"]) == ("strip", "L1", "20x2", 126)
@@ -177,7 +177,7 @@ def test_ctrl_c_before_the_first_step_ends_with_130(
 
 
 @pytest.mark.parametrize(
-    ("arguments", "told"),
+    ("arguments", "message"),
     [
         (["strip", "--mesh", "0x10"], ["--mesh", "'0x10'", "1 to 100000 elements"]),
         (["strip", "--mesh", "200"], ["--mesh", "'200'", "200x10"]),
@@ -208,7 +208,7 @@ def test_ctrl_c_before_the_first_step_ends_with_130(
     ],
 )
 def test_bad_input_ends_with_2_and_one_line(
-    arguments: list[str], told: list[str], capsys: pytest.CaptureFixture[str]
+    arguments: list[str], message: list[str], capsys: pytest.CaptureFixture[str]
 ) -> None:
     Path("file").write_text("no TOML")
     text = isopeel.load_case("strip").text
@@ -216,7 +216,7 @@ def test_bad_input_ends_with_2_and_one_line(
     Path("large.toml").write_text(text.replace("200x10", "100000x1000"))
     assert main(["run", *arguments]) == 2
     error = the_error(capsys)
-    for words in told:
+    for words in message:
         assert words in error
     assert not Path("out").exists()
 
@@ -301,20 +301,20 @@ def test_paths_are_no_markup(folder: str, capsys: pytest.CaptureFixture[str]) ->
 @pytest.mark.parametrize("folder", ["ü", "\udcff"])
 def test_paths_may_be_no_text_of_the_terminal(folder: str) -> None:
     command = [sys.executable, "-c", "import sys; from isopeel.cli import main; sys.exit(main())"]
-    told = subprocess.run(
+    message = subprocess.run(
         [*command, "run", "strip", *SMALL, "--to", "1", "--out", folder],
         env=os.environ | {"PYTHONIOENCODING": "ascii"},
         capture_output=True,
         check=True,
     )
-    assert told.stderr == b""
+    assert message.stderr == b""
     # what is no text at all is shown by its escape
-    assert re.search(rb"files in ([?]|.udcff)", told.stdout)
+    assert re.search(rb"files in ([?]|.udcff)", message.stdout)
     assert {path.name for path in Path(folder).iterdir()} == FILES
 
 
 @pytest.mark.parametrize(
-    ("arguments", "told"),
+    ("arguments", "message"),
     [
         (["--only", "table9"], ["--only", "'table9'", "table2, table3, literature"]),
         (["--mesh", "m4"], ["--mesh", "'m4'", "m1, m2, m3"]),
@@ -323,12 +323,12 @@ def test_paths_may_be_no_text_of_the_terminal(folder: str) -> None:
     ],
 )
 def test_the_paper_refuses_what_makes_no_sense(
-    arguments: list[str], told: list[str], capsys: pytest.CaptureFixture[str]
+    arguments: list[str], message: list[str], capsys: pytest.CaptureFixture[str]
 ) -> None:
     Path("file").write_text("no folder")
     assert main(["paper", *arguments]) == 2
     error = the_error(capsys)
-    for words in told:
+    for words in message:
         assert words in error
 
 
@@ -414,7 +414,7 @@ def test_a_full_disk_ends_with_2(capsys: pytest.CaptureFixture[str], monkeypatch
     assert "No space left on device" in the_error(capsys)
 
 
-def test_spaces_draws_and_tells(capsys: pytest.CaptureFixture[str]) -> None:
+def test_spaces_draws_and_prints(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["spaces", "L1+N2.1@2", "--mesh", "20x4", "--out", "figures/space.png"]) == 0
     assert Path("figures/space.png").read_bytes().startswith(b"\x89PNG")
     lines = [" ".join(line.split()) for line in capsys.readouterr().out.splitlines()]
@@ -427,7 +427,7 @@ def test_spaces_draws_and_tells(capsys: pytest.CaptureFixture[str]) -> None:
 
 
 @pytest.mark.parametrize(
-    ("arguments", "told"),
+    ("arguments", "message"),
     [
         (["L0"], ["NAME", "'L0'"]),
         (["L2", "--mesh", "0x1"], ["--mesh", "'0x1'"]),
@@ -437,22 +437,22 @@ def test_spaces_draws_and_tells(capsys: pytest.CaptureFixture[str]) -> None:
     ],
 )
 def test_spaces_refuses_what_makes_no_sense(
-    arguments: list[str], told: list[str], capsys: pytest.CaptureFixture[str]
+    arguments: list[str], message: list[str], capsys: pytest.CaptureFixture[str]
 ) -> None:
     Path("file").touch()
     assert main(["spaces", *arguments]) == 2
     error = the_error(capsys)
-    for words in told:
+    for words in message:
         assert words in error
 
 
 @pytest.mark.parametrize("name", LAWS)
-def test_law_draws_and_tells(name: str, capsys: pytest.CaptureFixture[str]) -> None:
+def test_law_draws_and_prints(name: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["law", name, "--out", "law.svg"]) == 0
-    told = capsys.readouterr().out
+    message = capsys.readouterr().out
     # all have the strip's strength and work
-    assert "123.57 MPa" in told
-    assert "0.030665 J/m^2" in told
+    assert "123.57 MPa" in message
+    assert "0.030665 J/m^2" in message
     assert Path("law.svg").stat().st_size > 1000
 
 
@@ -462,7 +462,7 @@ def test_law_shows_that_of_a_case() -> None:
 
 
 @pytest.mark.parametrize(
-    ("arguments", "told"),
+    ("arguments", "message"),
     [
         (["exponentil"], ["NAME", "'exponentil'", "van-der-waals", "strip"]),
         (["dugdale", "--out", "law.gif"], ["--out", "'law.gif'", ".png"]),
@@ -470,11 +470,11 @@ def test_law_shows_that_of_a_case() -> None:
     ],
 )
 def test_law_refuses_what_makes_no_sense(
-    arguments: list[str], told: list[str], capsys: pytest.CaptureFixture[str]
+    arguments: list[str], message: list[str], capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert main(["law", *arguments]) == 2
     error = the_error(capsys)
-    for words in told:
+    for words in message:
         assert words in error
 
 
@@ -491,9 +491,11 @@ def test_help_does_not_wait_for_a_compiler() -> None:
     script = (
         "import sys; from isopeel.cli import main; main(['run', '--help']); print('numba' in sys.modules)"
     )
-    told = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True).stdout
-    assert "--traction" in told
-    assert told.splitlines()[-1] == "False"
+    message = subprocess.run(
+        [sys.executable, "-c", script], capture_output=True, text=True, check=True
+    ).stdout
+    assert "--traction" in message
+    assert message.splitlines()[-1] == "False"
 
 
 def test_the_package_gives_all_its_names() -> None:

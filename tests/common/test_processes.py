@@ -18,16 +18,16 @@ PATIENCE = 30  # a loaded machine may take a while to end processes
 
 
 def test_tasks_are_computed_in_processes_of_their_own() -> None:
-    told: list[tuple[int, object]] = []
+    message: list[tuple[int, object]] = []
     tasks: list[Callable[[], object]] = [partial(pow, 2, 5), os.getpid, partial(pow, 3, 2)]
-    done = compute_all(tasks, 1, lambda number, finished: told.append((number, finished.outcome)))
+    done = compute_all(tasks, 1, lambda number, finished: message.append((number, finished.outcome)))
     assert [done[0].outcome, done[2].outcome] == [32, 9]
     assert done[1].outcome != os.getpid()
-    assert dict(told) == {number: finished.outcome for number, finished in enumerate(done)}
+    assert dict(message) == {number: finished.outcome for number, finished in enumerate(done)}
     assert active_children() == []
 
 
-def test_each_process_begins_as_it_is_told() -> None:
+def test_each_process_begins_as_it_is_reported() -> None:
     with worker_pool(1, partial(os.putenv, "BEGUN", "yes")) as pool:
         # what a process puts is seen by those that it starts
         shown = pool.submit(subprocess.check_output, ["env"]).result()

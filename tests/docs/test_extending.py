@@ -80,7 +80,7 @@ def test_a_folder_of_parts_must_exist(monkeypatch: pytest.MonkeyPatch) -> None:
         ("from isopeel import nothing\n", "ImportError in line 1: cannot import name 'nothing'"),
     ],
 )
-def test_a_part_that_python_cannot_run_is_told_with_its_line(
+def test_a_part_that_python_cannot_run_is_reported_with_its_line(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path, code: str, reason: str
 ) -> None:
     package = "isopeel.physics.substrates"

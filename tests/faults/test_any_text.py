@@ -74,7 +74,7 @@ def test_keys_of_any_text_are_written(document: dict[str, object]) -> None:
     "about",
     ["\x7f", "\x00\x01\x1b[2J\x9b", "two\nlines\r\nand\ta tab", 'a "quoted" \\ one', "🪟 \u2028 \u202e"],
 )
-def test_a_run_of_any_text_goes_on(about: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_run_of_any_text_continues(about: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     file, out = tmp_path / "text.toml", str(tmp_path / "out")
     # as a file writes them, by their numbers
     escaped = "".join(f"\\U{ord(character):08x}" for character in about)
@@ -110,7 +110,7 @@ def test_a_file_in_a_folder_of_another_encoding_is_refused(tmp_path: Path) -> No
 
 
 @pytest.mark.parametrize(
-    ("text", "told"),
+    ("text", "message"),
     [
         pytest.param(".".join("a" * 60_000) + " = 1", f"at most {LARGEST_TEXT} bytes", id="the given one"),
         pytest.param(
@@ -128,11 +128,11 @@ def test_a_file_in_a_folder_of_another_encoding_is_refused(tmp_path: Path) -> No
         pytest.param("a = " + "{a = " * 9_000, "it is not TOML", id="tables in tables"),
     ],
 )
-def test_what_would_be_read_for_long_is_refused_at_once(text: str, told: str) -> None:
+def test_what_would_be_read_for_long_is_refused_at_once(text: str, message: str) -> None:
     began = perf_counter()
     with pytest.raises(InputError) as caught:
         Case.parse(text)
-    assert told in str(caught.value)
+    assert message in str(caught.value)
     assert perf_counter() - began < 2  # 0.1 s; a key of 25,000 parts took 10 s
 
 

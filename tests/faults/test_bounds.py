@@ -1,4 +1,4 @@
-"""Work that no run is meant for, and stages that cannot begin: told at once, before the first step."""
+"""Too much work for a run, and stages that cannot begin, are reported before the first step."""
 
 from pathlib import Path
 from time import perf_counter
@@ -43,7 +43,7 @@ def refused(text: str, folder: Path, capsys: pytest.CaptureFixture[str], *option
 
 
 @pytest.mark.parametrize(
-    ("stages", "told"),
+    ("stages", "message"),
     [
         (400 * FINE, "drive: '400 stages' cannot be used; at most 100 stages are run"),  # as given
         ((MOST_STAGES + 1) * COARSE, f"drive: '{MOST_STAGES + 1} stages' cannot be used; at most"),
@@ -57,10 +57,10 @@ def refused(text: str, folder: Path, capsys: pytest.CaptureFixture[str], *option
     ],
 )
 def test_the_work_has_a_bound(
-    stages: str, told: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    stages: str, message: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     began = perf_counter()
-    assert told in refused(BODY + stages, tmp_path, capsys)
+    assert message in refused(BODY + stages, tmp_path, capsys)
     assert perf_counter() - began < 10  # it takes a tenth of a second; the given one took over a minute
 
 
@@ -76,7 +76,7 @@ def test_an_option_that_makes_it_too_much_is_blamed() -> None:
 
 
 @pytest.mark.parametrize(
-    ("later", "told"),
+    ("later", "message"),
     [
         (
             UP.replace("[[drive]]", '[[drive]]\npath_control = "jump"').replace(
@@ -99,9 +99,9 @@ def test_an_option_that_makes_it_too_much_is_blamed() -> None:
     ],
 )
 def test_later_stages_are_checked_before_the_first_runs(
-    later: str, told: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    later: str, message: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    assert told in refused(BODY + UP + COARSE + later, tmp_path, capsys)
+    assert message in refused(BODY + UP + COARSE + later, tmp_path, capsys)
 
 
 def test_a_control_that_a_later_stage_cannot_have_is_refused_on_resuming(

@@ -55,13 +55,13 @@ def soft(**changes: object) -> Told:
 
 
 def test_a_tape_at_large_stretch_is_held_against_the_form_of_its_material() -> None:
-    told = soft()
-    steady = told.reading("steady force")
+    message = soft()
+    steady = message.reading("steady force")
     assert steady["closed_form"]["source"] == "Kendall's tape, finite strain"
     # the run of the case in full has 94.167 N/m, Kendall's small strains 98.104
     assert steady["closed_form"]["value"] == pytest.approx(94.167, abs=0.001)
     assert abs(steady["deviation_percent"]) < 0.2
-    assert not any("98.10" in cell for row in told.rows for cell in row)
+    assert not any("98.10" in cell for row in message.rows for cell in row)
 
 
 @pytest.mark.parametrize(
@@ -75,34 +75,36 @@ def test_a_tape_at_large_stretch_is_held_against_the_form_of_its_material() -> N
     ],
 )
 def test_other_tapes_agree_with_the_form_that_is_shown(changes: dict[str, object], source: str) -> None:
-    told = soft(**changes)
-    steady = told.reading("steady force")
+    message = soft(**changes)
+    steady = message.reading("steady force")
     assert steady["closed_form"]["source"] == source
     assert abs(steady["deviation_percent"]) < 1
 
 
 def test_no_form_of_a_tape_is_shown_for_an_arm_that_is_only_lifted() -> None:
     stiff = '"neo-hooke"\nyoungs_modulus = "20 GPa"\npoissons_ratio = 0.3'
-    told = soft(material=stiff, work=0.01, to=0.4, step=0.05, reading="")
-    assert told.summary["closed_form"] is None
-    assert "steady force" not in told.quantities
-    assert "lifted far enough" in told.notes("reading")[0]
+    message = soft(material=stiff, work=0.01, to=0.4, step=0.05, reading="")
+    assert message.summary["closed_form"] is None
+    assert "steady force" not in message.quantities
+    assert "lifted far enough" in message.notes("reading")[0]
 
 
 def test_no_form_is_shown_before_the_arm_points_along_its_force() -> None:
     reading = '[reading]\nwindow = ["0.5 mm", "0.9 mm"]\n[output]\nfields_every = "0.1 mm"'
-    told = soft(work=0.02, to=1, step=0.05, reading=reading)
-    assert told.reading("mean force")["closed_form"] is None
-    assert "is not shown" in told.notes("reading")[0]
+    message = soft(work=0.02, to=1, step=0.05, reading=reading)
+    assert message.reading("mean force")["closed_form"] is None
+    assert "is not shown" in message.notes("reading")[0]
 
 
 @pytest.mark.parametrize(("mesh", "work"), [("14x1", 0.03), ("20x1", 0.03), ("28x2", 0.01)])
 def test_a_run_far_off_its_closed_form_gets_a_note(mesh: str, work: float) -> None:
     reading = '[reading]\nwindow = ["6.4 mm", "9.6 mm"]\n[output]\nfields_every = "0.4 mm"'
-    told = soft(mesh=mesh, work=work, reading=reading)
-    deviation = told.reading("steady force")["deviation_percent"]
+    message = soft(mesh=mesh, work=work, reading=reading)
+    deviation = message.reading("steady force")["deviation_percent"]
     assert abs(deviation) > 5
-    assert f"steady force: the run is {deviation:+.3g} % off Kendall's tape" in told.notes("closed form")[0]
+    assert (
+        f"steady force: the run is {deviation:+.3g} % off Kendall's tape" in message.notes("closed form")[0]
+    )
 
 
 def test_a_later_stage_is_held_against_the_steady_state_it_comes_to() -> None:
@@ -117,8 +119,8 @@ step = "10 deg"
     text = SOFT.format(
         **(USUAL | {"work": 0.004, "strength": 0.03, "to": 4.0, "step": 0.1, "reading": reading})
     )
-    told = told_by(text.replace("[drive]\n", turned))
-    steady = told.reading("steady force")
+    message = told_by(text.replace("[drive]\n", turned))
+    steady = message.reading("steady force")
     assert steady["closed_form"]["source"] == "Kendall's tape"
     assert abs(steady["deviation_percent"]) < 1
 
@@ -129,7 +131,7 @@ def test_an_arm_that_does_not_lie_on_the_substrate_has_no_form_of_a_lifted_one(g
     text = text.replace(
         "[discretization]", f'[held]\nleft = "xy"\n[substrate]\ngap = "{gap}"\n[discretization]'
     )
-    told = told_by(text.replace('youngs_modulus = "1 MPa"', 'youngs_modulus = "1 GPa"'))
-    assert told.summary["closed_form"] is None
-    assert not told.notes("closed form")
-    assert all(row.theory == "" for row in told.rows if "W" not in row.theory)
+    message = told_by(text.replace('youngs_modulus = "1 MPa"', 'youngs_modulus = "1 GPa"'))
+    assert message.summary["closed_form"] is None
+    assert not message.notes("closed form")
+    assert all(row.theory == "" for row in message.rows if "W" not in row.theory)

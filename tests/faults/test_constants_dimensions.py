@@ -93,11 +93,11 @@ def test_a_constant_of_a_wrong_dimension_is_named_with_what_is_needed(
 ) -> None:
     with pytest.raises(InputError) as caught:
         Case.parse(formula_case(table, formula, constants))
-    told = str(caught.value)
-    assert told.startswith(f"{table}.constants.{name}: {written} cannot be used; in ")
-    assert needed in told
+    message = str(caught.value)
+    assert message.startswith(f"{table}.constants.{name}: {written} cannot be used; in ")
+    assert needed in message
     # the example is one that can be used there
-    example = re.findall(r"such as '(.*)'$", told)
+    example = re.findall(r"such as '(.*)'$", message)
     right = f'"{example[0]}"' if example else "2"
     given = f'"{written[1:-1]}"' if written[0] == "'" else written
     try:

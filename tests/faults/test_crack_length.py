@@ -71,33 +71,35 @@ def wedge(**changes: object) -> Told:
     ],
 )
 def test_a_wedge_opens_a_crack_as_long_as_beam_theory_says(changes: dict[str, object], beam: float) -> None:
-    told = wedge(**changes)
-    effective = told.reading("effective crack length")
+    message = wedge(**changes)
+    effective = message.reading("effective crack length")
     assert effective["closed_form"]["value"] == pytest.approx(beam, abs=0.002)
     assert effective["unit"] == "mm"
     # slender, and turned by little: within 1.5 % (the force is, within 1 %)
     assert abs(effective["deviation_percent"]) < 1.5
     # what the root gives way is ahead of the largest traction: 0.5 to 1 height in plane strain
-    measured = told.reading("crack length")["value"]
+    measured = message.reading("crack length")["value"]
     assert 0.4 < effective["value"] - measured < 1.1
-    assert told.reading("process zone")["value"] == pytest.approx(0.87, rel=0.3)
+    assert message.reading("process zone")["value"] == pytest.approx(0.87, rel=0.3)
 
 
 def test_the_table_has_the_crack_length_where_states_are_stored(tmp_path: Path) -> None:
-    told = wedge()
-    problem = told.case.problem()
-    write_curve(tmp_path / "curve.csv", told.curve, problem, told.found.laboratory, told.found.fronts)
+    message = wedge()
+    problem = message.case.problem()
+    write_curve(
+        tmp_path / "curve.csv", message.curve, problem, message.found.laboratory, message.found.fronts
+    )
     with (tmp_path / "curve.csv").open(newline="") as file:
         rows = list(csv.DictReader(file))
     assert "displacement [mm]" in rows[0]
     assert "force [N/m]" in rows[0]
     lengths = [row["crack_length [mm]"] for row in rows]
-    assert float(lengths[-1]) == pytest.approx(told.reading("crack length")["value"], rel=1e-12)
+    assert float(lengths[-1]) == pytest.approx(message.reading("crack length")["value"], rel=1e-12)
     known = np.array([float(length) for length in lengths if length])
     assert len(known) >= 5
     assert np.all(np.diff(known) >= 0)
     # and numbers keep all their digits
-    assert float(rows[-1]["force [N/m]"]) == told.curve.reaction[-1] * 1000
+    assert float(rows[-1]["force [N/m]"]) == message.curve.reaction[-1] * 1000
 
 
 def test_the_energy_released_by_the_drive_is_the_work_of_adhesion() -> None:
@@ -113,5 +115,5 @@ def test_a_crack_from_the_left_end_is_the_mirror_image() -> None:
     right = told_by(text)
     mirrored = text.replace('side = "right"', 'side = "left"').replace('left = "xy"', 'right = "xy"')
     left = told_by(mirrored)
-    one, other = (told.reading("crack length")["value"] for told in (right, left))
+    one, other = (message.reading("crack length")["value"] for message in (right, left))
     assert one == pytest.approx(other, rel=1e-6)

@@ -51,9 +51,9 @@ def tape(**changes: str) -> Told:
     return told_by(TAPE.format(**(USUAL | changes)))
 
 
-def numbers(told: Told) -> list[str]:
+def numbers(message: Told) -> list[str]:
     """All numbers with a dot or an exponent in the table."""
-    cells = [cell for row in told.rows for cell in row[1:]]
+    cells = [cell for row in message.rows for cell in row[1:]]
     return re.findall(r"\d+\.\d+(?:e[-+]\d+)?", " ".join(cells))
 
 
@@ -68,26 +68,26 @@ def numbers(told: Told) -> list[str]:
     ],
 )
 def test_the_table_has_significant_digits_and_laboratory_units(changes: dict[str, str]) -> None:
-    told = tape(**changes)
-    steady = told.row("steady force").value
+    message = tape(**changes)
+    steady = message.row("steady force").value
     assert re.match(
         r"(\S+ E0 L0 = )?[1-9]\S* N/m" if "units" in changes and not changes["units"] else r"[\d.e+-]+ N/m",
         steady,
     )
-    assert not any(float(number) == 0 for number in numbers(told))
-    cells = " ".join(cell for row in told.rows for cell in row)
+    assert not any(float(number) == 0 for number in numbers(message))
+    cells = " ".join(cell for row in message.rows for cell in row)
     if changes.get("units") != "":
         assert "L0" not in cells
         assert "E0" not in cells
-    assert told.row("reached").value == "6 mm"
-    found = told.reading("steady force")
+    assert message.row("reached").value == "6 mm"
+    found = message.reading("steady force")
     assert float(steady.split(" N/m")[0].split()[-1]) == pytest.approx(found["value"], rel=1e-5)
-    assert not any("L0" in note for note in told.notes("reading"))
+    assert not any("L0" in note for note in message.notes("reading"))
 
 
 def test_a_width_gives_newtons() -> None:
     per_width, whole = tape(), tape(width='width = "20 mm"')
-    one, other = (told.reading("steady force") for told in (per_width, whole))
+    one, other = (message.reading("steady force") for message in (per_width, whole))
     assert (one["unit"], other["unit"]) == ("N/m", "N")
     assert other["value"] == pytest.approx(one["value"] * 0.02, rel=1e-12)
     assert whole.found.laboratory.note() == "for a width of 20 mm"

@@ -76,5 +76,5 @@ def test_no_command_lets_a_stored_run_steer_the_terminal(
         file.attrs[attribute] = "\x1b]0;owned\x07 \x9b31m \u202e"
     arguments: dict[str, Any] = {"compare": [str(folder), str(stored), "--out", str(tmp_path / "compare")]}
     assert main([command, *arguments.get(command, [str(folder)])]) in (0, 2)
-    told = capsys.readouterr()
-    assert not obeyed(told.out + told.err)
+    message = capsys.readouterr()
+    assert not obeyed(message.out + message.err)

@@ -34,7 +34,7 @@ def the_error(capsys: pytest.CaptureFixture[str]) -> str:
 @pytest.mark.parametrize(
     "where", ["isopeel.case.load_case", "isopeel.running.run.run_case", "isopeel.running.run.places"]
 )
-def test_an_error_that_comes_early_is_told(
+def test_an_error_that_comes_early_is_reported(
     code: int, where: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     def fail(*_: object, **__: object) -> None:
@@ -80,7 +80,7 @@ def test_a_disk_that_fills_up_keeps_what_is_there(most: int, capsys: pytest.Capt
 
 
 @pytest.mark.parametrize("count", [12, 24, 40])
-def test_too_few_open_files_are_told(count: int) -> None:
+def test_too_few_open_files_are_reported(count: int) -> None:
     limit = f"import resource; resource.setrlimit(resource.RLIMIT_NOFILE, ({count}, {count}));"
     script = f"{limit} import sys; from isopeel.cli import main; sys.exit(main())"
     done = subprocess.run([sys.executable, "-c", script, *SMALL], capture_output=True, text=True)

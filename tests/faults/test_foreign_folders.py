@@ -157,9 +157,9 @@ def test_the_same_or_a_longer_run_replaces_one_and_lists_what_goes(
     assert main(["report", "out/strip"]) == 0
     capsys.readouterr()
     assert main(["run", "strip", *SMALL, "2"]) == 0
-    told = capsys.readouterr().out
-    assert "replaces the run of strip in out/strip: 3 steps, to 2 deg" in told
-    (removed,) = [line for line in told.splitlines() if line.startswith("removed ")]
+    message = capsys.readouterr().out
+    assert "replaces the run of strip in out/strip: 3 steps, to 2 deg" in message
+    (removed,) = [line for line in message.splitlines() if line.startswith("removed ")]
     gone = {"curve.csv", "summary.json", "curve.png", "shapes.png", "report.html", "figures/curve.png"}
     assert set(removed.removeprefix("removed ").split(", ")) == {f"out/strip/{name}" for name in gone}
     for options in (("2",), ("3",), ("3", "--step", "0.5"), ("4", "--mesh", "8x1", "--step", "0.5")):

@@ -61,15 +61,15 @@ def test_a_law_is_that_of_the_whole_joint(law: str, work: int, symmetric: str, t
 
 
 def test_the_summary_says_of_what_its_forces_and_energies_are() -> None:
-    told = told_by(DCB.format(law=EXPONENTIAL, symmetric="true"))
-    assert told.found.halves is not None
-    assert "forces act on each arm" in told.found.halves
-    assert "largest force on each arm" in told.quantities
-    release = told.reading("energy release rate")
+    message = told_by(DCB.format(law=EXPONENTIAL, symmetric="true"))
+    assert message.found.halves is not None
+    assert "forces act on each arm" in message.found.halves
+    assert "largest force on each arm" in message.quantities
+    release = message.reading("energy release rate")
     # of the whole joint, that of both halves: 280 J/m^2
     assert release["closed_form"]["value"] == pytest.approx(280)
     assert abs(release["deviation_percent"]) < 5
-    assert abs(told.reading("force on each arm at the end")["deviation_percent"]) < 2
+    assert abs(message.reading("force on each arm at the end")["deviation_percent"]) < 2
 
 
 BLOCK = """
@@ -103,15 +103,15 @@ step = "0.05 mm"
 
 @pytest.mark.parametrize(("held", "side"), [("", "left"), ('[held]\nright = "x"', "right")])
 def test_a_side_held_as_a_line_of_symmetry_is_said(held: str, side: str) -> None:
-    told = told_by(BLOCK.format(held=held, angle=90, to=0.5))
-    assert told.found.halves is not None
-    assert f"the {side} side is held as a line of symmetry" in told.found.halves
+    message = told_by(BLOCK.format(held=held, angle=90, to=0.5))
+    assert message.found.halves is not None
+    assert f"the {side} side is held as a line of symmetry" in message.found.halves
 
 
 @pytest.mark.parametrize(("angle", "to"), [(90, 0.5), (270, -0.5), (-90, -0.5)])
 def test_a_pull_off_is_a_tension_whatever_the_sign_of_the_drive(angle: int, to: float) -> None:
-    told = told_by(BLOCK.format(held="", angle=angle, to=to))
-    pulled = told.reading("pull-off force")
+    message = told_by(BLOCK.format(held="", angle=angle, to=to))
+    pulled = message.reading("pull-off force")
     # 10 mm at 0.01 MPa are 100 N/m at most: the side comes off nearly at once, within a step
     assert 96.0 < pulled["value"] < 100.0
     assert pulled["unit"] == "N/m"

@@ -37,7 +37,7 @@ TURNED = 'kind = "rotation"\nto = "2 deg"\nstep = "1 deg"'
 
 
 @pytest.mark.parametrize(
-    ("held", "mesh", "side", "drive", "told"),
+    ("held", "mesh", "side", "drive", "message"),
     [
         # the given one: a tangent of zeros, and ZeroDivisionError
         ('{ right = "xy" }', "20x2", "right", PULLED.format(45), "held along x; hold another side"),
@@ -69,14 +69,20 @@ TURNED = 'kind = "rotation"\nto = "2 deg"\nstep = "1 deg"'
     ],
 )
 def test_what_is_held_and_driven_is_refused(
-    held: str, mesh: str, side: str, drive: str, told: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    held: str,
+    mesh: str,
+    side: str,
+    drive: str,
+    message: str,
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
 ) -> None:
     file = tmp_path / "held.toml"
     file.write_text(CASE.format(held=held, mesh=mesh, side=side, drive=drive))
     assert main(["run", str(file), "--out", str(tmp_path / "out")]) == 2
     error = capsys.readouterr().err
     assert error.startswith("isopeel: held: ")
-    assert told in error
+    assert message in error
     assert error.count("\n") == 1
     assert not (tmp_path / "out").exists()
 

@@ -89,7 +89,7 @@ def test_a_joint_that_has_never_closed_is_as_it_was() -> None:
     assert pulled > 1e-3  # within reach of the law
 
 
-def test_a_path_goes_on_with_points_that_have_not_closed() -> None:
+def test_a_path_continues_with_points_that_have_not_closed() -> None:
     case = Case.parse(PAD.format(irreversible="true", gap=0.05, stages=stage("press", -0.3)), "test")
     (pressed,) = case.stages()
     space, settings = case.space(), NewtonSettings(path_control="auto")

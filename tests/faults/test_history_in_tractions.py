@@ -304,11 +304,11 @@ def test_a_file_without_history_is_read_and_says_so(tmp_path: Path) -> None:
     last = stages[-1]
     tension = -integral(last, 0.4)[1]
     assert tension == pytest.approx(envelope(0.4), rel=1e-4)
-    with (tmp_path / "told").open("w") as file:
+    with (tmp_path / "message").open("w") as file:
         console = Console(file=file, width=400)
         export_run(out, None, 1, console)
         plot_run(stages[-1].folder, ["tractions"], [], "png", None, console)
-    assert (tmp_path / "told").read_text().count("holds no history") == 4
+    assert (tmp_path / "message").read_text().count("holds no history") == 4
     # what goes on after it knows its own history, and not that of the states before
     resume_case(out, QUIET, to="0.6 mm")
     run = read_run(last.folder / "run.h5")

@@ -136,9 +136,9 @@ def test_the_largest_load_is_in_the_units_of_the_readings(
     assert main(["report", str(out)]) == 0
     page = (out / "report.html").read_text("utf-8")
     page = page[: page.index("[material]")]
-    for told in (capsys.readouterr().err, summary["failure"]["reason"], page):
-        assert "E0 L0," not in told
-        (value,) = re.findall(rf"above ([\d.]+) {shown[1]},", told)
+    for text in (capsys.readouterr().err, summary["failure"]["reason"], page):
+        assert "E0 L0," not in text
+        (value,) = re.findall(rf"above ([\d.]+) {shown[1]},", text)
         assert float(value) == pytest.approx(shown[0], rel=1e-4)
 
 

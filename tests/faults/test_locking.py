@@ -1,4 +1,4 @@
-"""Bodies whose bending or volume response locks: right by default, and told where they are not."""
+"""Bodies whose bending or volume response locks: right by default, with a note where they are not."""
 
 import pytest
 from summaries import told_by
@@ -89,7 +89,7 @@ step = "20 um"
 """
 
 
-def told(case: Case) -> str:
+def message(case: Case) -> str:
     laboratory = Laboratory.of(UnitSystem(), case.problem())
     return " ".join(note.text for note in locking_notes(case.problem(), case.space(), laboratory))
 
@@ -106,19 +106,19 @@ def told(case: Case) -> str:
     ],
     ids=["given", "linear across", "linear along", "thin and long", "nearly incompressible", "given tape"],
 )
-def test_what_locks_is_told_of_with_what_would_not(case: Case, means: str) -> None:
-    assert f"{means} would do" in told(case) or f"; {means} with" in told(case)
+def test_what_locks_is_reported_of_with_what_would_not(case: Case, means: str) -> None:
+    assert f"{means} would do" in message(case) or f"; {means} with" in message(case)
 
 
 @pytest.mark.parametrize("poissons_ratio", [0.0, 0.3, 0.45, 0.49, 0.499, 0.4999])
 def test_defaults_do_not_lock(poissons_ratio: float) -> None:
-    assert not told(rubber(poissons_ratio))
-    assert not told(Case.parse(TAPE.replace("ACROSS", "").replace("0.4\n", f"{poissons_ratio}\n")))
+    assert not message(rubber(poissons_ratio))
+    assert not message(Case.parse(TAPE.replace("ACROSS", "").replace("0.4\n", f"{poissons_ratio}\n")))
 
 
 @pytest.mark.parametrize("name", shipped_cases())
 def test_shipped_cases_do_not_lock(name: str) -> None:
-    assert not told(load_case(name))
+    assert not message(load_case(name))
 
 
 def test_elements_that_are_linear_across_are_too_stiff_by_a_closed_form() -> None:
@@ -195,11 +195,11 @@ step = "0.01 mm"
         'mesh = "160x16"\nspace = "L1"\nacross_degree = 1',
     ],
 )
-def test_a_confined_pad_that_keeps_its_volume_is_told_of(length: int, discretization: str) -> None:
+def test_a_confined_pad_that_keeps_its_volume_is_reported_of(length: int, discretization: str) -> None:
     case = Case.parse(PAD.format(length=length, ratio=0.4999, discretization=discretization))
-    assert "volume: the body, whose Poisson's ratio is 0.4999, is at least" in told(case)
+    assert "volume: the body, whose Poisson's ratio is 0.4999, is at least" in message(case)
     # the same block of a compressible material does not lock
-    assert not told(Case.parse(PAD.format(length=length, ratio=0.3, discretization=discretization)))
+    assert not message(Case.parse(PAD.format(length=length, ratio=0.3, discretization=discretization)))
 
 
 @pytest.mark.parametrize("ratio", [0.49, 0.4999])
@@ -207,7 +207,7 @@ def test_a_confined_pad_that_keeps_its_volume_is_told_of(length: int, discretiza
 def test_a_confined_pad_is_right_by_default(length: int, ratio: float) -> None:
     """Within 2 % of stiffness, against more elements and a higher degree."""
     case = Case.parse(PAD.format(length=length, ratio=ratio, discretization=""))
-    assert not told(case)
+    assert not message(case)
     fine = _block_stiffness(row_space("N4", (60, 12), 4), length, (ratio,))
     usual = _block_stiffness(case.space(), length, (ratio,))
     assert usual[0] / fine[0] == pytest.approx(1, abs=0.02)
@@ -217,7 +217,7 @@ def test_a_block_is_as_stiff_as_its_modulus_where_nothing_holds_it_beside() -> N
     assert _block_stiffness(row_space("N2", (4, 2), 2), 3.0, (0.0,))[0] == pytest.approx(3.0, rel=1e-12)
 
 
-def test_thick_bodies_are_not_asked_how_they_bend() -> None:
+def test_bending_of_thick_bodies_is_not_checked() -> None:
     case = load_case("cylinder-pull-off")
     assert bending(case.problem(), row_space("L1", (20, 8), 2)) is None
 
@@ -235,7 +235,7 @@ def test_the_tension_of_the_body_at_its_face_is_that_of_the_adhesion() -> None:
 
 
 @pytest.mark.parametrize("angle", [90, 135])
-def test_a_tape_that_is_too_stiff_in_bending_is_not_told_of_where_it_is_steady(angle: int) -> None:
+def test_a_tape_that_is_too_stiff_in_bending_is_not_reported_where_it_is_steady(angle: int) -> None:
     """Its steady force is right: what the front bends costs no energy in the end."""
     text = f"""
 name = "tape"
@@ -247,6 +247,6 @@ discretization = {{ space = "L1", mesh = "160x1", across_degree = 1 }}
 drive = {{ kind = "force", side = "right", angle = "{angle} deg", to = "9 mm", step = "0.1 mm" }}
 """
     summary = told_by(text)
-    assert "would do" in told(summary.case)
+    assert "would do" in message(summary.case)
     assert abs(summary.reading("steady force")["deviation_percent"]) < 1
     assert not summary.notes("locking")

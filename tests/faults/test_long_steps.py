@@ -190,7 +190,7 @@ def test_the_largest_force_does_not_hang_on_the_step(coarse: str, fine: str) -> 
 @pytest.mark.parametrize("path_control", ["newton", "auto", "jump", "continuation"])
 @pytest.mark.parametrize("step", [0.3, 3, 6])
 def test_no_control_reports_energy_from_nothing(path_control: PathControl, step: float) -> None:
-    """One step of cantilevers under plain Newton's method told of a gain of nine tenths of W A."""
+    """One step of cantilevers under plain Newton's method reported a gain of nine tenths of W A."""
     text = CANTILEVERS.format(step=step, irreversible="true")
     steps, _ = as_far_as_it_goes(text, path_control)
     # of third order in the step, which is no more than that of the smallest work of one

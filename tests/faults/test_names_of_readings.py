@@ -51,10 +51,10 @@ def tape(**changes: object) -> Told:
 )
 def test_what_takes_a_short_tape_off_is_no_initiation(changes: dict[str, object]) -> None:
     """Its front reaches the end of the joint before the force is steady."""
-    told = tape(**changes)
-    assert "initiation force" not in told.quantities
-    assert "steady force" not in told.quantities
-    assert told.reading("largest force")["words"] == "as the end of the joint comes off"
+    message = tape(**changes)
+    assert "initiation force" not in message.quantities
+    assert "steady force" not in message.quantities
+    assert message.reading("largest force")["words"] == "as the end of the joint comes off"
 
 
 @pytest.mark.parametrize(("adhering", "angle", "work"), [(15, 90, 1), (15, 60, 1), (12, 120, 1)])
@@ -62,8 +62,8 @@ def test_a_long_tape_that_is_harder_to_start_has_an_initiation_force(
     adhering: float, angle: float, work: float
 ) -> None:
     """A blunt end that adheres up to the load: more than the steady force, by which it goes on."""
-    told = tape(length=adhering, adhering=adhering, angle=angle, to=5, step=0.05, mesh=f"{6 * adhering}x2")
-    steady, first = told.reading("steady force"), told.reading("initiation force")
+    message = tape(length=adhering, adhering=adhering, angle=angle, to=5, step=0.05, mesh=f"{6 * adhering}x2")
+    steady, first = message.reading("steady force"), message.reading("initiation force")
     assert abs(steady["deviation_percent"]) < 1
     assert first["value"] > 1.02 * steady["value"]
     assert first["at"]["value"] < 1
@@ -114,10 +114,10 @@ def test_the_tension_of_a_body_that_snaps_on_does_not_pull_it_off(
     shape: str, mesh: str, modulus: float, gap: float, to: float, name: str
 ) -> None:
     text = ROUND.format(shape=shape, mesh=mesh, modulus=modulus, gap=gap, to=to)
-    told = told_by(text)
-    (found,) = {"largest tension", "pull-off force"} & set(told.quantities)
+    message = told_by(text)
+    (found,) = {"largest tension", "pull-off force"} & set(message.quantities)
     assert found == name
-    assert ("while the body approaches it" in told.reading(found)["words"]) == (to < 0)
+    assert ("while the body approaches it" in message.reading(found)["words"]) == (to < 0)
 
 
 STRIP = """
@@ -160,9 +160,9 @@ def test_a_moment_that_still_rises_is_not_called_steady(strength: float, to: flo
 
 @pytest.mark.parametrize(("start", "end"), [(20, 30), (35, 50), (10, 90)])
 def test_the_mean_in_a_window_is_not_called_steady_where_it_drifts(start: float, end: float) -> None:
-    told = strip(window=f'[reading]\nwindow = ["{start} deg", "{end} deg"]')
-    assert "steady moment" not in told.quantities
-    drift = float(told.reading("mean moment")["words"].split("drift ")[1].split(" %")[0])
+    message = strip(window=f'[reading]\nwindow = ["{start} deg", "{end} deg"]')
+    assert "steady moment" not in message.quantities
+    drift = float(message.reading("mean moment")["words"].split("drift ")[1].split(" %")[0])
     assert drift > 2
 
 
@@ -175,10 +175,10 @@ def test_a_steady_moment_is_called_that_with_its_drift() -> None:
 @pytest.mark.parametrize("fields_every", [15, 40, 99])
 def test_a_front_between_stored_states_is_found_by_the_energy_of_the_joint(fields_every: float) -> None:
     window = f'[reading]\nwindow = ["80 deg", "100 deg"]\n[output]\nfields_every = "{fields_every} deg"'
-    told = strip(window=window, mesh="120x2", strength=0.003)
-    assert "crack length" in told.quantities
-    assert not any("no front" in text for text in told.notes("reading"))
-    assert abs(told.reading("steady moment")["deviation_percent"]) < 1
+    message = strip(window=window, mesh="120x2", strength=0.003)
+    assert "crack length" in message.quantities
+    assert not any("no front" in text for text in message.notes("reading"))
+    assert abs(message.reading("steady moment")["deviation_percent"]) < 1
 
 
 WAVY = """
@@ -224,8 +224,8 @@ fields_every = "1 um"
 )
 def test_what_waves_release_is_not_held_against_the_work_of_adhesion(substrate: str) -> None:
     """A strip that rests on waves adheres in part: it takes W of less than its face."""
-    told = told_by(WAVY.format(substrate=substrate))
-    rate = told.reading("energy release rate")
+    message = told_by(WAVY.format(substrate=substrate))
+    rate = message.reading("energy release rate")
     assert rate["closed_form"] is None
     assert rate["words"] == "by the drive, per area of the face, which adheres in part"
     assert 0 < rate["value"] < 0.002
@@ -238,13 +238,13 @@ def test_a_raised_load_is_held_against_the_peeling_load(angle: int, to: float, m
     """Followed beyond its limit it takes the tape off, by more load where the joint ends."""
     text = TAPE.format(length=9, adhering=8, held=HELD, mesh=mesh, angle=angle, to=0, step=0)
     raised = f'control = "force"\npath_control = "continuation"\nto = "{to} N/mm"'
-    told = told_by(text.replace('to = "0 mm"', raised).replace('"0 mm"', '"0.02 N/mm"'))
-    steady = told.reading("steady force")
+    message = told_by(text.replace('to = "0 mm"', raised).replace('"0 mm"', '"0.02 N/mm"'))
+    steady = message.reading("steady force")
     assert steady["closed_form"]["source"] == "Kendall's tape"
     assert abs(steady["deviation_percent"]) < 0.5
-    assert told.reading("largest force")["value"] == pytest.approx(1000 * to)
-    assert told.reading("largest force")["words"] == "as the end of the joint comes off"
-    assert not told.notes("closed form")
+    assert message.reading("largest force")["value"] == pytest.approx(1000 * to)
+    assert message.reading("largest force")["words"] == "as the end of the joint comes off"
+    assert not message.notes("closed form")
 
 
 FILM = """
@@ -282,6 +282,6 @@ step = "16 nm"
 
 @pytest.mark.parametrize(("mesh", "gap"), [("24x1", 970), ("16x2", 970), ("24x1", 100)])
 def test_a_film_that_buckles_far_from_its_joint_has_no_initiation(mesh: str, gap: float) -> None:
-    told = told_by(FILM.format(mesh=mesh, gap=gap))
-    assert "initiation force" not in told.quantities
-    assert "largest force" in told.quantities
+    message = told_by(FILM.format(mesh=mesh, gap=gap))
+    assert "initiation force" not in message.quantities
+    assert "largest force" in message.quantities

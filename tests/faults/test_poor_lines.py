@@ -1,4 +1,4 @@
-"""What is wrong with units, files and folders is told by its cause, in one line that names it."""
+"""Errors of units, files and folders are reported in one line that names the cause."""
 
 from collections.abc import Callable
 from fractions import Fraction
@@ -26,12 +26,12 @@ def test_an_unknown_unit_is_named_with_those_that_are_known(unit: str) -> None:
     with pytest.raises(InputError) as caught:
         isopeel.Case.parse(STRIP.replace('length = "200 nm"', f'length = "1 {unit}"'))
     assert caught.value.field == "body.length"
-    told = str(caught.value)
-    assert "is not a known unit" in told or "is not a number and a unit" in told
+    message = str(caught.value)
+    assert "is not a known unit" in message or "is not a number and a unit" in message
     if "_" not in unit:
-        assert "known are nm, um, mm, m, in, thou, Pa" in told
+        assert "known are nm, um, mm, m, in, thou, Pa" in message
     if unit.startswith("mil"):
-        assert "a thousandth of an inch is 'thou'" in told
+        assert "a thousandth of an inch is 'thou'" in message
 
 
 @pytest.mark.parametrize(
@@ -46,7 +46,7 @@ def test_an_unknown_unit_is_named_with_those_that_are_known(unit: str) -> None:
         ("1 Pa/m", "something else"),
     ],
 )
-def test_a_quantity_of_another_kind_is_told_what_it_is(written: str, kind: str) -> None:
+def test_a_quantity_of_another_kind_is_reported_what_it_is(written: str, kind: str) -> None:
     with pytest.raises(InputError, match=f"a length is needed, such as '200 nm', and this is {kind}"):
         isopeel.Case.parse(STRIP.replace('length = "200 nm"', f'length = "{written}"'))
 

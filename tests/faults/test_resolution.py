@@ -126,7 +126,7 @@ def ungraded(case: Case) -> str:
     return re.sub(r"grading = \[[^\]]*\]\n", "", case.text)
 
 
-def told(case: Case) -> str:
+def message(case: Case) -> str:
     """What is said before the first step."""
     laboratory = Laboratory.of(case.units.system(), case.problem())
     notes = with_one_remedy(estimate_notes(case.problem(), case.space(), laboratory))
@@ -145,34 +145,34 @@ def told(case: Case) -> str:
     ],
     ids=["half beam", "stamp", "L1", "N2", "N2.1", "cylinder"],
 )
-def test_elements_that_are_too_large_are_told_of_and_what_is_proposed_will_do(case: Case) -> None:
-    text = told(case)
-    assert not told(as_proposed(case, text))
+def test_elements_that_are_too_large_are_reported_of_and_what_is_proposed_will_do(case: Case) -> None:
+    text = message(case)
+    assert not message(as_proposed(case, text))
     for space in re.findall(r"space = '([^']+)'", text):
-        assert not told(case.overridden(space=space))
+        assert not message(case.overridden(space=space))
 
 
 @pytest.mark.parametrize(("mesh", "strength"), [("12x24", 1.2), ("60x12", 2.4), ("100x10", 4.8)])
 def test_a_front_that_stays_where_it_starts_is_offered_a_grading(mesh: str, strength: float) -> None:
     text = ungraded(load_case("cylinder-pull-off")).replace("1.2 MPa", f"{strength} MPa")
     case = Case.parse(text).overridden(mesh=mesh)
-    found = told(case)
+    found = message(case)
     assert "with grading = [" in found
-    assert not told(as_proposed(case, found))
+    assert not message(as_proposed(case, found))
 
 
 @pytest.mark.parametrize("length", [20, 200, 2000])
 def test_what_no_mesh_resolves_is_offered_a_strength(length: float) -> None:
     """Wide pads have two fronts, far apart, which their elements cannot both be graded towards."""
     case = Case.parse(STAMP.replace('"500 um"', f'"{length} mm"').replace('"1 MPa"\nrise', '"3 MPa"\nrise'))
-    text = told(case)
+    text = message(case)
     assert "mesh = '" not in text
     strength = re.search(r"that of a strength of ([\d.]+) (k?Pa|MPa) or less", text)
     assert strength is not None
     softer = Case.parse(case.text.replace('strength = "3 MPa"', f'strength = "{strength[1]} {strength[2]}"'))
-    mesh = re.search(r"mesh = '(\d+x\d+)'", told(softer))
+    mesh = re.search(r"mesh = '(\d+x\d+)'", message(softer))
     assert mesh is not None
-    assert not told(softer.overridden(mesh=mesh[1]))
+    assert not message(softer.overridden(mesh=mesh[1]))
 
 
 @pytest.mark.parametrize("case", [strip("N2", "20x2"), strip("L2", "18x2"), strip("N2", "30x1")])
@@ -189,7 +189,7 @@ def test_one_run_names_one_mesh_that_would_do(case: Case, tmp_path: Path) -> Non
 @pytest.mark.parametrize("name", shipped_cases())
 def test_shipped_cases_resolve_their_fronts(name: str) -> None:
     case = load_case(name)
-    assert not told(case)
+    assert not message(case)
     found = estimated(case.problem(), case.space())
     assert found is not None
     assert found.elements_in_reach > found.elements > 1.4
@@ -259,9 +259,9 @@ def test_spaces_need_elements_by_their_functions(name: str, needed: float) -> No
 
 def test_a_bar_that_is_pulled_has_no_front() -> None:
     bar = STAMP.replace("poissons_ratio = 0.49", "poissons_ratio = 0.0")
-    assert not told(Case.parse(bar))
+    assert not message(Case.parse(bar))
     held = STAMP.replace("[discretization]", '[held]\nleft = "x"\nright = "x"\n[discretization]')
-    assert not told(Case.parse(held))
+    assert not message(Case.parse(held))
 
 
 def test_notes_are_few_where_the_plateau_is_right() -> None:
@@ -270,8 +270,8 @@ def test_notes_are_few_where_the_plateau_is_right() -> None:
     for space, mesh in (("N2.1", "60x2"), ("N2.1", "40x2"), ("N2", "60x2"), ("L2", "60x2"), ("N2", "30x2")):
         case = strip(space, mesh)
         wrong = abs(np.mean(moments(case)) / fine - 1)
-        assert wrong < 0.03 or told(case), (space, mesh)
-        assert wrong > 0.001 or not told(case), (space, mesh)
+        assert wrong < 0.03 or message(case), (space, mesh)
+        assert wrong > 0.001 or not message(case), (space, mesh)
 
 
 def moments(case: Case) -> list[float]:

@@ -188,7 +188,7 @@ def test_a_bifurcation_right_after_a_step_is_one(share: float) -> None:
 
 
 @pytest.mark.parametrize("step", [0.0000125, 0.0001])
-def test_nor_under_a_load_whose_size_is_unknown(step: float) -> None:
+def test_nothing_is_gained_under_a_load_whose_size_is_unknown(step: float) -> None:
     (steps,) = paths(STRIP.format(drive=f'{FREE}\nto = "0.0006 mm"\nstep = "{step} mm"'))
     (lost,) = bifurcations(steps)
     # to a thousandth of the step or of itself, whichever is less
@@ -231,9 +231,9 @@ def test_continuation_stays_on_the_unstable_branch_and_says_so() -> None:
     text = STRIP.format(drive=f'{HELD}\nto = "0.02 mm"\nstep = "0.002 mm"')
     (steps,) = paths(text, "continuation")
     shortening, force = euler(4 * pi**2)
-    told = {step.negative_eigenvalues for step in steps if step.parameter > 1.2 * shortening}
-    assert 1 in told
-    assert 0 not in told
+    message = {step.negative_eigenvalues for step in steps if step.parameter > 1.2 * shortening}
+    assert 1 in message
+    assert 0 not in message
     assert steps[-1].reaction == pytest.approx(force * 0.02 / shortening, rel=0.02)
 
 

@@ -64,7 +64,7 @@ def test_a_state_is_chosen_in_any_unit(folder: Path, written: str) -> None:
     ("written", "taken"),
     [("30 nm", "50 nm"), ("0.02 um", "0 um"), ("99 nm", "100 nm"), ("5.0001e-8 m", "50 nm")],
 )
-def test_another_state_than_was_asked_for_is_told(
+def test_another_state_than_the_requested_one_is_reported(
     folder: Path, written: str, taken: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     commands = [["plot", str(folder), "--only", "front", "--at", written]]
@@ -75,8 +75,10 @@ def test_another_state_than_was_asked_for_is_told(
     for command in commands:
         capsys.readouterr()
         assert main(command) == 0
-        told = f"--at {written}: the nearest state that is stored is at {taken}; `isopeel run --fields-every`"
-        assert told in capsys.readouterr().out
+        message = (
+            f"--at {written}: the nearest state that is stored is at {taken}; `isopeel run --fields-every`"
+        )
+        assert message in capsys.readouterr().out
 
 
 @pytest.mark.parametrize(

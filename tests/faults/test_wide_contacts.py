@@ -108,7 +108,7 @@ def test_a_fine_mesh_comes_to_rest_by_itself(
     assert steps[-1].adhesive_energy == pytest.approx(0.0, abs=1e-9)
 
 
-def test_a_fall_that_does_not_come_to_rest_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_fall_that_does_not_come_to_rest_is_reported(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(
         path_module, "descend", lambda _system, start, *_rest: Descent(start, is_unfinished=True)
     )

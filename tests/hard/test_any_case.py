@@ -77,7 +77,7 @@ def outcome(text: str, options: list[str], figures: bool) -> tuple[int, str]:
 
 
 def check(document: dict[str, Any], options: list[str], around: tuple[str, str], figures: bool) -> None:
-    """Either it runs, or it is told in the right way why not."""
+    """Either it runs, or the reason is reported correctly."""
     code, error = outcome(toml(document).join(around), options, figures)
     assert "Traceback" not in error
     match code:

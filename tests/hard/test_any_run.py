@@ -120,7 +120,7 @@ CHANGES = st.one_of(
 
 
 def check(stored: Path, change: Change, command: list[str]) -> None:
-    """Either the run is shown, or it is told in one line why not; nothing that a terminal would obey."""
+    """Either the run is shown, or one line reports why not, without control characters."""
     written, error = io.StringIO(), io.StringIO()
     with tempfile.TemporaryDirectory() as scratch:
         folder = Path(scratch, "out")
@@ -131,13 +131,13 @@ def check(stored: Path, change: Change, command: list[str]) -> None:
             code = main([command[0], str(folder), *command[1:]])
         assert perf_counter() - began < LIMIT
     assert code in (0, 2, 3)
-    told = error.getvalue()
-    assert (told == "") == (code == 0)
+    message = error.getvalue()
+    assert (message == "") == (code == 0)
     if code == 2:
-        assert told.startswith("isopeel: ")
-        assert len(told.splitlines()) == 1
-        assert len(told) < 3000
-    for text in (told, written.getvalue()):
+        assert message.startswith("isopeel: ")
+        assert len(message.splitlines()) == 1
+        assert len(message) < 3000
+    for text in (message, written.getvalue()):
         assert all(one.isprintable() or one in "\n\xa0" for one in text)
 
 

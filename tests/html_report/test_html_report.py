@@ -149,7 +149,7 @@ def test_a_state_is_that_of_the_step_whose_displacement_was_kept(stage: StoredSt
         field_steps(path(stage.run, [0.0, 1.0], [0.5]))
 
 
-def test_branches_and_jumps_are_told_apart(stage: StoredStage) -> None:
+def test_branches_and_jumps_are_reported_apart(stage: StoredStage) -> None:
     kinds = ("requested", "limit point", "between", "limit point", "requested", "jump")
     run = path(stage.run, [0.0, 2.0, 1.8, 1.5, 3.0, 3.0], [0.0, 3.0])
     curve = replace(
@@ -180,7 +180,7 @@ def test_what_is_no_number_is_refused(folder: Path, tmp_path: Path) -> None:
     run = read_run(folder / "run.h5")
     fields = {**run.fields, 30.0: np.full_like(run.fields[30.0], np.nan)}
     reaction = np.where(run.curve.parameter > 20, np.inf, run.curve.reaction)
-    for changed, told in (
+    for changed, message in (
         (replace(run, fields=fields), "displacements that are no numbers"),
         (
             replace(run, curve=replace(run.curve, reaction=reaction)),
@@ -188,7 +188,7 @@ def test_what_is_no_number_is_refused(folder: Path, tmp_path: Path) -> None:
         ),
     ):
         write_run(tmp_path / "run.h5", changed)
-        with pytest.raises(InputError, match=told):
+        with pytest.raises(InputError, match=message):
             write_html_report(tmp_path)
     assert not (tmp_path / "report.html").exists()
 
@@ -243,26 +243,26 @@ def test_the_command_refuses_in_one_line(
         ([str(folder), "--out", str(tmp_path)], "it is a folder, and no file"),
         ([str(folder), "--out", str(tmp_path / "no" / "a.html")], "cannot be written"),
     ]
-    for arguments, told in cases:
+    for arguments, message in cases:
         assert main(["report", *arguments]) == 2
         error = capsys.readouterr().err
-        assert told in error
+        assert message in error
         assert error.count("\n") == 1
 
 
 def test_runs_that_did_not_end_say_so(stage: StoredStage, tmp_path: Path) -> None:
-    def told(stage: StoredStage) -> str:
+    def message(stage: StoredStage) -> str:
         return unescape(re.sub("<[^>]*>", "", html_report((stage,))))
 
     def ended(ending: Ending) -> str:
-        return told(replace(stage, run=replace(stage.run, ending=ending)))
+        return message(replace(stage, run=replace(stage.run, ending=ending)))
 
     assert "Completed: 7 steps, to 30°." in ended("completed")
     assert "This run was interrupted" in ended("interrupted")
     assert "This run was killed" in ended("running")
     (stopped,) = read_stages(failed(tmp_path))
     assert stopped.run.failure is not None
-    text = told(stopped)
+    text = message(stopped)
     assert f"Cause: {stopped.run.failure.cause}. What to try: {stopped.run.failure.hint}." in text
 
 
@@ -307,12 +307,16 @@ def test_a_page_takes_the_finer_mesh_from_the_summary(folder: Path, monkeypatch:
 @pytest.mark.parametrize(
     "damage",
     [
-        lambda told: told | {"run": "0" * 32},
-        lambda told: told | {"finer_mesh": [{"parameter": 1}]},
-        lambda told: told | {"finer_mesh": [one | {"on_finer_mesh": "x"} for one in told["finer_mesh"]]},
-        lambda told: told | {"finer_mesh": [one | {"on_finer_mesh": 1e999} for one in told["finer_mesh"]]},
-        lambda told: told | {"finer_mesh": 5},
-        lambda told: [told],
+        lambda message: message | {"run": "0" * 32},
+        lambda message: message | {"finer_mesh": [{"parameter": 1}]},
+        lambda message: (
+            message | {"finer_mesh": [one | {"on_finer_mesh": "x"} for one in message["finer_mesh"]]}
+        ),
+        lambda message: (
+            message | {"finer_mesh": [one | {"on_finer_mesh": 1e999} for one in message["finer_mesh"]]}
+        ),
+        lambda message: message | {"finer_mesh": 5},
+        lambda message: [message],
     ],
     ids=["another run", "no numbers", "text", "infinity", "no list", "no table"],
 )
@@ -320,10 +324,10 @@ def test_a_summary_that_is_not_of_the_run_is_not_believed(
     folder: Path, monkeypatch: pytest.MonkeyPatch, damage: Any
 ) -> None:
     computed, file = _recount(monkeypatch), folder / "summary.json"
-    told = file.read_text("utf-8")
+    message = file.read_text("utf-8")
     try:
-        file.write_text(json.dumps(damage(json.loads(told))), "utf-8")
+        file.write_text(json.dumps(damage(json.loads(message))), "utf-8")
         html_report(read_stages(folder))
         assert computed
     finally:
-        file.write_text(told, "utf-8")
+        file.write_text(message, "utf-8")

@@ -55,7 +55,7 @@ def test_what_elements_joined_without_slopes_do_not_reach_is_left_out() -> None:
 
 
 @pytest.mark.parametrize(("differences", "columns"), [(4, 41), (4, 81)])
-def test_what_single_precision_cannot_tell_apart_is_kept_in_double(differences: int, columns: int) -> None:
+def test_what_single_precision_cannot_distinguish_is_kept_in_double(differences: int, columns: int) -> None:
     """Its soft motions have a billionth of the stiffness of others."""
     matrix = chain(300, differences, columns)
     factor = approximate(matrix).factor

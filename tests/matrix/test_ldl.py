@@ -33,6 +33,6 @@ def test_negative_eigenvalues_are_counted_and_systems_solved(seed: int) -> None:
     np.testing.assert_allclose(factor.solve(dense @ x), x, rtol=1e-8, atol=1e-8)
 
 
-def test_a_vanishing_pivot_is_told() -> None:
+def test_a_vanishing_pivot_is_reported() -> None:
     with pytest.raises(SingularError, match="too small"):
         BandLDL.of(band(np.array([[0.0, 1.0], [0.0, 0.0]])))

@@ -70,8 +70,8 @@ def test_a_series_along_the_parameter(run: Path, capsys: pytest.CaptureFixture[s
             read = ReadGrid(file)
             assert read.grid.GetNumberOfCells() == cells
             assert read.field_data["TimeValue"].GetTuple(0) == (time,)
-            told = {text: read.field_data[text].GetValue(0) for text in ("case", "L0", "E0", "time")}
-            assert told == {"case": "strip", "L0": "1 nm", "E0": "2 GPa", "time": "theta_deg [degree]"}
+            message = {text: read.field_data[text].GetValue(0) for text in ("case", "L0", "E0", "time")}
+            assert message == {"case": "strip", "L0": "1 nm", "E0": "2 GPa", "time": "theta_deg [degree]"}
     assert len(list((run / "paraview").iterdir())) == 10
 
 
@@ -166,8 +166,8 @@ def test_a_run_that_did_not_end_is_written_as_far_as_it_got(
     with h5py.File(run / "run.h5", "r+") as file:
         file.attrs["ending"] = ending
     assert main(["export", "out"]) == 0
-    told = capsys.readouterr().out
-    assert told.startswith("4 states, to 25 degree (the run ")
+    message = capsys.readouterr().out
+    assert message.startswith("4 states, to 25 degree (the run ")
     assert len(series(run / "paraview" / "body.pvd")) == 4
 
 
@@ -184,7 +184,7 @@ def test_bad_input_is_one_line(run: Path, capsys: pytest.CaptureFixture[str]) ->
     broken = Path("broken")
     broken.mkdir()
     (broken / "run.h5").write_bytes(b"nothing")
-    for arguments, told in (
+    for arguments, message in (
         (["none"], ["DIR", "'none'", "no folder"]),
         (["file"], ["DIR", "'file'", "no folder"]),
         (["empty"], ["DIR", "'empty'", "no run.h5"]),
@@ -197,14 +197,14 @@ def test_bad_input_is_one_line(run: Path, capsys: pytest.CaptureFixture[str]) ->
     ):
         assert main(["export", *arguments]) == 2
         error = the_error(capsys)
-        for part in told:
+        for part in message:
             assert part in error
     assert not (run / "paraview").exists()
 
 
 def test_files_that_lie_are_one_line(run: Path, capsys: pytest.CaptureFixture[str]) -> None:
     text = isopeel.read_run(run / "run.h5").case_text
-    for other, told in (
+    for other, message in (
         (text.replace("20x2", "21x2"), "of another case"),
         (text.replace("neo-hooke", "other"), "cannot be read any more"),
     ):
@@ -212,7 +212,7 @@ def test_files_that_lie_are_one_line(run: Path, capsys: pytest.CaptureFixture[st
             del file["case"]
             file["case"] = other
         assert main(["export", "out"]) == 2
-        assert told in the_error(capsys)
+        assert message in the_error(capsys)
     with h5py.File(run / "run.h5", "r+") as file:
         del file["fields/parameter"], file["fields/displacement"], file["last"], file["case"]
         file["case"] = text

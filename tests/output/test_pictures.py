@@ -247,12 +247,12 @@ def test_what_is_no_run_is_refused(
     assert "there is no run.h5 in it" in refused(capsys, command, tmp_path)
     stored = read_run(runs / "L1" / "run.h5")
     last = max(stored.fields)
-    for changed, told in (
+    for changed, message in (
         (replace(stored, fields={**stored.fields, last: stored.fields[last] * np.nan}), "without a value"),
         (replace(stored, fields={}), "no step of the run in it converged"),
     ):
         write_run(tmp_path / "run.h5", changed)
-        assert told in refused(capsys, command, tmp_path)
+        assert message in refused(capsys, command, tmp_path)
     (tmp_path / "run.h5").write_bytes(b"broken")
     assert "the file of a run is needed" in refused(capsys, command, tmp_path)
 

@@ -28,7 +28,7 @@ def packaged() -> set[str]:
     return {path.relative_to(SOURCE.parent).as_posix() for path in files}
 
 
-def told(*command: str | Path, folder: Path, **environment: str) -> str:
+def output_of(*command: str | Path, folder: Path, **environment: str) -> str:
     """What a command prints in a folder; it must succeed."""
     kept = {name: value for name, value in os.environ.items() if name not in WITHOUT}
     ended = subprocess.run(
@@ -49,7 +49,7 @@ def built(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder with the source distribution, and the wheel that was built from that."""
     folder = tmp_path_factory.mktemp("dist")
     # what builds is among the dependencies of developers: nothing is loaded
-    told(sys.executable, "-m", "build", "--no-isolation", "--outdir", folder, ROOT, folder=folder)
+    output_of(sys.executable, "-m", "build", "--no-isolation", "--outdir", folder, ROOT, folder=folder)
     assert {path.name for path in folder.iterdir()} == {f"{NAME}-py3-none-any.whl", f"{NAME}.tar.gz"}
     return folder
 
@@ -103,14 +103,16 @@ def test_the_wheel_works_without_its_sources(wheel: Path, tmp_path: Path) -> Non
     """From a folder that it is unpacked to, with the dependencies of this environment."""
     place = tmp_path / "installed"
     pip = (sys.executable, "-m", "pip", "--disable-pip-version-check", "install", "--quiet", "--no-deps")
-    told(*pip, "--no-index", "--no-compile", "--target", place, wheel, folder=tmp_path)
+    output_of(*pip, "--no-index", "--no-compile", "--target", place, wheel, folder=tmp_path)
     python = (sys.executable, "-c")
     start = "import sys; from isopeel.cli import main; sys.exit(main())"
-    where = told(*python, "import isopeel; print(isopeel.__file__)", folder=tmp_path, PYTHONPATH=str(place))
+    where = output_of(
+        *python, "import isopeel; print(isopeel.__file__)", folder=tmp_path, PYTHONPATH=str(place)
+    )
     assert Path(where.strip()) == place / "isopeel" / "__init__.py"
-    version = told(*python, start, "--version", folder=tmp_path, PYTHONPATH=str(place))
+    version = output_of(*python, start, "--version", folder=tmp_path, PYTHONPATH=str(place))
     assert version == f"isopeel {isopeel.__version__}\n"
-    cases = told(*python, start, "cases", folder=tmp_path, PYTHONPATH=str(place))
+    cases = output_of(*python, start, "cases", folder=tmp_path, PYTHONPATH=str(place))
     assert all(name in cases for name in shipped_cases())
 
 
@@ -121,14 +123,14 @@ def test_bash_completes(tmp_path: Path) -> None:
     program.write_text(f"#!{sys.executable}\nimport sys\nfrom isopeel.cli import main\nsys.exit(main())\n")
     program.chmod(0o755)
     path = {"PATH": f"{tmp_path}{os.pathsep}{os.environ['PATH']}", "PYTHONPATH": str(SOURCE.parent)}
-    script = told("bash", "-c", "isopeel --show-completion bash; true", folder=tmp_path, **path)
+    script = output_of("bash", "-c", "isopeel --show-completion bash; true", folder=tmp_path, **path)
     assert "complete -o default -F _isopeel_completion isopeel" in script
     for words, at, expected in (
         ("isopeel ex", 1, ["export"]),
         ("isopeel run --co", 2, ["--contact-points", "--control"]),
     ):
         ask = f'COMP_WORDS=({words}); COMP_CWORD={at}; _isopeel_completion isopeel; echo "${{COMPREPLY[@]}}"'
-        assert told("bash", "-c", f"{script}\n{ask}", folder=tmp_path, **path).split() == expected
+        assert output_of("bash", "-c", f"{script}\n{ask}", folder=tmp_path, **path).split() == expected
 
 
 @pytest.mark.long
@@ -137,19 +139,19 @@ def test_the_wheel_works_in_a_clean_environment(wheel: Path, tmp_path: Path) -> 
     venv.create(tmp_path / "venv", with_pip=True)
     programs = tmp_path / "venv" / ("Scripts" if os.name == "nt" else "bin")
     pip = (programs / "python", "-m", "pip", "--disable-pip-version-check", "install", "--quiet")
-    told(*pip, wheel, folder=tmp_path)
+    output_of(*pip, wheel, folder=tmp_path)
     command = programs / "isopeel"
-    assert told(command, "--version", folder=tmp_path) == f"isopeel {isopeel.__version__}\n"
-    assert "curved-substrate" in told(command, "cases", folder=tmp_path)
+    assert output_of(command, "--version", folder=tmp_path) == f"isopeel {isopeel.__version__}\n"
+    assert "curved-substrate" in output_of(command, "cases", folder=tmp_path)
     small = ("--mesh", "20x2", "--space", "L1", "--to", "2", "--step", "1")
-    shown = told(command, "run", "strip", *small, folder=tmp_path)
+    shown = output_of(command, "run", "strip", *small, folder=tmp_path)
     assert "L1, 20x2, 126 DOFs" in shown
     run = tmp_path / "out" / "strip"
     assert {"run.h5", "curve.csv", "summary.json", "curve.png", "shapes.png"} <= {
         p.name for p in run.iterdir()
     }
-    told(command, "export", run, folder=tmp_path)
+    output_of(command, "export", run, folder=tmp_path)
     assert (run / "paraview" / "body.pvd").exists()
     for tool in ("pytest", "vtk", "mypy"):
         missing = f"import importlib.util as found; print(found.find_spec({tool!r}))"
-        assert told(programs / "python", "-c", missing, folder=tmp_path) == "None\n"
+        assert output_of(programs / "python", "-c", missing, folder=tmp_path) == "None\n"

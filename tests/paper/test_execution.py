@@ -42,7 +42,7 @@ class ShortRun(Run):
 
 @dataclass
 class Watch:
-    """Notes what it is told, and interrupts after so many finished runs."""
+    """Records its calls, and interrupts after so many finished runs."""
 
     interrupt_after: int = 99
     names: list[str] = field(default_factory=list)
@@ -108,7 +108,7 @@ def test_variants_start_from_the_state_of_their_base(whole: Store) -> None:
     assert np.all(points.reaction != base.reaction[at])
 
 
-def test_an_interrupted_study_goes_on_to_the_same_results(whole: Store, tmp_path: Path) -> None:
+def test_an_interrupted_study_continues_to_the_same_results(whole: Store, tmp_path: Path) -> None:
     store = Store(tmp_path)
     first = Watch(interrupt_after=2)
     with pytest.raises(KeyboardInterrupt):

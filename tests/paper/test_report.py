@@ -92,7 +92,7 @@ def test_the_rows_that_fail_in_print_fail_here(stored: Results) -> None:
     assert plain == [69.0, 74.2]
 
 
-def test_figures_noted_down_before(stored: Results) -> None:
+def test_figures_equal_stored_ones(stored: Results) -> None:
     """All of them, each read as its column was.
 
     What remains unexplained has its own tolerance: with all rows the steepest falls, up to 5 % flatter than

@@ -209,22 +209,22 @@ def test_the_contact_row_alone_looks_like_its_space_but_hollow() -> None:
 
 
 @pytest.mark.parametrize("name", ["panels", "windows", "quadrature", "cost"])
-def test_the_legend_tells_each_space_in_its_own_look(name: str) -> None:
+def test_the_legend_shows_each_space_in_its_own_look(name: str) -> None:
     figure = drawn(name)
     (legend,) = figure.legends
     lines = [line for line in legend.legend_handles if isinstance(line, Line2D)]
-    told = {text.get_text(): line for text, line in zip(legend.get_texts(), lines, strict=True)}
+    message = {text.get_text(): line for text, line in zip(legend.get_texts(), lines, strict=True)}
     extra = {
         "panels": set(),
         "windows": {"L1+X", "used"},
         "quadrature": {"L1+X", "in all other runs"},
         "cost": {"L1+X", *LITERATURE},
     }[name]
-    assert set(told) == set(SPACES) | extra  # L1+X differs from X in being hollow only
+    assert set(message) == set(SPACES) | extra  # L1+X differs from X in being hollow only
     for space in SPACES:
         look = space_style(space)
-        assert same_color(told[space].get_color(), look.color)
-        assert told[space].get_marker() == look.marker
+        assert same_color(message[space].get_color(), look.color)
+        assert message[space].get_marker() == look.marker
 
 
 @pytest.mark.parametrize("name", ["bases", "newton", "meshes", "convergence"])

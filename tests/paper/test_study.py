@@ -48,7 +48,7 @@ def test_every_space_can_be_built_and_has_a_canonical_name() -> None:
         (Run("L1", "m1", plain=True), "L1-m1-plain"),
     ],
 )
-def test_names_tell_runs_apart(run: Run, name: str) -> None:
+def test_names_distinguish_runs(run: Run, name: str) -> None:
     assert run.name == name
 
 

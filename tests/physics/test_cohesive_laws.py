@@ -110,7 +110,7 @@ def test_strength_is_the_largest_attraction(law: Law) -> None:
 
 
 @every_law
-def test_compression_goes_on_with_the_initial_stiffness(law: Law) -> None:
+def test_compression_continues_with_the_initial_stiffness(law: Law) -> None:
     openings = np.array([-0.2, -0.1, 0.0])
     _, traction, derivative = law_at(law, openings)
     assert derivative[0] < 0

@@ -95,7 +95,7 @@ def test_neo_hooke_in_plane_strain(stretch: float) -> None:
 
 
 @pytest.mark.parametrize("material", MATERIALS, ids=NAMES)
-def test_letting_go_leads_back_to_rest(material: Material) -> None:
+def test_release_returns_to_rest(material: Material) -> None:
     taut = Prestretched(material, 1.3)
     release = np.diag([1 / 1.3, 1 / taut.transverse_stretch])
     energy, P, _ = material_at(taut, release)

@@ -1,4 +1,4 @@
-"""Closed forms are told where they apply, and nowhere else."""
+"""Closed forms are shown where they are valid, and nowhere else."""
 
 from dataclasses import replace
 

@@ -123,7 +123,8 @@ def test_shapes_share_one_scale_and_hold_the_body(
     figure = shapes_figure(problem, space, fields)
     upper, lower, bar = figure.axes
     meshes = [mesh for axes in (upper, lower) for mesh in axes.collections if isinstance(mesh, TriMesh)]
-    # 7.5 degrees lift the end by 50 sin(7.5)/2 = 3 nm, too little to be told from the next shape: 3 % of 200
+    # 7.5 degrees lift the end by 50 sin(7.5)/2 = 3 nm, too little to be distinguished from the next shape: 3
+    # % of 200
     assert texts(figure) == ["0°", "15°", "30°"]
     assert len(meshes) == 4
     # as many cells per element as the figure takes, so that it meets the same extreme values
@@ -151,7 +152,7 @@ def test_the_last_shape_is_the_last_of_the_run_where_parameters_fall() -> None:
     assert figure.axes[1].get_title("left") == "front at -40°"
 
 
-def test_the_legend_tells_a_mirror_and_the_units(run: tuple[Problem, RowSpace, list[Step]]) -> None:
+def test_the_legend_names_a_mirror_and_the_units(run: tuple[Problem, RowSpace, list[Step]]) -> None:
     problem, space, steps = run
     adhesion = replace(problem.adhesion, law=Mirrored(Exponential(0.06, 0.015, 0.25)))
     mirrored = problem.changed(adhesion=adhesion)

@@ -116,7 +116,7 @@ def test_an_oscillation_that_is_not_resolved_is_not_read(
     assert reason in str(unreadable(curve, window, PERIOD))
 
 
-def test_the_drift_tells_what_it_was_fitted_to() -> None:
+def test_the_drift_names_what_it_was_fitted_to() -> None:
     angles = np.round(np.arange(0, 101.5, 0.1), 10)
     curve = curve_of(angles, 1.63 + sawtooth(angles, 1e-4))
     early, late = read_plateau(curve, (95, 98.4), PERIOD), read_plateau(curve, (98, 101.4), PERIOD)

@@ -205,7 +205,7 @@ def test_broken_files_are_refused_in_one_line(kind: str, tmp_path: Path) -> None
     assert len(str(caught.value)) < 400
 
 
-def test_mirrored_patches_are_told_from_folded_ones(tmp_path: Path) -> None:
+def test_mirrored_patches_are_distinguished_from_folded_ones(tmp_path: Path) -> None:
     swapped = splinepy.Bezier([1, 1], [[0, 0], [0, 1], [5, 0], [5, 1]])
     splinepy.io.json.export(str(tmp_path / "swapped.json"), swapped)
     with pytest.raises(InputError, match=r"negative everywhere: let xi run along the lower side .* swapping"):

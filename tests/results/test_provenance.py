@@ -12,7 +12,7 @@ import isopeel
 from isopeel.results.provenance import Provenance, git_revision
 
 
-def test_it_tells_versions_time_and_command(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_it_has_versions_time_and_command(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("sys.argv", ["isopeel", "run", "my case.toml"])
     found = Provenance.of_this_process()
     assert found.versions["numpy"] == version("numpy")

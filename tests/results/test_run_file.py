@@ -48,7 +48,7 @@ def writer(path: Path) -> RunWriter:
     return RunWriter(path, PROBLEM.drive, 'name = "µ"\n', run_attributes(PROBLEM, SPACE, PROVENANCE))
 
 
-def test_a_path_goes_on_from_its_file_bit_for_bit(tmp_path: Path) -> None:
+def test_a_path_continues_from_its_file_bit_for_bit(tmp_path: Path) -> None:
     """With irreversible adhesion, whose openings are a part of the state."""
     # weaker than the strip's law, so that a coarse mesh resolves the front
     problem, space = strip(law=Exponential(0.03, 0.015), irreversible=True), row_space("N2.1", (100, 3))
@@ -147,7 +147,7 @@ def test_a_run_is_read_back_to_the_last_bit(tmp_path: Path) -> None:
     assert [path.name for path in tmp_path.iterdir()] == ["run.h5"]
 
 
-def test_columns_carry_their_units(tmp_path: Path) -> None:
+def test_columns_have_their_units(tmp_path: Path) -> None:
     with writer(tmp_path / "run.h5") as run:
         run.append(steps([0])[0])
     with h5py.File(tmp_path / "run.h5") as file:

@@ -49,7 +49,7 @@ def rows(folder: Path = OUT) -> list[str]:
     return [",".join(row[:times] + row[times + 1 :]) for row in table]
 
 
-def test_an_interrupted_run_goes_on(
+def test_an_interrupted_run_continues(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert main(["run", "strip", *SMALL, "--out", "whole"]) == 0
@@ -57,8 +57,10 @@ def test_an_interrupted_run_goes_on(
     with monkeypatch.context() as patch:
         interrupt_at(3, patch)
         assert main(["run", "strip", *SMALL]) == 130
-    told = "interrupted; what converged before is in out/strip, and `isopeel resume out/strip` continues it"
-    assert capsys.readouterr().err == f"isopeel: {told}\n"
+    message = (
+        "interrupted; what converged before is in out/strip, and `isopeel resume out/strip` continues it"
+    )
+    assert capsys.readouterr().err == f"isopeel: {message}\n"
     assert rows() == rows(Path("whole"))[:4]
     assert {path.name for path in OUT.iterdir()} == {"run.h5", "curve.csv", "summary.json"}
     assert main(["resume", "out/strip"]) == 0
@@ -86,7 +88,7 @@ def test_a_complete_run_is_said_to_be_so(capsys: pytest.CaptureFixture[str]) -> 
     }
 
 
-def test_a_run_goes_further_than_it_was_asked_to(capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_run_is_extended_to_a_later_end(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["run", "strip", *SMALL]) == 0
     assert main(["run", "strip", *SMALL, "--to", "9", "--out", "whole"]) == 0
     assert main(["resume", "out/strip", "--to", "9"]) == 0
@@ -101,14 +103,16 @@ def test_a_run_goes_further_than_it_was_asked_to(capsys: pytest.CaptureFixture[s
 def test_a_run_without_an_equilibrium_stays_as_it_is(capsys: pytest.CaptureFixture[str]) -> None:
     coarse = ("--mesh", "10x1", "--space", "L1", "--to", "80", "--step", "20", "--control", "newton")
     assert main(["run", "strip", *coarse]) == 3
-    told = capsys.readouterr().err
+    message = capsys.readouterr().err
     before = {path: path.read_bytes() for path in OUT.iterdir()}
     assert main(["resume", "out/strip"]) == 3
-    assert capsys.readouterr().err == told
+    assert capsys.readouterr().err == message
     assert {path: path.read_bytes() for path in OUT.iterdir()} == before
 
 
-def test_another_control_goes_on_where_one_found_no_equilibrium(capsys: pytest.CaptureFixture[str]) -> None:
+def test_another_path_control_continues_where_one_found_no_equilibrium(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
     coarse = ("--mesh", "10x1", "--space", "L1", "--to", "80", "--step", "20")
     assert main(["run", "strip", *coarse, "--control", "newton"]) == 3
     assert "`isopeel resume out/strip --control CONTROL` continues it" in capsys.readouterr().err
@@ -128,14 +132,14 @@ def test_what_is_no_run_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
     Path("empty").mkdir()
     Path("text").mkdir()
     Path("text/run.h5").write_text("no HDF5")
-    for folder, told in (
+    for folder, message in (
         ("none", "it is no folder"),
         ("empty", "there is no run.h5 in it"),
         ("text", "the file of a run is needed"),
     ):
         assert main(["resume", folder]) == 2
         error = capsys.readouterr().err
-        assert told in error
+        assert message in error
         assert error.count("\n") == 1
     assert list(Path("empty").iterdir()) == []
 

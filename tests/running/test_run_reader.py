@@ -53,7 +53,7 @@ def test_a_file_that_does_not_fit_to_its_case_is_refused(staged: Path, tmp_path:
     attributes = dict(run.attributes)
     del attributes["dofs"]
     other_fields = {0.0: run.fields[0.0][1:]}
-    for changed, told in (
+    for changed, message in (
         (replace(run, attributes=attributes), "it lacks dofs"),
         (replace(run, attributes={**run.attributes, "stage": "other"}), "of another case"),
         (replace(run, attributes={**run.attributes, "stage": "press"}), "of another drive"),
@@ -61,7 +61,7 @@ def test_a_file_that_does_not_fit_to_its_case_is_refused(staged: Path, tmp_path:
         (replace(run, case_text="no TOML"), "the case in it cannot be read any more"),
     ):
         write_run(tmp_path / "run.h5", changed)
-        with pytest.raises(InputError, match=told):
+        with pytest.raises(InputError, match=message):
             read_stages(tmp_path)
 
 

@@ -35,7 +35,7 @@ CASE = Case.parse(TEXT + STAGES)
 QUIET = Console(quiet=True)
 
 
-def test_each_stage_has_its_folder_and_goes_on(tmp_path: Path) -> None:
+def test_each_stage_has_its_folder_and_continues(tmp_path: Path) -> None:
     run, folder = run_case(CASE, tmp_path, QUIET)
     assert folder == tmp_path / "2-on"
     assert {path.name for path in tmp_path.iterdir()} == {"1-lift", "2-on"}
@@ -54,7 +54,7 @@ def test_each_stage_has_its_folder_and_goes_on(tmp_path: Path) -> None:
     assert titles == ["strip, stage 1: lift", "strip, stage 2: on"]
 
 
-def test_a_stored_stage_goes_on_bit_for_bit(tmp_path: Path) -> None:
+def test_a_stored_stage_continues_bit_for_bit(tmp_path: Path) -> None:
     """From its file alone: the base, and the states of half of it."""
     run, _ = run_case(CASE, tmp_path, QUIET)
     assert run.base is not None

@@ -81,7 +81,7 @@ def test_the_curve_is_that_of_the_closed_form(curve: list[Step]) -> None:
     assert set(PULL) <= {step.parameter for step in curve if step.kind == "requested"}
 
 
-def test_a_force_that_is_found_leads_along_the_same_curve() -> None:
+def test_a_force_that_is_unknown_follows_the_same_curve() -> None:
     """The force is the unknown, and the displacement where it acts the parameter."""
     problem = replace(block(), drive=PulledSide("top", np.pi / 2))
     steps = list(trace(problem, SPACE, PULL, NewtonSettings(path_control="continuation")))
@@ -193,7 +193,7 @@ def test_a_failed_attempt_leaves_the_last_state_bit_for_bit() -> None:
 
 
 @pytest.mark.parametrize("path_control", ["auto", "jump", "continuation"])
-def test_a_path_goes_on_bit_for_bit_from_each_step_that_says_so(path_control: PathControl) -> None:
+def test_a_path_continues_bit_for_bit_from_each_step_that_says_so(path_control: PathControl) -> None:
     settings = NewtonSettings(path_control=path_control)
     steps, states = [], []
     for step in trace(block(), SPACE, PULL, settings):

@@ -29,7 +29,7 @@ def energy(step: Step) -> float:
     return step.stored_energy + step.adhesive_energy
 
 
-def test_the_path_goes_on_where_plain_newton_ends(path: list[Step]) -> None:
+def test_the_path_continues_where_plain_newton_ends(path: list[Step]) -> None:
     plain: list[Step] = []
     steps = trace(strip(), SPACE, ANGLES, NewtonSettings(plain=True))
     with pytest.raises(ConvergenceError, match=r"no equilibrium at 1\.20"):
@@ -83,7 +83,7 @@ def test_what_a_jump_lands_on_is_stable(path: list[Step]) -> None:
     assert matrix.storage == "symmetric"
 
 
-def test_the_energy_falls_on_the_way() -> None:
+def test_the_energy_falls_along_the_path() -> None:
     system = System(strip(), row_space("N2", (40, 2)))
     start = np.zeros(system.count)
     parameter = 0.4
@@ -94,7 +94,7 @@ def test_the_energy_falls_on_the_way() -> None:
     assert len(result.iterations) <= 2
 
 
-def test_an_unknown_load_keeps_to_its_control() -> None:
+def test_an_unknown_load_keeps_its_displacement() -> None:
     problem = replace(
         strip(length=60.0, height=4.0, adhering_length=40.0), drive=PulledSide("right", np.pi / 2)
     )

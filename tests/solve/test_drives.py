@@ -173,7 +173,7 @@ def test_stages_go_on_where_the_last_one_ended() -> None:
     np.testing.assert_allclose(edge, 4.0 * np.array([-np.sin(np.pi / 9), np.cos(np.pi / 9)]), rtol=1e-12)
 
 
-def test_a_force_that_is_found_goes_on_in_a_stage() -> None:
+def test_a_force_that_is_unknown_continues_in_a_stage() -> None:
     pull = problem(PulledSide("right", np.pi / 2))
     whole = list(trace(pull, SPACE, np.linspace(0.0, 3.0, 31)))
     base = list(trace(pull, SPACE, np.linspace(0.0, 2.0, 21)))[-1].state

@@ -253,7 +253,7 @@ def test_newton_converges_quadratically(peeled: Peeled) -> None:
     assert most > 2
 
 
-def test_a_path_goes_on_from_its_file_bit_for_bit(peeled: Peeled, tmp_path: Path) -> None:
+def test_a_path_continues_from_its_file_bit_for_bit(peeled: Peeled, tmp_path: Path) -> None:
     problem, space = peeled.peeling.problem, peeled.peeling.space
     cut = 4 * len(peeled.steps) // 5  # on the way back where there is one
     attributes = run_attributes(problem, space, Provenance({}, "", "", "", ""))

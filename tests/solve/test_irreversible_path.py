@@ -81,7 +81,7 @@ def test_work_is_stored_adhesive_and_dissipated_energy_there_and_back() -> None:
     assert np.ptp(dissipated[::5][back]) < 1e-6 * dissipated[-1]
 
 
-def test_on_the_way_out_the_joint_is_as_strong_as_a_reversible_one() -> None:
+def test_while_it_opens_the_joint_is_as_strong_as_a_reversible_one() -> None:
     degrees = np.arange(0.0, 71.0, 2.0)
     out = path(degrees)
     reversible = list(trace(strip(law=LAW), SPACE, np.radians(degrees)))
@@ -100,7 +100,7 @@ def test_what_is_peeled_does_not_heal() -> None:
     assert reversible[-21].reaction == pytest.approx(reversible[20].reaction, rel=1e-9)  # Newton's tolerance
 
 
-def test_a_joint_goes_on_with_its_damage() -> None:
+def test_a_joint_continues_with_its_damage() -> None:
     degrees = np.array([*np.arange(0.0, 71.0, 2.0), *np.arange(68.0, 49.0, -2.0)])
     whole = path(degrees)
     cut = 40

@@ -125,7 +125,7 @@ def test_stored_errors_of_polynomials_are_reused() -> None:
     assert 0 < every[-1] - every[-2] <= 2 * MOST_STATES
 
 
-def test_notes_are_those_of_states_that_are_looked_at_anew() -> None:
+def test_stored_data_of_states_equal_those_computed_anew() -> None:
     """Beyond the room for notes, with a turn back onto a known parameter, and a jump."""
     system = System(strip(), row_space("N2", (12, 2)))
     kept, fresh = Predictor(system), Predictor(system)

@@ -209,7 +209,7 @@ def test_a_drive_may_turn_back() -> None:
     assert moments[6] == pytest.approx(0.0, abs=1e-9)
 
 
-def test_a_path_goes_on_from_stored_states() -> None:
+def test_a_path_continues_from_stored_states() -> None:
     angles = np.radians(np.arange(0, 61, 4.0))
     whole = list(trace(strip(), row_space("N2.1", (60, 3)), angles))
     start = [State(step.parameter, step.displacement) for step in whole[4:11]]

@@ -104,7 +104,7 @@ def test_half_space_forces_are_those_over_cylindrical_coordinates() -> None:
         assert curvature.half_space(gap, power) == pytest.approx(volume, rel=1e-8)
 
 
-def test_the_cases_are_those_that_are_asked_for() -> None:
+def test_the_cases_are_the_requested_ones() -> None:
     plain = {tape.angle_deg for tape in tapes.CHECK.cases if tape.held and tape.stretch == 1}
     assert plain == {30.0, 60.0, 90.0, 120.0, 150.0}
     strains = [strip.bending_strain for strip in bending.CHECK.cases]
@@ -160,7 +160,7 @@ def test_a_deviation_beyond_what_is_allowed_ends_with_3(
 
 
 @pytest.mark.parametrize(
-    ("arguments", "told"),
+    ("arguments", "message"),
     [
         (["--only", "tape"], "isopeel: --only: 'tape' cannot be used; the checks are tapes, cantilever, "),
         (
@@ -170,26 +170,26 @@ def test_a_deviation_beyond_what_is_allowed_ends_with_3(
     ],
 )
 def test_what_makes_no_sense_is_refused_with_one_line(
-    arguments: list[str], told: str, capsys: pytest.CaptureFixture[str]
+    arguments: list[str], message: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     Path("file").write_text("no folder")
     assert main(["validate", *arguments]) == 2
     error = capsys.readouterr().err
-    assert error.startswith(told)
+    assert error.startswith(message)
     assert error.count("\n") == 1
 
 
 @pytest.mark.parametrize(
-    ("error", "code", "told"),
+    ("error", "code", "message"),
     [
         (KeyboardInterrupt(), 130, "interrupted"),
         (WorkerLostError("a process was ended"), 2, "a process was ended"),
     ],
 )
-def test_what_ends_it_is_told_with_one_line(
+def test_what_ends_it_is_reported_with_one_line(
     error: BaseException,
     code: int,
-    told: str,
+    message: str,
     capsys: pytest.CaptureFixture[str],
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
@@ -198,7 +198,7 @@ def test_what_ends_it_is_told_with_one_line(
 
     monkeypatch.setattr(report, "compute_all", ended)
     assert main(["validate", "--only", "curvature"]) == code
-    assert capsys.readouterr().err == f"isopeel: {told}\n"
+    assert capsys.readouterr().err == f"isopeel: {message}\n"
 
 
 @pytest.fixture
