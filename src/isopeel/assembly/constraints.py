@@ -133,12 +133,12 @@ def constrain(
     offset = np.zeros((spaces.size, 2))
     for component, freedom in enumerate(drive.freedoms):
         if freedom != "free":
-            groups[driven, component] = groups[driven[0], component] if freedom == "common" else HELD
+            groups[driven, component] = groups[driven[0], component] if freedom == "tied" else HELD
             offset[driven, component] = u0[driven, component]
     for support in problem.supports:
         held = spaces.boundary(support.boundary)
         for component in support.components:
-            if drive.freedoms[component] in ("common", "prescribed") and np.isin(held, driven).any():
+            if drive.freedoms[component] in ("tied", "prescribed") and np.isin(held, driven).any():
                 raise InputError(
                     "held", support.side, f"it meets the side {drive.side}, which the drive moves"
                 )

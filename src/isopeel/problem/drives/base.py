@@ -11,7 +11,7 @@ from isopeel.splines.nurbs import Side
 
 #: A displacement component of the driven side: each point's own, one unknown that the whole side shares,
 #: moved by the drive, or held where it is.
-Freedom: TypeAlias = Literal["free", "common", "prescribed", "held"]
+Freedom: TypeAlias = Literal["free", "tied", "prescribed", "held"]
 
 #: What is raised and what is found, under a load: either its displacement or its force.
 LoadControl: TypeAlias = Literal["displacement", "force"]
@@ -100,11 +100,11 @@ class Drive(Protocol):
 
 
 def unit_vector(angle: float) -> FloatArray:
-    """Direction (2,) at an angle (radians) from the x axis."""
+    """Return the direction (2,) at an angle (radians) from the x axis."""
     # the round-off of pi would slant what is meant to lie along an axis
     return np.round(np.array([np.cos(angle), np.sin(angle)]), 15)
 
 
 def dimension_of(control: LoadControl) -> Dimension:
-    """Dimension of the parameter of a load under a control."""
+    """Return the dimension of the parameter of a load under force or displacement control."""
     return LENGTH if control == "displacement" else FORCE_PER_WIDTH

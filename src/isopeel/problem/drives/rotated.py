@@ -45,7 +45,7 @@ class RotatedSide:
     @property
     def freedoms(self) -> tuple[Freedom, Freedom]:
         """Both shared: the centre is free."""
-        return "common", "common"
+        return "tied", "tied"
 
     @property
     def load(self) -> Load | None:
@@ -63,7 +63,7 @@ class RotatedSide:
 
 
 def _turned(points: FloatArray, factor: complex) -> FloatArray:
-    """Points (n, 2) of a line, from its centre on, as complex numbers x + i y times a factor."""
+    """Return points (n, 2) of a line, from its centre on, as complex numbers x + i y times a factor."""
     line = np.ascontiguousarray(points).view(np.complex128)
     # any point of the line would do: another one differs by a translation, which is free
     turned: FloatArray = (factor * (line - (line[0] + line[-1]) / 2)).view(np.float64)
