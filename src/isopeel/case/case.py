@@ -351,7 +351,7 @@ def _units(document: Mapping[str, Any]) -> UnitSystem:
 
 
 def shipped_cases() -> tuple[str, ...]:
-    """Names of the cases that come with the package."""
+    """Return names of the cases that come with the package."""
     folders = resources.files("isopeel").joinpath("cases").iterdir()
     return tuple(sorted(folder.name for folder in folders if folder.is_dir() and folder.name[0] not in "._"))
 

@@ -226,7 +226,7 @@ class DriveSection(KindSection):
         return stage_steps(self.dimension, self.to, self.step)
 
     def parameters(self) -> FloatArray:
-        """Parameters of the steps, in radians, or in L0 and E0."""
+        """Return parameters of the steps, in radians, or in L0 and E0."""
         return stage_parameters(self.dimension, self.to, self.step)
 
 

@@ -67,7 +67,7 @@ def stage_steps(dimension: Dimension, to: object, step: object) -> Steps:
 
 
 def stage_parameters(dimension: Dimension, to: object, step: object) -> FloatArray:
-    """Parameters of the steps: 0, the multiples of the step, and the last parameter.
+    """Return parameters of the steps: 0, the multiples of the step, and the last parameter.
 
     Angles come in radians, all else in L0 and E0. Raises InputError as `stage_steps` does.
     """

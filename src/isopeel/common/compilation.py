@@ -95,7 +95,7 @@ def _module(function: Callable[..., Any]) -> str:
 
 @cache
 def sources() -> str:
-    """Digest of all sources that are part of compiled functions."""
+    """Return the digest of all sources that are part of compiled functions."""
     package, digest = Path(__file__).parents[1], sha256()
     for layer in COMPILED:
         path = package / layer

@@ -75,7 +75,7 @@ def compute_all(
 
 
 def cores() -> int:
-    """Cores that this process may use; Windows waits for no more than 61 processes."""
+    """Return the cores that this process may use; Windows waits for no more than 61 processes."""
     own = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
     return min(own, 61)
 

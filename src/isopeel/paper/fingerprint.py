@@ -14,7 +14,7 @@ _SOURCES = sorted({"case", "solve"} | left_of("case") | left_of("solve"))
 
 @cache
 def code_fingerprint() -> str:
-    """Hash of the layers that compute a path; their comments, docstrings and layout do not count.
+    """Return the hash of the layers that compute a path; their comments, docstrings and layout do not count.
 
     It differs between versions of Python, whose syntax trees do.
     """

@@ -74,7 +74,7 @@ class Points(Enum):
 
 @cache
 def period_deg(mesh: str) -> float:
-    """Period of the oscillation on a mesh, in degrees: the passage of one element."""
+    """Return the period of the oscillation on a mesh, in degrees: the passage of one element."""
     closed_form = beam_peeling(strip())
     assert closed_form is not None  # it is a strip
     return closed_form.period_deg(MESHES[mesh][0])
@@ -111,7 +111,7 @@ class Readable:
 
 
 def plateau_mean(record: Record, window: Window = WINDOW) -> float | None:
-    """Mean moment in a window, in E0 L0^3; None where the run does not cover it."""
+    """Return the mean moment in a window, in E0 L0^3; None where the run does not cover it."""
     angles = record.angles_deg
     if not len(angles) or angles[-1] < window[1] - STEP / 2:
         return None
@@ -183,6 +183,6 @@ def fits(readables: Mapping[Run, Readable], meshes: Iterable[str], recipes: Iter
 
 
 def candidate_windows(lengths: Iterable[float]) -> list[Window]:
-    """Windows of given lengths that begin at 85 to 107 degrees, in steps of a half."""
+    """Return windows of given lengths that begin at 85 to 107 degrees, in steps of a half."""
     starts = np.round(np.arange(85.0, 107.01, 0.5), 10).tolist()
     return [(start, start + length) for length in lengths for start in starts]

@@ -66,7 +66,7 @@ def chosen_parts(names: Sequence[str]) -> list[str]:
 
 
 def chosen_meshes(names: Sequence[str]) -> list[str]:
-    """Names of meshes from the coarsest on, by default all. Raises InputError for an unknown one."""
+    """Return names of meshes from the coarsest on, by default all. Raises InputError for an unknown one."""
     for name in names:
         if name not in MESHES:
             raise InputError("--mesh", name, f"the published meshes are {', '.join(MESHES)}")

@@ -96,7 +96,7 @@ def _ends(space: RowSpace, along: FloatArray, across: FloatArray) -> Ends:
 
 
 def _cells(mesh: Mesh) -> tuple[int, IntArray, Ends]:
-    """Kind of the cells, numbers (m, c) of their points, and where their centres are."""
+    """Return the kind of the cells, numbers (m, c) of their points, and where their centres are."""
     n_x, n_y, a, b = mesh.points.shape[:-1]
     numbers = np.arange(n_x * n_y * a * b).reshape(n_x * n_y, a * b)
     curves = 1 in (a, b)
@@ -167,11 +167,11 @@ def _flat(tensors: FloatArray) -> FloatArray:
 
 
 def _rows(values: FloatArray, count: int) -> FloatArray:
-    """Values (..., c) or (...) at so many points or cells as (count, c) or (count,)."""
+    """Return values (..., c) or (...) at so many points or cells as (count, c) or (count,)."""
     components = values.size // count
     return values.reshape(count) if components == 1 else values.reshape(count, components)
 
 
 def _in_space(vectors: FloatArray) -> FloatArray:
-    """Vectors (..., 2) as (..., 3)."""
+    """Return vectors (..., 2) as (..., 3)."""
     return np.concatenate([vectors, np.zeros_like(vectors[..., :1])], axis=-1)

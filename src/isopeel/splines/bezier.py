@@ -14,7 +14,7 @@ from isopeel.splines.space import SplineSpace
 
 
 def bernstein(degree: int, places: FloatArray) -> FloatArray:
-    """Bernstein polynomials (n, degree + 1) at places (n,) in [0, 1]."""
+    """Return the Bernstein polynomials (n, degree + 1) at places (n,) in [0, 1]."""
     k = np.arange(degree + 1)
     binomials = np.array([comb(degree, number) for number in k], dtype=np.float64)
     t = places[:, None]
@@ -41,7 +41,7 @@ def curve_cells(space: SplineSpace, coefficients: FloatArray, ends: FloatArray) 
 def surface_cells(
     space: RowSpace, coefficients: FloatArray, ends: tuple[FloatArray, FloatArray]
 ) -> tuple[FloatArray, FloatArray]:
-    """Numerators (n_x, n_y, p + 1, q + 1, c) and denominators (n_x, n_y, p + 1, q + 1) of a field.
+    """Return numerators (n_x, n_y, p + 1, q + 1, c) and denominators (n_x, n_y, p + 1, q + 1) of a field.
 
     The field has coefficients (size, c); cells are those between the `ends` along xi and eta, each in one
     element; p is the highest degree along xi, q that along eta. Denominators are 1 without weights.

@@ -131,7 +131,7 @@ class RowSpace:
         return max(errors_along), error_across
 
     def interpolate(self, function: SurfaceFunction) -> FloatArray:
-        """Coefficients (size, ...) of the field that equals a function at the Greville points.
+        """Return the coefficients (size, ...) of the field that equals a function at the Greville points.
 
         The function takes xi (n,) and eta (n,) to values (n, ...). Exact where the space contains it.
         """
@@ -169,7 +169,7 @@ class RowSpace:
         return total
 
     def side_functions(self, side: Side) -> IntArray:
-        """Numbers of the functions that do not vanish on a side, in the order of its parameter."""
+        """Return the numbers of the functions that do not vanish on a side, in the order of its parameter."""
         match side:
             case "left":
                 return self.offsets[:-1]
@@ -301,7 +301,7 @@ def _error(space: SplineSpace, coefficients: FloatArray, other: SplineSpace, wan
 
 
 def _graded(elements: int, grading: float) -> FloatArray:
-    """Breakpoints (elements + 1,) on [0, 1] of elements whose sizes are a geometric series."""
+    """Return the breakpoints (elements + 1,) on [0, 1] of elements whose sizes are a geometric series."""
     steps = np.arange(elements + 1)
     if elements == 1 or grading == 1:
         return steps / elements
@@ -311,5 +311,5 @@ def _graded(elements: int, grading: float) -> FloatArray:
 
 
 def _like(factors: FloatArray, values: FloatArray) -> FloatArray:
-    """Factors (n,) shaped to multiply values (n, ...)."""
+    """Return factors (n,) shaped to multiply values (n, ...)."""
     return factors.reshape(-1, *[1] * (values.ndim - 1))

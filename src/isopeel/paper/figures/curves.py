@@ -50,7 +50,7 @@ class Trace:
         return self.end_deg >= angle_deg - _SAME
 
     def within(self, part: tuple[float, float]) -> tuple[FloatArray, FloatArray]:
-        """Angles and moments in a part of the curve; none where the curve ends before it."""
+        """Return angles and moments in a part of the curve; none where the curve ends before it."""
         inside = (self.angles_deg >= part[0] - _SAME) & (self.angles_deg <= part[1] + _SAME)
         return self.angles_deg[inside], self.moments[inside]
 
@@ -78,7 +78,7 @@ def mesh_line(space: str, mesh: str) -> dict[str, Any]:
 
 
 def mesh_handles(meshes: Iterable[str]) -> list[Line2D]:
-    """Legend entries of meshes, in the colour of linear elements."""
+    """Return the legend entries of meshes, in the colour of linear elements."""
     return [Line2D([], [], **mesh_line("L1", mesh), label=mesh) for mesh in dict.fromkeys(meshes)]
 
 

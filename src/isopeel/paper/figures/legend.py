@@ -45,7 +45,7 @@ def add_legend(figure: Figure, handles: Sequence[Line2D]) -> None:
 
 
 def _width(handles: Sequence[Line2D], columns: int) -> float:
-    """Width of a legend in points."""
+    """Return the width of a legend in points."""
     widths = [
         max(TextPath((0, 0), str(handle.get_label()), size=_SIZE).get_extents().width for handle in column)
         for column in (handles[k::columns] for k in range(columns))

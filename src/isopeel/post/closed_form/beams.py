@@ -8,7 +8,7 @@ from math import sqrt
 
 
 def beam_moment(work: float, bending_stiffness: float) -> float:
-    """Moment M = sqrt(2 E' I W) that peels a beam off a flat substrate of work of adhesion W.
+    """Return the moment M = sqrt(2 E' I W) that peels a beam off a flat substrate of work of adhesion W.
 
     M turns the end by dl M/(E' I), half of whose work is stored: M^2/(2 E' I) = W.
     """

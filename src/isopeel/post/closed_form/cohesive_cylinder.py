@@ -71,7 +71,7 @@ def maugis_cylinder(
 
 
 def maugis_cylinder_pull_off(strength: float, work: float, reduced_modulus: float, radius: float) -> float:
-    """Largest pull over all ratios c/a, found numerically.
+    """Return the largest pull over all ratios c/a, found numerically.
 
     Cylinders that attract each other without touching pull less: the attracted width falls with the gap.
     """
@@ -93,7 +93,7 @@ def maugis_cylinder_pull_off(strength: float, work: float, reduced_modulus: floa
 def _equilibria(
     angle: FloatArray, strength: float, work: float, reduced_modulus: float, radius: float
 ) -> tuple[FloatArray, FloatArray]:
-    """Half-width c and load at c/a = cosh(angle)."""
+    """Return the half-width c and load at c/a = cosh(angle)."""
     a_over_c, root = 1 / np.cosh(angle), np.tanh(angle)
     # the gap at c as square c^2 + linear c; the logarithm of cosh keeps its digits at small angles
     square = (root - angle * a_over_c**2) / (2 * radius)

@@ -134,7 +134,7 @@ def lies_free(problem: Problem, strip: FreeStrip) -> bool:
 
 
 def _tension(problem: Problem, strip: FreeStrip) -> float:
-    """Force per width along the strip that it is laid with."""
+    """Return the force per width along the strip that it is laid with."""
     material = problem.body.material
     stress = evaluate_material(material.kernel, material.parameters, np.eye(2)[None])[1]
     tension = strip.height * float(stress[0, 0, 0])

@@ -29,7 +29,7 @@ _NONE = (ArithmeticError, ValueError)
 
 
 def energy_at_rest(material: Material) -> float:
-    """Energy density of the reference shape, which that of a formula need not set to zero."""
+    """Return the energy density of the reference shape, which that of a formula need not set to zero."""
     energy, _, _ = evaluate_material(material.kernel, material.parameters, np.eye(2)[None])
     return float(energy[0])
 

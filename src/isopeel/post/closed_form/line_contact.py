@@ -27,7 +27,7 @@ class HertzLine:
 
 
 def hertz_line(load: float, reduced_modulus: float, radius: float) -> HertzLine:
-    """Half-width a = sqrt(4 P R/(pi E*)) and peak pressure p_0 = 2 P/(pi a).
+    """Return the half-width a = sqrt(4 P R/(pi E*)) and peak pressure p_0 = 2 P/(pi a).
 
     Johnson, Contact Mechanics, Sec. 4.2(c).
     """
@@ -36,7 +36,7 @@ def hertz_line(load: float, reduced_modulus: float, radius: float) -> HertzLine:
 
 
 def jkr_line_load(half_width: float, work: float, reduced_modulus: float, radius: float) -> float:
-    """Load F = pi E* a^2/(4 R) - sqrt(2 pi E* a W) at a contact half-width a.
+    """Return the load F = pi E* a^2/(4 R) - sqrt(2 pi E* a W) at a contact half-width a.
 
     The cylinder of Johnson, Kendall and Roberts' theory: Hertz's load less that of a flat punch whose stress
     at the edge is that of a crack with G = W (Barquins, J. Adhesion 26, 1988; Chaudhury, Weaver, Hui and
@@ -47,5 +47,5 @@ def jkr_line_load(half_width: float, work: float, reduced_modulus: float, radius
 
 
 def jkr_line_pull_off(work: float, reduced_modulus: float, radius: float) -> float:
-    """Largest pull 3 (pi E* W^2 R/16)^(1/3) of `jkr_line_load`, at a^3 = 2 W R^2/(pi E*)."""
+    """Return the largest pull 3 (pi E* W^2 R/16)^(1/3) of `jkr_line_load`, at a^3 = 2 W R^2/(pi E*)."""
     return float(3 * (pi * reduced_modulus * work**2 * radius / 16) ** (1 / 3))

@@ -35,7 +35,7 @@ class LiftedArm:
         return float((9 * self.bending_stiffness * lift**2 / (2 * self.work)) ** 0.25)
 
     def crack_by_compliance(self, lift: float, force: float) -> float:
-        """Length a = (3 E'I d/P)^(1/3) of an arm clamped at its front that is as compliant."""
+        """Return the length a = (3 E'I d/P)^(1/3) of an arm clamped at its front that is as compliant."""
         return float((3 * self.bending_stiffness * lift / force) ** (1 / 3))
 
     def force(self, lift: float) -> float:

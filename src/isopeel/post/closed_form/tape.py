@@ -10,7 +10,7 @@ from isopeel.common.errors import InputError
 
 
 def kendall_force(work: float, stiffness: float, angle: float, prestrain_force: float = 0.0) -> float:
-    """Force F that peels a tape at an angle: (F - P_0)^2/(2 E' h) + F (1 - cos angle) = W.
+    """Return the force F that peels a tape at an angle: (F - P_0)^2/(2 E' h) + F (1 - cos angle) = W.
 
     Kendall (J. Phys. D 8, 1975, 1449) for P_0 = 0. With P_0, the tension that the adhering tape bears
     without sliding, and lengths and the work W measured along that tape: what peels gains the strain
@@ -32,7 +32,7 @@ def kendall_force(work: float, stiffness: float, angle: float, prestrain_force: 
 
 
 def sliding_tape_force(work: float, stiffness: float, angle: float) -> float:
-    """Force F that peels a tape whose adhering part slides freely and is held at its far end.
+    """Return the force F that peels a tape whose adhering part slides freely and is held at its far end.
 
     F (1 - cos angle) + F^2 sin^2(angle)/(2 E' h) = W: without friction the adhering part bears F cos(angle),
     so that what peels gains only the rest of the energy F^2/(2 E' h), and the front is carried along; derived
