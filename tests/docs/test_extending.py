@@ -15,7 +15,7 @@ from isopeel.assembly.system import System
 from isopeel.case import Case
 from isopeel.case.kinds import KindSection
 from isopeel.common.arrays import FloatArray
-from isopeel.common.registry import OWN_PARTS, discover
+from isopeel.common.registry import PLUG_INS, discover
 from isopeel.matrix.factorize import factorize
 from isopeel.physics.batch import evaluate_law, evaluate_material, evaluate_substrate
 
@@ -41,7 +41,7 @@ def parts(tmp_path_factory: pytest.TempPathFactory) -> Iterator[dict[str, Any]]:
     packages = {folder: FAMILIES[folder].package for folder, _, _ in FILES}
     modules = {f"{packages[folder]}.{module}" for folder, module, _ in FILES}
     with pytest.MonkeyPatch.context() as patch:
-        patch.setenv(OWN_PARTS, str(home))
+        patch.setenv(PLUG_INS, str(home))
         for folder, module, code in FILES:
             (home / folder).mkdir(exist_ok=True)
             (home / folder / f"{module}.py").write_text(code, encoding="utf-8")
@@ -67,7 +67,7 @@ def test_the_pages_have_a_part_of_each_kind(parts: dict[str, Any]) -> None:
 
 
 def test_a_folder_of_parts_must_exist(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv(OWN_PARTS, "nowhere")
+    monkeypatch.setenv(PLUG_INS, "nowhere")
     with pytest.raises(InputError, match="ISOPEEL_PARTS: 'nowhere' cannot be used; it names folders"):
         discover.__wrapped__("isopeel.physics.adhesion")
 
@@ -80,16 +80,16 @@ def test_a_folder_of_parts_must_exist(monkeypatch: pytest.MonkeyPatch) -> None:
         ("from isopeel import nothing\n", "ImportError in line 1: cannot import name 'nothing'"),
     ],
 )
-def test_a_part_that_python_cannot_run_is_reported_with_its_line(
+def test_a_plug_in_that_python_cannot_run_is_reported_with_its_line(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path, code: str, reason: str
 ) -> None:
     package = "isopeel.physics.substrates"
-    monkeypatch.setenv(OWN_PARTS, str(tmp_path))
+    monkeypatch.setenv(PLUG_INS, str(tmp_path))
     monkeypatch.setattr(import_module(package), "__path__", import_module(package).__path__)
     file = tmp_path / "substrates" / "broken.py"
     file.parent.mkdir()
     file.write_text(code, encoding="utf-8")
-    with pytest.raises(InputError, match=re.escape(f"{OWN_PARTS}: {str(file)!r} cannot be used; {reason}")):
+    with pytest.raises(InputError, match=re.escape(f"{PLUG_INS}: {str(file)!r} cannot be used; {reason}")):
         discover.__wrapped__(package)
 
 

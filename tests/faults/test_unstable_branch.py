@@ -1,4 +1,4 @@
-"""Where an equilibrium loses its stability the path finds the place, and goes over to the stable branch."""
+"""Where an equilibrium loses its stability the path locates the bifurcation and takes the stable branch."""
 
 from math import cos, pi, sqrt
 
@@ -188,7 +188,7 @@ def test_a_bifurcation_right_after_a_step_is_one(share: float) -> None:
 
 
 @pytest.mark.parametrize("step", [0.0000125, 0.0001])
-def test_nothing_is_gained_under_a_load_whose_size_is_unknown(step: float) -> None:
+def test_a_bifurcation_is_located_under_an_unknown_load(step: float) -> None:
     (steps,) = paths(STRIP.format(drive=f'{FREE}\nto = "0.0006 mm"\nstep = "{step} mm"'))
     (lost,) = bifurcations(steps)
     # to a thousandth of the step or of itself, whichever is less
@@ -198,7 +198,7 @@ def test_nothing_is_gained_under_a_load_whose_size_is_unknown(step: float) -> No
 
 @pytest.mark.parametrize(("to", "drive"), [(0.0068, HELD), (0.00042, FREE), (0.0066441406, HELD)])
 def test_the_last_step_is_checked(to: float, drive: str) -> None:
-    """However little it lies beyond the bifurcation, and whatever tangent has led there."""
+    """However little it lies beyond the bifurcation, and whatever tangent was used."""
     (steps,) = paths(STRIP.format(drive=f'{drive}\nto = "{to} mm"\nstep = "{to / 17} mm"'))
     beyond = to > (6.64424e-3 if drive == HELD else 4.1196e-4)
     assert len(bifurcations(steps)) == beyond

@@ -11,7 +11,7 @@ import typer
 
 import isopeel
 from isopeel.common.errors import visible
-from isopeel.common.interrupts import INTERRUPTED, deferred, may_tell
+from isopeel.common.interrupts import INTERRUPTED, deferred, may_report
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -65,7 +65,7 @@ def console() -> "Console":
 
 def fail(code: int, message: str) -> int:
     """Write an error message to standard error, and return the exit code."""
-    if code != INTERRUPTED or may_tell():
+    if code != INTERRUPTED or may_report():
         typer.echo(visible(f"isopeel: {message}"), err=True)
     return code
 

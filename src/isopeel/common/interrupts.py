@@ -1,12 +1,12 @@
-"""Ctrl-C: it ends what goes on at the next point where that can be left, and not in the middle.
+"""Ctrl-C: it ends a computation at the next safe point, not in the middle of an instruction.
 
-Python's own handler raises KeyboardInterrupt between any two instructions. Inside compiled code, or where a
-library calls back, that becomes another error, or is dropped. Here a handler takes a note only, and `check`,
+Python's own handler raises KeyboardInterrupt between any two instructions. Inside compiled code, or in a
+callback of a library, it becomes another error, or is lost. The handler here only sets a flag, and `check`,
 which long loops call, raises KeyboardInterrupt.
 
-A process of isopeel's own must end soon all the same, and not with a traceback. So a thread waits beside it:
-where no such point is reached in time, it ends the process. That loses nothing: before a run has a step
-there is nothing to lose, and then each step is in its journal.
+A process of the command line must still end soon, and without a traceback. So a thread waits beside it: where
+no safe point is reached in time, the thread ends the process. This loses no data: a run without a step has
+none, and later each step is in the journal.
 """
 
 # these of `signal` turn numbers into enumerations at each call, which a step of 0.6 ms would notice
@@ -23,39 +23,39 @@ from types import FrameType
 _SIGINT = int(signal.SIGINT)
 #: Exit code of a process that Ctrl-C has ended.
 INTERRUPTED = 130
-#: Seconds that a run with steps has until its next point to leave it: most take some milliseconds, a figure
-#: or the step of a large mesh a second, on a machine with much to do a few.
+#: Seconds that a run with steps has until its next safe point: most take some milliseconds, a figure or the
+#: step of a large mesh a second, on a busy machine a few seconds.
 _PATIENCE = 4.0
-#: As many times Ctrl-C do not wait for anything.
+#: The number of times Ctrl-C after which the process ends at once.
 _MOST = 3
-#: Seconds between two looks at whether it has been left.
+#: Seconds between two checks whether the process has ended.
 _LOOK = 0.01
-#: Seconds that a line takes to be said.
-_TO_TELL = 0.2
-#: What a bar of progress has hidden or begun on a terminal: the cursor, and a line.
+#: Seconds to write a line.
+_TO_WRITE = 0.2
+#: Restores a terminal after a progress bar, which hides the cursor and begins a line.
 _CLEARED = b"\r\x1b[2K\x1b[?25h"
 
 
-class _Noted:
-    """What is known of Ctrl-C in this process."""
+class _State:
+    """The state of Ctrl-C in this process."""
 
     def __init__(self) -> None:
         self.came = 0
         self.ends_process = False
-        self.line_is_free = Lock()  # which whoever says the one line does not release
+        self.line_is_free = Lock()  # never released by the one that writes the message
         self.raised = False  # no threading.Event: an interrupt in the middle would leave its lock taken
         self.patience = 0.0
         self.message = self.message_later = "interrupted"
         self.left_over: list[Callable[[], object]] = []
 
 
-_noted = _Noted()
+_state = _State()
 
 
 def check() -> None:
-    """Raise KeyboardInterrupt where Ctrl-C has come; once, as what follows takes a moment only."""
-    if _noted.came and not _noted.raised:
-        _noted.raised = True
+    """Raise KeyboardInterrupt once where Ctrl-C was pressed."""
+    if _state.came and not _state.raised:
+        _state.raised = True
         raise KeyboardInterrupt
 
 
@@ -63,19 +63,18 @@ def check() -> None:
 def deferred() -> Iterator[None]:
     """While the context is open, Ctrl-C takes effect where `check` is called, and at the end.
 
-    The third one does not wait for that. Where Ctrl-C does something else than usual already, or nothing,
-    that stays so.
+    The third Ctrl-C takes effect at once. Where another handler of Ctrl-C is set, or none, it stays.
     """
     if not _is_usual():
         yield
         return
     _begin()
-    _signal.signal(_SIGINT, _note)
+    _signal.signal(_SIGINT, _on_interrupt)
     try:
         yield
     except BaseException:
-        # an error that comes first is the one to tell of
-        _noted.came = 0
+        # an error that comes first is the one to report
+        _state.came = 0
         raise
     finally:
         _signal.signal(_SIGINT, signal.default_int_handler)
@@ -84,9 +83,9 @@ def deferred() -> Iterator[None]:
 
 @contextmanager
 def ending_this_process() -> Iterator[None]:
-    """The same for a process of isopeel's own, which ends in any case: soon, with one line and INTERRUPTED.
+    """The same for a process of the command line, which Ctrl-C ends soon, with one line and INTERRUPTED.
 
-    That is at once, until something asks to `leave_time`. Afterwards Ctrl-C has nothing left to end.
+    It ends at once until `leave_time` is called. After the context Ctrl-C is ignored.
     """
     if not _is_usual():
         yield
@@ -95,49 +94,49 @@ def ending_this_process() -> Iterator[None]:
     reader, writer = os.pipe()
     os.set_blocking(writer, False)
     Thread(target=_wait, args=(reader,), daemon=True, name="Ctrl-C").start()
-    _noted.ends_process = True
+    _state.ends_process = True
     before = signal.set_wakeup_fd(writer, warn_on_full_buffer=False)
-    signal.signal(signal.SIGINT, _note)
+    signal.signal(signal.SIGINT, _on_interrupt)
     try:
         yield
     finally:
-        # the interpreter takes a while to go down
+        # the interpreter takes a while to end
         signal.signal(signal.SIGINT, signal.SIG_IGN)
         signal.set_wakeup_fd(before)
         os.close(writer)
-        _noted.ends_process = False
+        _state.ends_process = False
 
 
 @contextmanager
 def reporting(message: str, message_later: str | None = None) -> Iterator[None]:
-    """Say something where Ctrl-C ends the process in the context; something else once there are steps."""
-    _noted.message, _noted.message_later = message, message_later or message
+    """Set the message for Ctrl-C in the context, and another one for the time when there are steps."""
+    _state.message, _state.message_later = message, message_later or message
     try:
         yield
     finally:
-        _noted.message = _noted.message_later = "interrupted"
-        _noted.patience = 0.0
+        _state.message = _state.message_later = "interrupted"
+        _state.patience = 0.0
 
 
-def may_tell() -> bool:
-    """Whether the caller is to say that Ctrl-C has come: the first who asks, where that ends the process."""
-    return not _noted.ends_process or _noted.line_is_free.acquire(blocking=False)
+def may_report() -> bool:
+    """Return whether the caller writes the message on Ctrl-C: the first caller, where it ends the process."""
+    return not _state.ends_process or _state.line_is_free.acquire(blocking=False)
 
 
 def leave_time() -> None:
-    """From now on there is something to write, or to end: Ctrl-C leaves some time for it."""
-    _noted.patience, _noted.message = _PATIENCE, _noted.message_later
+    """Let Ctrl-C wait for the next safe point from now on, as there are data to write."""
+    _state.patience, _state.message = _PATIENCE, _state.message_later
 
 
 @contextmanager
 def cleared_up(how: Callable[[], object]) -> Iterator[None]:
     """Clear up at the end of the context, also where Ctrl-C ends the process in it."""
-    _noted.left_over.append(how)
+    _state.left_over.append(how)
     try:
         yield
     finally:
         how()
-        _noted.left_over.remove(how)
+        _state.left_over.remove(how)
 
 
 def _is_usual() -> bool:
@@ -147,12 +146,12 @@ def _is_usual() -> bool:
 
 
 def _begin() -> None:
-    _noted.came, _noted.raised = 0, False
+    _state.came, _state.raised = 0, False
 
 
-def _note(_number: int, _frame: FrameType | None) -> None:
-    _noted.came += 1
-    if _noted.came >= _MOST and not _noted.ends_process:
+def _on_interrupt(_number: int, _frame: FrameType | None) -> None:
+    _state.came += 1
+    if _state.came >= _MOST and not _state.ends_process:
         raise KeyboardInterrupt
 
 
@@ -169,8 +168,8 @@ def _wait(reader: int) -> None:
 
 
 def _end_unless_left() -> None:
-    until = perf_counter() + _noted.patience
-    while not _noted.raised:
+    until = perf_counter() + _state.patience
+    while not _state.raised:
         if perf_counter() >= until:
             _end()
         sleep(_LOOK)
@@ -185,11 +184,11 @@ def _end() -> None:
     with suppress(OSError):
         if os.isatty(1):
             os.write(1, _CLEARED)
-        if may_tell():
-            os.write(2, f"isopeel: {_noted.message}\n".encode(errors="backslashreplace"))
+        if may_report():
+            os.write(2, f"isopeel: {_state.message}\n".encode(errors="backslashreplace"))
         else:
-            sleep(_TO_TELL)
-    for how in reversed(_noted.left_over):
+            sleep(_TO_WRITE)
+    for how in reversed(_state.left_over):
         with suppress(OSError):
             how()
     os._exit(INTERRUPTED)
