@@ -8,6 +8,7 @@ import numpy as np
 from isopeel.assembly.interface_kernel import InterfaceData, project, read_interface, respond
 from isopeel.assembly.loops import Energies
 from isopeel.common.arrays import FloatArray, IntArray
+from isopeel.matrix.band import entry_place
 
 
 def add_adhesion(
@@ -39,6 +40,7 @@ def add_adhesion(
     T, dT, lost, shear = answer.traction, answer.derivative, answer.dissipated, answer.shear
     elements, m = functions.shape
     Q = weights.shape[1]
+    flat, stride = band.ravel(), band.shape[1] - 1
     local = np.empty((2, m))  # forces of one element
     F = np.empty((2, 2))
     H = np.empty((2, 2))
@@ -98,5 +100,5 @@ def add_adhesion(
                             row = unknowns[e, a, i]
                             column = unknowns[e, b, k]
                             if row >= 0 and column >= 0 and (diagonal > 0 or row >= column):
-                                band[column, diagonal + row - column] += K[i, a, k, b]
+                                flat[entry_place(stride, diagonal, row, column)] += K[i, a, k, b]
     return 0.0, energy, dissipated, np.inf

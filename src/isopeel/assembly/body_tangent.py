@@ -14,6 +14,7 @@ from isopeel.assembly.element_batch import (
     set_weighted_products,
 )
 from isopeel.common.compilation import compiled_reordered
+from isopeel.matrix.band import entry_place
 
 
 @compiled_reordered
@@ -167,13 +168,14 @@ def _scatter(
 ) -> None:
     """Add symmetric entries (n,), and their mirror images where the whole band is stored, `diagonal` > 0.
 
-    Entry (i, j) of the matrix lies at flat[stride x j + diagonal + i]. Two coefficients that follow one
-    unknown meet their mirror image on the diagonal, unless they are the `same`.
+    Two coefficients that follow one unknown meet their mirror image on the diagonal, unless they are the
+    `same`.
     """
     nowhere = flat.size - 1
     for e in range(n):
         least = min(row[e], column[e])
-        place[e] = stride * least + diagonal + max(row[e], column[e]) if least >= 0 else nowhere
+        greatest = max(row[e], column[e])
+        place[e] = entry_place(stride, diagonal, greatest, least) if least >= 0 else nowhere
     if not same:
         for e in range(n):
             value[e] *= 2.0 if row[e] == column[e] else 1.0
@@ -182,5 +184,5 @@ def _scatter(
     if diagonal > 0:
         for e in range(n):
             if row[e] >= 0 and column[e] >= 0 and row[e] != column[e]:
-                greatest = max(row[e], column[e])
-                flat[stride * greatest + diagonal + min(row[e], column[e])] += value[e]
+                least, greatest = min(row[e], column[e]), max(row[e], column[e])
+                flat[entry_place(stride, diagonal, least, greatest)] += value[e]

@@ -10,6 +10,7 @@ from isopeel.assembly.spaces import Spaces
 from isopeel.assembly.tables import side_of
 from isopeel.common.arrays import FloatArray, IntArray
 from isopeel.common.errors import InputError
+from isopeel.matrix.band import BandMatrix
 from isopeel.problem import Boundary, Load
 from isopeel.splines.nurbs import Side
 
@@ -76,12 +77,11 @@ class AssembledLoad:
         """Mean displacement of the loaded part along the force, since the base state."""
         return float(np.sum(self.pattern * displacement)) - self.offset
 
-    def add_stiffness(self, band: FloatArray, diagonal: int, size: float) -> None:
-        """Add -size B to a band in the general storage, entry (i, j) at band[j, diagonal + i - j]."""
+    def add_stiffness(self, matrix: BandMatrix, size: float) -> None:
+        """Add -size B to a matrix in the general storage."""
         rows, columns = self.places
         inside = (rows != HELD) & (columns != HELD)
-        i, j = rows[inside], columns[inside]
-        np.add.at(band, (j, diagonal + i - j), -size * self.blocks[inside])
+        matrix.add(rows[inside], columns[inside], -size * self.blocks[inside])
 
 
 def _check_free(side: Side, load: Load, pattern: FloatArray, constraints: Constraints) -> None:

@@ -268,13 +268,9 @@ class System:
     ) -> tuple[Equilibrium, BandMatrix]:
         """The same with the tangent dR/dz, in `general` storage where it may not be positive definite."""
         storage = storage or self.storage
-        width = self.half_bandwidth + 1 if storage == "symmetric" else 3 * self.half_bandwidth + 1
-        if storage not in self._workspaces:
-            # one more row takes what no unknown wants
-            self._workspaces[storage] = np.empty((self.constraints.count + 1, width))
-        band = self._workspaces[storage]
-        band.fill(0.0)
-        matrix = BandMatrix(band, self.half_bandwidth, storage)
+        known = self._workspaces.get(storage)
+        matrix = BandMatrix.zeros(self.constraints.count, self.half_bandwidth, storage, known)
+        self._workspaces[storage] = matrix.workspace
         return self._assemble(displacement, load, matrix), matrix
 
     def _assemble(
@@ -283,10 +279,10 @@ class System:
         load: float,
         matrix: BandMatrix | None,
     ) -> Equilibrium:
-        band = np.empty((0, 0)) if matrix is None else matrix.workspace
-        diagonal = 0 if matrix is None or matrix.storage == "symmetric" else 2 * self.half_bandwidth
         forces = np.zeros(displacement.shape)
-        sums = Sums(forces, band, diagonal, matrix is not None)
+        sums = Sums(forces, np.empty((0, 0)), 0, False)
+        if matrix is not None:
+            sums = Sums(forces, matrix.workspace, matrix.diagonal, True)
         history = self.maximum_openings.ravel()
         # loops are compiled for contiguous arrays alone
         energies = add_terms(self.equations.terms, history, np.ascontiguousarray(displacement), sums)
@@ -294,6 +290,6 @@ class System:
         if self.load is not None:
             unbalanced = forces - load * self.load.forces(displacement)
             if matrix is not None and self.load.load.follows:
-                self.load.add_stiffness(band, diagonal, load)
+                self.load.add_stiffness(matrix, load)
         residual = self.constraints.condense(unbalanced)
         return Equilibrium(*energies, forces, residual)

@@ -1,14 +1,28 @@
 """A matrix in band storage, for symmetric factors or with room for those of a pivoted LU."""
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
+from numba import njit
 
-from isopeel.common.arrays import FloatArray
+from isopeel.common.arrays import FloatArray, IntArray
 
 #: Storage of a matrix: its lower half, or the whole band with room for the fill of a pivoted LU.
 Storage = Literal["symmetric", "general"]
+
+
+def _entry_place(stride: Any, diagonal: Any, row: Any, column: Any) -> Any:
+    """Return where in a workspace, as one line of numbers, entry (row, column) is.
+
+    The stride is the width of the workspace less one, and `diagonal` where a row has its diagonal: entries
+    above it are stored where that is not at zero.
+    """
+    return stride * column + diagonal + row
+
+
+#: The same within compiled code.
+entry_place = njit(inline="always")(_entry_place)
 
 
 @dataclass(frozen=True, eq=False)
@@ -23,10 +37,31 @@ class BandMatrix:
     half_bandwidth: int
     storage: Storage
 
+    @classmethod
+    def zeros(
+        cls, count: int, half_bandwidth: int, storage: Storage, workspace: FloatArray | None = None
+    ) -> "BandMatrix":
+        """Return a matrix of `count` rows that holds nothing, in the workspace of another one of its size."""
+        width = half_bandwidth + 1 if storage == "symmetric" else 3 * half_bandwidth + 1
+        if workspace is None:
+            workspace = np.empty((count + 1, width))
+        workspace.fill(0.0)
+        return cls(workspace, half_bandwidth, storage)
+
     @property
     def entries(self) -> FloatArray:
         """(n, width)."""
         return self.workspace[:-1]
+
+    @property
+    def diagonal(self) -> int:
+        """Where a row of the workspace has its diagonal: at zero, where the lower half alone is stored."""
+        return 0 if self.storage == "symmetric" else 2 * self.half_bandwidth
+
+    def add(self, rows: IntArray, columns: IntArray, values: FloatArray) -> None:
+        """Add values to entries; those above the diagonal have no place in a symmetric matrix."""
+        stride = self.workspace.shape[1] - 1
+        np.add.at(self.workspace.reshape(-1), _entry_place(stride, self.diagonal, rows, columns), values)
 
     def add_outer(self, vector: FloatArray, size: float) -> bool:
         """Add size x vector vector^T to a symmetric matrix, where the band has room for it; say whether."""
@@ -36,5 +71,5 @@ class BandMatrix:
         row, column = np.meshgrid(places, places, indexing="ij")
         lower = row >= column
         i, j = row[lower], column[lower]
-        self.entries[j, i - j] += size * vector[i] * vector[j]
+        self.add(i, j, size * vector[i] * vector[j])
         return True

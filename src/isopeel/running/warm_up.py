@@ -20,6 +20,7 @@ from isopeel.common.arrays import FloatArray, IntArray
 from isopeel.common.compilation import is_kept, keeps
 from isopeel.common.interrupts import cleared_up
 from isopeel.common.processes import cores
+from isopeel.matrix.band import entry_place
 from isopeel.problem import strip
 from isopeel.solve.extrapolation import select_predictor
 from isopeel.solve.newton import NewtonSettings
@@ -75,6 +76,7 @@ def _springs(
     """Add energy, forces and tangent as `add_body`, of a spring at each function of each element."""
     body: BodyData = read_body(integers, floats)
     first, unknowns = body.first, body.unknowns
+    flat, stride = band.ravel(), band.shape[1] - 1
     energy = 0.0
     for j in range(len(first)):
         for a in range(body.sizes[body.kinds[j]]):
@@ -83,8 +85,9 @@ def _springs(
                 for i in range(2):
                     energy += _STIFFNESS / 2.0 * u[f, i] ** 2
                     forces[f, i] += _STIFFNESS * u[f, i]
-                    if with_tangent:
-                        band[unknowns[j, i, a, e], diagonal] += _STIFFNESS
+                    n = unknowns[j, i, a, e]
+                    if with_tangent and n >= 0:
+                        flat[entry_place(stride, diagonal, n, n)] += _STIFFNESS
     return energy, 0.0, 0.0, 1.0
 
 
