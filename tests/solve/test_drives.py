@@ -55,10 +55,14 @@ def path(drive: Drive, to: float, count: int = 21, settings: NewtonSettings | No
 
 
 def residual(system: System, y: FloatArray, parameter: float) -> FloatArray:
-    """All equations, with that of the control last."""
+    """All equations, with that of the load's displacement last."""
     u, load = system.state(y, parameter)
     equations = system.equilibrium(u, load).residual
-    return np.append(equations, system.control(u, parameter)[0]) if system.load_is_unknown else equations
+    return (
+        np.append(equations, system.displacement_control(u, parameter)[0])
+        if system.load_is_unknown
+        else equations
+    )
 
 
 @pytest.mark.parametrize("name", DRIVES)
@@ -74,7 +78,7 @@ def test_tangent_is_the_derivative_of_the_residual(name: str) -> None:
     u, load = system.state(y, parameter)
     factor = factorize(system.linearize(u, "general", load)[1])
     if system.load_is_unknown:
-        _, column, row = system.control(u, parameter)
+        _, column, row = system.displacement_control(u, parameter)
         factor = Bordered.of(factor, Border(column, row))
     # central differences of step 1e-5 leave 1e-10 of the third derivative, which the solution enlarges
     np.testing.assert_allclose(factor.solve(change), direction, rtol=0, atol=1e-6 * np.abs(direction).max())

@@ -1,4 +1,4 @@
-"""The kept tangent: the same equilibria as by plain Newton's method, from far fewer tangents."""
+"""The chord tangent: the same equilibria as by plain Newton's method, from far fewer tangents."""
 
 from dataclasses import replace
 

@@ -222,8 +222,10 @@ class System:
             return energy, reaction
         return energy - load * reaction, -reaction
 
-    def control(self, displacement: FloatArray, parameter: float) -> tuple[float, FloatArray, FloatArray]:
-        """What the displacement of an unknown load misses, and the last column and row of the tangent."""
+    def displacement_control(
+        self, displacement: FloatArray, parameter: float
+    ) -> tuple[float, FloatArray, FloatArray]:
+        """Return the error of an unknown load's displacement, and the last column and row of the tangent."""
         assert self.load is not None
         missed = parameter - self.load.displacement(displacement)
         column = -self.constraints.condense(self.load.forces(displacement))

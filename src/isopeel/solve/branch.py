@@ -49,20 +49,20 @@ class Branch:
         limit = min(SOON, path.settings.iteration_limit)
         self._settings: NewtonSettings = replace(path.settings, iteration_limit=limit)
         self._end: End | None = None
-        self._goes_on = False
+        self._continues = False
         self._followed: tuple[float, float, bool, list[Found]] | None = None
 
     def step(self) -> None:
         """Drop the results of one step, before the next step of the path."""
-        self._goes_on, self._followed = False, None
+        self._continues, self._followed = False, None
 
     def forget(self) -> None:
         """Drop the known end of the branch, where another branch or another requested parameter begins."""
         self._end = None
 
-    def goes_on(self) -> None:
+    def assume_continues(self) -> None:
         """Assume, until the next step, that the branch continues beyond its known end."""
-        self._end, self._goes_on = None, True
+        self._end, self._continues = None, True
 
     def end_before(self, parameter: float) -> End | None:
         """Return the end of the branch where it is known to lie before a parameter, else None."""
@@ -167,7 +167,7 @@ class Branch:
             else:
                 ends = abs(missed.gained) > CUBIC * longer
                 size, longer = size / 2, abs(missed.gained)
-        if rest and ends and not self._goes_on:
+        if rest and ends and not self._continues:
             self._end = End(states[-1].parameter, states[-1].parameter + 2 * size)
         self._followed = begin, parameter, by_order, found
         return found

@@ -287,7 +287,7 @@ class Curve:
         factor, negative = _factorized(matrix)
         values = at.residual
         if system.load_is_unknown:
-            missed, column, row = system.control(u, parameter)
+            missed, column, row = system.displacement_control(u, parameter)
             values = np.append(values, missed)
             bordered = Bordered.of(factor, Border(column, row))
             factor = bordered
@@ -305,7 +305,7 @@ class Curve:
         at = self.system.equilibrium(u, load)
         if not self.system.load_is_unknown:
             return at, at.residual
-        return at, np.append(at.residual, self.system.control(u, parameter)[0])
+        return at, np.append(at.residual, self.system.displacement_control(u, parameter)[0])
 
     def _row(self, point: Point) -> tuple[FloatArray, float]:
         row = point.along / self._n

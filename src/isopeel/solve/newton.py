@@ -225,7 +225,7 @@ def _with_unknown_load(
 
     The last value is whether the tangent was made again because it is indefinite.
     """
-    missed, column, row = system.control(u, parameter)
+    missed, column, row = system.displacement_control(u, parameter)
     # where the load could pull the body away, K is indefinite, but K plus the outer product seldom is
     size = float(np.abs(matrix.entries[:, 0]).mean()) / float(column @ column)
     held = matrix.add_outer(column, size)

@@ -143,7 +143,7 @@ def _cut(path: Path, parameters: Iterable[float]) -> Iterator[Found]:
                     found = _balanced(path, path.equilibrium(aim, kind, soon=cuts), cuts=cuts)
             except ConvergenceError as error:
                 if at_end:
-                    path.branch.goes_on()
+                    path.branch.assume_continues()
                     continue
                 if cuts:
                     size = min(abs(size), abs(parameter - last)) / 2 * np.sign(whole)

@@ -38,7 +38,7 @@ def stability(system: System, y: FloatArray, parameter: float) -> Stability | No
         negative, factor = _inertia(matrix)
         if not system.load_is_unknown:
             return Stability(negative, factor)
-        _, column, row = system.control(u, parameter)
+        _, column, row = system.displacement_control(u, parameter)
         bordered = Bordered.of(factor, Border(column, row))
     except SingularError:
         return None
