@@ -10,9 +10,9 @@ from isopeel.common.arrays import FloatArray
 
 #: Degrees of a timed step, as in the published study.
 STEP = 0.1
-#: Timed steps: as many as a kept tangent serves at most, so that its making is among them.
+#: Timed steps: as many as a chord tangent serves at most, so that they include its assembly.
 TIMED = 40
-#: Small steps before the timed ones: as many as the predictor looks back to, and some for the kept tangent.
+#: Small steps before the timed ones: as many as the predictor uses, and some for the chord tangent.
 SETTLING = 10
 #: Of the shipped strip in nm, and of its right end that does not adhere.
 LENGTH = 200.0

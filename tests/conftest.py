@@ -25,9 +25,9 @@ def pytest_configure(config: pytest.Config) -> None:
 
 
 def pytest_runtest_setup(item: pytest.Item) -> None:
-    """Leave out tests of the kept tangent itself where there is none."""
+    """Skip tests of the chord tangent where there is none."""
     if item.config.getoption("--plain") and item.get_closest_marker("chord_tangent"):
-        pytest.skip("it tests the kept tangent itself")
+        pytest.skip("it tests the chord tangent itself")
 
 
 def let_it_be_interrupted() -> None:

@@ -128,8 +128,8 @@ def test_a_step_is_what_its_parts_are() -> None:
     found = profile(Strip("L1", (20, 2)), reach=4.0, coarse=1.0, steps=3)
     corrections = sum(len(step.iterations) for step in found.steps)
     assert len(found.steps) == 3
-    # each correction is a solution with the kept tangent, and each step looks at one residual more, but where
-    # its last correction is a trifle
+    # each correction is a solution with the chord tangent, and each step evaluates one residual more, but
+    # where the evaluation after its last correction is skipped
     assert found.clock.calls["solve"] == found.clock.calls["update"] == corrections
     assert corrections <= found.clock.calls["forces"] <= corrections + 3
     # one tangent more tells whether the last state is stable

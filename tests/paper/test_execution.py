@@ -157,7 +157,7 @@ def test_records_are_read_back_as_they_were(whole: Store, tmp_path: Path) -> Non
             assert getattr(again[run], name) == getattr(record, name)
         assert again[run].step_seconds == record.step_seconds
         assert again[run].step_corrections == record.corrections / len(record.moments)
-        assert again[run].goes_on is record.goes_on
+        assert again[run].continues is record.continues
     (tmp_path / "text").write_text("no HDF5")
     with pytest.raises(InputError, match="text"):
         read_records(tmp_path / "text")

@@ -129,7 +129,7 @@ LIES: dict[str, Callable[[h5py.File], None]] = {
 }
 
 
-# only a kept tangent has a memory
+# only a chord tangent has a solver state
 MARKS = {"a huge memory": pytest.mark.chord_tangent}
 
 

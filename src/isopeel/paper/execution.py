@@ -1,4 +1,4 @@
-"""Computing the runs of the study on all cores; what is finished is kept in files and not done again."""
+"""Compute the runs of the study on all cores; finished runs are kept in files and not computed again."""
 
 import time
 from collections.abc import Iterable
@@ -28,7 +28,7 @@ _REPORT_SECONDS = 0.2  # between two reports of a run
 
 
 class Report(NamedTuple):
-    """How far a run has come."""
+    """The progress of a run."""
 
     run: Run
     steps: int
@@ -36,30 +36,30 @@ class Report(NamedTuple):
 
 
 class Watcher(Protocol):
-    """Who is told how the runs go on."""
+    """An observer of the progress of the runs."""
 
     def report(self, report: Report) -> None:
-        """A run has come so far."""
+        """Receive the progress of a run."""
 
     def finished(self, run: Run, stored: StoredRun) -> None:
-        """A run is finished."""
+        """Receive a finished run."""
 
     def skipped(self, run: Run) -> None:
-        """A variant has no state to start from."""
+        """Receive a variant that is not computed, as it has no state to start from."""
 
 
 @dataclass(frozen=True)
 class Store:
-    """The folder of the finished runs. Each has one file, which is replaced when it is computed anew."""
+    """The folder of the finished runs. Each has one file, which is replaced when it is computed again."""
 
     folder: Path
 
     def path(self, run: Run) -> Path:
-        """Where a run's file is."""
+        """Return the path of a run's file."""
         return self.folder / f"{run.name}.h5"
 
     def finished(self, run: Run) -> StoredRun | None:
-        """What is there of a run; None where it is not finished, or was computed by other code."""
+        """Return a finished run; None where it is not finished, or was computed by other code."""
         try:
             stored = read_run(self.path(run))
         except InputError:
@@ -76,11 +76,11 @@ class Store:
 
 
 def execute(runs: Iterable[Run], store: Store, workers: int, watcher: Watcher) -> None:
-    """Compute the runs that are not finished, and those they start from, in processes of their own.
+    """Compute the runs that are not finished, and their bases, in other processes.
 
-    A path that ends early is finished all the same; a variant whose base ended before it starts is not
-    computed. The processes end at once where this one does, in whatever way. Raises InputError where
-    another process computes runs in the same folder, WorkerLostError where one of its own is ended.
+    A path that ends early counts as finished; a variant is not computed where its base ended before its
+    start. The processes end at once when this one ends. Raises InputError where another process computes runs
+    in the same folder, WorkerLostError where one of its processes is ended.
     """
     waiting = [run for run in with_bases(runs) if store.finished(run) is None]
     if not waiting:
@@ -102,7 +102,7 @@ def _execute(waiting: list[Run], store: Store, workers: int, watcher: Watcher) -
         futures: dict[Future[None], Run] = {}
 
         def submit_ready() -> None:
-            """Hand over what does not wait for its base any more."""
+            """Submit the runs whose bases are finished."""
             for run in list(waiting):
                 if run.base in waiting or run.base in futures.values():
                     continue
@@ -134,12 +134,12 @@ _reports: "SimpleQueue[Report] | None" = None
 
 
 def _report_to(reports: "SimpleQueue[Report]") -> None:
-    global _reports  # what a worker is given at its start has no other place to live
+    global _reports  # a worker has no other place for the arguments of its start
     _reports = reports
 
 
 def _compute(run: Run, key: str, store: Store) -> None:
-    """Trace a run into its file, under the key that the first process knows it by."""
+    """Trace a run and write its file, with the key that the main process uses for it."""
     case, angles = run.case, run.angles_deg
     problem, space = case.problem(), case.space()
     start: list[State] = []

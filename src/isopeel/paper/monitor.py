@@ -1,4 +1,4 @@
-"""The progress of the study: a line for each run under way, with the time left, and one for each finished."""
+"""The progress of the study: a line for each current run, with the time left, and for each finished run."""
 
 from collections.abc import Sequence
 from types import TracebackType
@@ -11,11 +11,11 @@ from isopeel.paper.execution import Report
 from isopeel.paper.study import Run
 from isopeel.results.run_file import StoredRun
 
-_SPEED_SECONDS = 120.0  # that the time left is told from: a path is slower on its plateau than before
+_SPEED_SECONDS = 120.0  # last seconds that the time left is estimated from: paths are slower on the plateau
 
 
 class Monitor:
-    """Shows on a console how runs go on; on one that is no terminal, those that are finished only."""
+    """Shows the progress of runs on a console; finished runs only where the console is not a terminal."""
 
     def __init__(self, console: Console, runs: Sequence[Run]) -> None:
         self._console = console
@@ -46,11 +46,11 @@ class Monitor:
         error: BaseException | None,
         traceback: TracebackType | None,
     ) -> None:
-        """Clear what is shown."""
+        """Clear the shown lines."""
         self._progress.stop()
 
     def report(self, report: Report) -> None:
-        """Show how far a run has come."""
+        """Show the progress of a run."""
         if report.run not in self._lines:
             self._lines[report.run] = self._progress.add_task(report.run.name, total=report.of)
         self._progress.update(self._lines[report.run], completed=report.steps)

@@ -1,4 +1,4 @@
-"""What the report needs of the runs: their curves in short, and where they come from; in one file."""
+"""The records of runs that the report needs: short curves and provenance, in one file."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
@@ -22,9 +22,9 @@ from isopeel.solve.trace import trace
 _FORMAT = "isopeel paper 2"
 
 
-#: Where the tractions at the front are looked at, in degrees: on the plateau, and kept in the files.
+#: The angle at which the tractions at the front are evaluated, in degrees: on the plateau, and stored.
 FRONT_DEG = 100.0
-_NEAR = 10.0  # L0: what is kept of the traction, on both sides of its peak
+_NEAR = 10.0  # L0: length on both sides of the peak on which the traction is kept
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,7 +39,7 @@ class Front:
 
     @classmethod
     def of(cls, run: Run, stored: StoredRun) -> "Front | None":
-        """Look at them at FRONT_DEG; None where the run did not get there, or is none of those compared."""
+        """Return the front at FRONT_DEG; None where the run did not get there, or is not compared."""
         if run.base is not None or run.space not in SPACES or run.mesh != VARIANT_MESH:
             return None
         found = [u for angle, u in stored.fields.items() if abs(angle - FRONT_DEG) < STEP / 2]
@@ -67,7 +67,7 @@ class Front:
 
 
 def _zeros(x: FloatArray, y: FloatArray) -> FloatArray:
-    """Where a curve crosses zero, by linear interpolation."""
+    """Return the places where a curve crosses zero, by linear interpolation."""
     k = np.flatnonzero(y[:-1] * y[1:] < 0)
     zeros: FloatArray = x[k] - y[k] * (x[k + 1] - x[k]) / (y[k + 1] - y[k])
     return zeros
@@ -75,9 +75,9 @@ def _zeros(x: FloatArray, y: FloatArray) -> FloatArray:
 
 @dataclass(frozen=True, eq=False)
 class Record:
-    """A finished run: its curve in E0 L0^3 over degrees, what it cost, how it ended and what computed it.
+    """A finished run: its curve in E0 L0^3 over degrees, its cost, its ending and its provenance.
 
-    Its angles are the first ones of the run's own.
+    Its angles are the first ones of the run.
     """
 
     run: Run
@@ -95,11 +95,11 @@ class Record:
     platform: str
     revision: str  # of the source; empty outside of a checkout
     front: Front | None
-    goes_on: bool | None  # where it failed: is the same angle reached from the last state alone?
+    continues: bool | None  # where it failed: is the same angle reached from the last state alone?
 
     @classmethod
     def of(cls, run: Run, stored: StoredRun) -> "Record":
-        """Shorten what is stored of a run."""
+        """Return the record of a stored run."""
         attributes = {name: str(value) for name, value in stored.attributes.items()}
         names = ("isopeel", "python", *PACKAGES)
         curve = stored.curve
@@ -119,12 +119,12 @@ class Record:
             attributes["platform"],
             attributes.get("git_revision", ""),
             Front.of(run, stored),
-            _goes_on(run, stored),
+            _continues(run, stored),
         )
 
     @property
     def ended(self) -> str | None:
-        """Where and why the run ended early, in one line; None where it is complete."""
+        """Place and reason of an early end, in one line; None where the run is complete."""
         if self.failed_at_deg is None:
             return None
         return f"no equilibrium was found at {self.failed_at_deg:.1f} degrees: {self.reason}"
@@ -135,7 +135,7 @@ class Record:
         return float(self.angles_deg[-1]) if len(self.angles_deg) else self.run.range_deg[0]
 
 
-def _goes_on(run: Run, stored: StoredRun) -> bool | None:
+def _continues(run: Run, stored: StoredRun) -> bool | None:
     """Try the step that failed from the last state, without the prediction by the states before."""
     if stored.failure is None or not stored.fields:
         return None
@@ -167,8 +167,8 @@ def write_records(path: Path, records: Mapping[Run, Record]) -> None:
                 group.attrs["contact_points"] = run.contact_points
             if record.failed_at_deg is not None:
                 group.attrs["failed_at_deg"] = record.failed_at_deg
-            if record.goes_on is not None:
-                group.attrs["goes_on"] = record.goes_on
+            if record.continues is not None:
+                group.attrs["goes_on"] = record.continues
             if record.front is not None:
                 front = group.create_group("front")
                 for part in fields(Front):
@@ -219,6 +219,6 @@ def _record(group: h5py.Group) -> Record:
         step_corrections=float(attributes["step_corrections"]),
         failed_at_deg=None if failed is None else float(failed),
         front=None if front is None else Front(*(front[part.name][()] for part in fields(Front))),
-        goes_on=bool(attributes["goes_on"]) if "goes_on" in attributes else None,
+        continues=bool(attributes["goes_on"]) if "goes_on" in attributes else None,
         **{name: attributes[name] for name in _TEXTS},
     )

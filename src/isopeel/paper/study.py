@@ -1,4 +1,4 @@
-"""The published study, and the runs beside it that tell what its figures depend on."""
+"""The published study, and further runs that show what its figures depend on."""
 
 import hashlib
 import json
@@ -14,7 +14,7 @@ from isopeel.paper.fingerprint import code_fingerprint
 from isopeel.problem import Traction
 from isopeel.splines.names import parse_space_name
 
-#: Of the strip, in L0 = 1 nm.
+#: Sizes of the strip, in L0 = 1 nm.
 LENGTH = 200.0
 #: Elements along x and y of the published meshes.
 MESHES = {"m1": (160, 8), "m2": (200, 10), "m3": (240, 12)}
@@ -22,11 +22,11 @@ MESHES = {"m1": (160, 8), "m2": (200, 10), "m3": (240, 12)}
 SPACES = ("L1", "L2", "L4", "N2", "N4", "N6", "N8", "N2.1", "N4.1")
 #: The same with the contact row alone enriched over linear rows, as in enriched contact elements.
 CONTACT_ROW = tuple(f"L1+{space}" for space in SPACES[1:])
-#: The elevated ones with the contact row alone elevated, over the space that they are elevations of.
+#: The elevated spaces with only the contact row elevated, over the space that they elevate.
 ELEVATED_ROW = ("N2+N2.1", "N4+N4.1")
-#: What else the literature tried: Hermite of degree 5 and 7, varying order, and hybrid with Lagrange.
+#: Further spaces of the literature: Hermite of degree 5 and 7, varying order, and hybrid with Lagrange.
 LITERATURE = ("L1+N3.2", "L1+N4.3", "N2+N4", "N2+N4@2", "N2+N4@3", "L2+N2@2")
-#: Where variants of the adhesive force are compared.
+#: The mesh on which variants of the adhesive force are compared.
 VARIANT_MESH = "m2"
 
 STEP = 0.1  # degree, as published
@@ -34,7 +34,7 @@ _PUBLISHED_END, _PLATEAU_END = 150.0, 112.0  # degrees; the second is enough for
 _VARIANT_RANGE = (90.0, 102.5)  # degrees
 _TIMED_RANGE = (100.0, 102.0)  # degrees
 _PLAIN_RANGE = (60.0, _PUBLISHED_END)  # degrees: the front moves from here on
-#: The spaces that variants are computed of: every reading of the published names.
+#: The spaces of the variants: every interpretation of the published names.
 VARIED_SPACES = (*SPACES, *CONTACT_ROW, *ELEVATED_ROW)
 
 
@@ -42,10 +42,10 @@ VARIED_SPACES = (*SPACES, *CONTACT_ROW, *ELEVATED_ROW)
 class Run:
     """One path: the strip on a space and a mesh.
 
-    The published discretizations go on to the published end, others to where the plateau can be read. A
+    The published discretizations are traced to the published end, others until the plateau can be read. A
     variant of the adhesive force, projected or with another number of Gauss points, starts on the plateau,
-    from the state of the run without it; and so does a timed one, of few steps that nothing else disturbs.
-    A plain one makes a new tangent for every correction, as the published study did, and starts before.
+    from the state of the run without it. So does a timed run, of few steps without other processes. A plain
+    run makes a new tangent for every correction, as the published study did, and starts before the plateau.
     """
 
     space: str
@@ -57,7 +57,7 @@ class Run:
 
     @property
     def name(self) -> str:
-        """What to call it, in a file's name too."""
+        """The name of the run, also in names of files."""
         points = None if self.contact_points is None else f"{self.contact_points}points"
         traction = None if self.traction == "reference" else self.traction
         timed = "timed" if self.timed else None
@@ -66,7 +66,7 @@ class Run:
 
     @property
     def base(self) -> "Run | None":
-        """The run that a variant starts from; None where it is no variant."""
+        """The run that a variant starts from; None where it is not a variant."""
         base = replace(self, traction="reference", contact_points=None, timed=False, plain=False)
         return None if base == self else base
 
@@ -102,13 +102,13 @@ class Run:
 
     @property
     def key(self) -> str:
-        """Fingerprint of all that the result depends on: the case, the angles, the code that computes it."""
+        """Fingerprint of the case, the angles and the code, on which the result depends."""
         defined_by = [self.case.text, self.range_deg, self.plain, code_fingerprint()]
         return hashlib.sha256(json.dumps(defined_by).encode()).hexdigest()
 
     @property
     def cost(self) -> float:
-        """Rough measure of its time: columns of functions x functions of an element^2, and its steps."""
+        """Estimate of its time: columns of functions x functions of an element^2 x steps."""
         name = parse_space_name(self.space)
         across = MESHES[self.mesh][1]
         bulk, contact = (
@@ -130,7 +130,7 @@ def contact_row_runs(meshes: Iterable[str]) -> list[Run]:
 
 
 def literature_runs(meshes: Iterable[str]) -> list[Run]:
-    """Further discretizations of the literature."""
+    """Return further discretizations of the literature."""
     return [Run(space, mesh) for mesh in meshes for space in LITERATURE]
 
 
@@ -140,7 +140,7 @@ def traction_runs() -> list[Run]:
 
 
 def quadrature_runs() -> list[Run]:
-    """The same with 2 to p + 2 Gauss points of the adhesive force; p + 1 is what all other runs have."""
+    """Return the same with 2 to p + 2 Gauss points of the adhesive force; all other runs have p + 1."""
     runs = []
     for space in VARIED_SPACES:
         default = default_points(space)
@@ -159,7 +159,7 @@ def timed_runs(runs: Iterable[Run]) -> list[Run]:
 
 @cache
 def default_points(space: str) -> int:
-    """Gauss points of the adhesive force on an element where a run does not say: the degree and one."""
+    """Return the default number of Gauss points of the adhesive force on an element: degree + 1."""
     name = parse_space_name(space)
     return max(name.bulk.degree, name.contact.degree) + 1
 

@@ -46,7 +46,7 @@ def blocks(results: Results, meshes: Sequence[str]) -> Iterator[Block]:
             "corrections per step",
             "ending",
             "from the last state alone",
-            "by kept tangents fails at / degree",
+            "by chord tangents fails at / degree",
         ),
         tuple(_row(results, run) for run in shown),
     )
@@ -68,7 +68,7 @@ def _row(results: Results, run: Run) -> tuple[str, ...]:
         number(record.failed_at_deg, 1),
         f"{record.corrections / max(1, len(record.angles_deg)):.2f}",
         record.reason or "complete",
-        {True: "yes", False: "no", None: ""}[record.goes_on],
+        {True: "yes", False: "no", None: ""}[record.continues],
         number(base.failed_at_deg, 1),
     )
 
