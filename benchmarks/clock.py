@@ -1,4 +1,4 @@
-"""What a load step calls, how often, and how long it takes."""
+"""The parts that a load step calls: how often, and how long they take."""
 
 from collections import Counter, defaultdict
 from collections.abc import Callable, Iterator
@@ -12,14 +12,14 @@ from isopeel.assembly.system import System
 from isopeel.solve import quasi_newton
 from isopeel.solve.predictor import Predictor
 
-#: What is called within a load step. Corrections are one compiled loop, of forces, solutions and updates.
+#: The parts of a load step. Corrections are one compiled loop of forces, solutions and updates.
 PARTS = ("corrections", "tangent", "factor", "guess")
 #: Places of the loop's arguments, by name.
 _PLACES = {name: k for k, name in enumerate(signature(quasi_newton.corrected).parameters)}
 
 
 class Clock:
-    """Calls and seconds of each part, and how often forces, solutions and updates were asked for."""
+    """Calls and seconds of each part, and numbers of evaluated forces, solutions and updates."""
 
     def __init__(self) -> None:
         self.calls: Counter[str] = Counter()
@@ -27,18 +27,18 @@ class Clock:
 
     @contextmanager
     def running(self) -> Iterator[None]:
-        """Watch all parts of what is traced meanwhile."""
-        with ExitStack() as watched:
+        """Count and time all parts of the paths that are traced in the context."""
+        with ExitStack() as patches:
             for owner, name, part in (
                 (quasi_newton, "corrected", "corrections"),
                 (System, "linearize", "tangent"),
                 (quasi_newton, "approximate", "factor"),
                 (Predictor, "guess", "guess"),
             ):
-                watched.enter_context(patch.object(owner, name, self._watched(part, getattr(owner, name))))
+                patches.enter_context(patch.object(owner, name, self._counted(part, getattr(owner, name))))
             yield
 
-    def _watched(self, part: str, function: Callable[..., Any]) -> Callable[..., Any]:
+    def _counted(self, part: str, function: Callable[..., Any]) -> Callable[..., Any]:
         def call(*arguments: Any, **named: Any) -> Any:
             began = perf_counter()
             found = function(*arguments, **named)
@@ -50,15 +50,15 @@ class Clock:
                 )
                 made, threshold = found[1], found[4]
                 self._count(
-                    before, made, spared=made > before and measures[made - 1] <= skip_share * threshold
+                    before, made, skipped=made > before and measures[made - 1] <= skip_share * threshold
                 )
             return found
 
         return call
 
-    def _count(self, before: int, made: int, *, spared: bool) -> None:
-        """What corrections have asked for, that are made after those before."""
-        # the forces of the start, and those after each one, but for a last one that is skipped
-        self.calls["forces"] += made - before + (before == 0) - bool(spared)
+    def _count(self, before: int, made: int, *, skipped: bool) -> None:
+        """Count the parts of the corrections `made` after those `before`."""
+        # the forces at the start and after each correction, except a skipped last evaluation
+        self.calls["forces"] += made - before + (before == 0) - bool(skipped)
         for part in ("solve", "update"):
             self.calls[part] += made - before

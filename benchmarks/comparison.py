@@ -1,4 +1,4 @@
-"""Programs that trace the same path, advanced in turn and held to the same moments."""
+"""Programs that trace the same path in turn, and are compared by their moments."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -12,7 +12,7 @@ from programs import Block, GoneError
 MOMENT_TOLERANCE = 1e-8  # E0 L0^3
 
 
-class Advancing(Protocol):
+class Traced(Protocol):
     """A program, as programs.Program is one."""
 
     label: str
@@ -32,7 +32,7 @@ class Advancing(Protocol):
 class Entry:
     """A program in the comparison, its timed blocks of load steps and the most memory it took."""
 
-    program: Advancing
+    program: Traced
     blocks: list[list[LoadStep]] = field(default_factory=list)
     peak_megabytes: float = 0.0
 
@@ -44,7 +44,7 @@ class Entry:
 
 @dataclass
 class Comparison:
-    """Programs that agree so far, isopeel first, and what was noted of the others.
+    """Programs that agree so far, isopeel first, and notes on the others.
 
     The largest difference is from isopeel's moments, of as many steps as were compared. `ended` where a
     program found no equilibrium: there is nothing to compare beyond.
@@ -56,10 +56,10 @@ class Comparison:
     compared: int = 0
     ended: bool = False
 
-    def advance(self, angles: Sequence[float], *, timed: bool) -> None:
-        """Advance the programs, in turn if timed; leave out those that end or find other moments.
+    def trace(self, angles: Sequence[float], *, timed: bool) -> None:
+        """Trace the next angles by all programs, in turn if timed; leave out those that end or differ.
 
-        Raises GoneError where isopeel is one that ends."""
+        Raises GoneError where isopeel itself ends."""
         blocks = {}
         if not timed:
             for entry in self.entries:

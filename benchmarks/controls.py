@@ -1,4 +1,4 @@
-"""How far the runs of the published study get under each control, in which time, and how well they agree."""
+"""How far the runs of the published study get with each path control, how fast, and how well they agree."""
 
 import argparse
 from collections import defaultdict
@@ -48,7 +48,7 @@ def followed(run: Run, path_control: PathControl, to: float) -> Outcome:
 
 
 def main() -> None:
-    """Print a line for each run and control."""
+    """Print a line for each run and path control."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--mesh", nargs="+", choices=MESHES, default=[*MESHES])
     parser.add_argument("--space", nargs="+", choices=SPACES, default=[*SPACES])

@@ -45,7 +45,7 @@ def start(space: str, mesh: str, peers: str) -> Comparison:
 
 
 def untimed_angles(start: float, step: float) -> FloatArray:
-    """Degrees that lead to `start` by large steps; the last two as timed, for the predictor."""
+    """Return the degrees of large steps up to `start`; the last two are as timed, for the predictor."""
     last = start - step * np.array([2, 1, 0])
     before = np.arange(0, min(ONSET, last[0]), 2 * UNTIMED_STEP)
     return np.concatenate([before, np.arange(ONSET, last[0], UNTIMED_STEP), last[last >= 0]])
@@ -66,7 +66,7 @@ def machine(comparison: Comparison) -> str:
 
 
 def run(comparison: Comparison, untimed: FloatArray, timed: FloatArray, block: int) -> None:
-    """Advance all programs by blocks of load steps, until the last angle or where one stops."""
+    """Trace all programs by blocks of load steps, to the last angle or until one stops."""
     parts = [(part, False) for part in _blocks(untimed, block)] + [
         (part, True) for part in _blocks(timed, block)
     ]
@@ -74,7 +74,7 @@ def run(comparison: Comparison, untimed: FloatArray, timed: FloatArray, block: i
     with Progress(console=Console(stderr=True), auto_refresh=False, transient=True) as bar:
         for part, is_timed in bar.track(parts):
             if not comparison.ended:
-                comparison.advance(np.deg2rad(part).tolist(), timed=is_timed)
+                comparison.trace(np.deg2rad(part).tolist(), timed=is_timed)
 
 
 def _blocks(angles: FloatArray, size: int) -> list[FloatArray]:
@@ -84,7 +84,7 @@ def _blocks(angles: FloatArray, size: int) -> list[FloatArray]:
 def main(
     space: Annotated[str, typer.Option(help="L1, L2 or L4.")] = "L2",
     mesh: Annotated[str, typer.Option(help="Elements along length x height.")] = "200x10",
-    begin: Annotated[float, typer.Option("--from", help="Degrees that untimed steps lead to.")] = 0.0,
+    begin: Annotated[float, typer.Option("--from", help="Degrees at the end of the untimed steps.")] = 0.0,
     to: Annotated[float, typer.Option(help="Last angle in degrees.")] = 120.0,
     step: Annotated[float, typer.Option(help="Degrees per load step.")] = 0.1,
     peers: Annotated[str, typer.Option(help="What to compare with.")] = ",".join(PEERS),

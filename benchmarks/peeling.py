@@ -1,4 +1,4 @@
-"""The peeled strip, led to its plateau by large steps, and on by small ones that are timed."""
+"""The peeled strip, peeled to its plateau by large steps, and further by small timed steps."""
 
 from collections.abc import Iterator
 from typing import NamedTuple
@@ -40,7 +40,7 @@ class Strip(NamedTuple):
 def peel(strip: Strip, reach: float, coarse: float, steps: int) -> Iterator[isopeel.Step]:
     """Trace up to `reach` degrees by coarse steps and some small ones; return the `steps` to come.
 
-    Coarse steps that fail are cut. What came before is not kept: a step holds what the solver learned in it.
+    Coarse steps that fail are cut. Earlier steps are not kept: each step holds solver data.
     """
     angles = np.radians(angles_deg(reach, coarse, steps))
     settings = isopeel.NewtonSettings(path_control="auto")

@@ -68,7 +68,7 @@ def profile(strip: Strip, reach: float, coarse: float, steps: int) -> Profile:
     with clock.running():
         for step in path:
             timed.append(step)
-            # only the last step has its memory
+            # only the last step has its solver state
             solver_state = step.state.solver_state
             if solver_state is not None and len(solver_state.lbfgs_pairs.corrections) >= len(
                 pairs.corrections
@@ -197,11 +197,11 @@ def main(
     mesh: Annotated[
         list[str] | None, typer.Option(help="m1, m2, m3, or elements such as 200x10; repeatable.")
     ] = None,
-    reach: Annotated[float, typer.Option(help="Degrees that untimed steps lead to.")] = 90.0,
+    reach: Annotated[float, typer.Option(help="Degrees at the end of the untimed steps.")] = 90.0,
     coarse: Annotated[float, typer.Option(help="Degrees of an untimed step.")] = 0.5,
     steps: Annotated[int, typer.Option(min=1, help=f"Timed steps, of {STEP} degrees.")] = TIMED,
 ) -> None:
-    """Tell where the time of a load step of the peeled strip goes, on one thread."""
+    """Print where the time of a load step of the peeled strip goes, on one thread."""
     strips = [
         Strip(name, MESHES.get(elements) or parse_mesh("--mesh", elements))
         for name in space or SPACES

@@ -137,7 +137,7 @@ def main(
         list[str] | None, typer.Option(help=f"{', '.join(FAMILIES)}; all when left out; repeatable.")
     ] = None,
     mesh: Annotated[str, typer.Option(help="Elements of the strip that all others vary.")] = "200x10",
-    reach: Annotated[float, typer.Option(help="Degrees that untimed steps lead to.")] = 90.0,
+    reach: Annotated[float, typer.Option(help="Degrees at the end of the untimed steps.")] = 90.0,
     coarse: Annotated[float, typer.Option(help="Degrees of an untimed step.")] = 1.0,
     steps: Annotated[int, typer.Option(min=1, help=f"Timed steps, of {STEP} degrees.")] = TIMED,
     processes: Annotated[
@@ -145,7 +145,7 @@ def main(
     ] = False,
     to: Annotated[float, typer.Option(min=0, help="Last angle of --processes, in degrees.")] = 40.0,
 ) -> None:
-    """Tell how time and memory per load step grow, on one thread, each strip in a process of its own."""
+    """Print how time and memory per load step grow, on one thread, each strip in a process of its own."""
     console = wide_console()
     if processes:
         print_speed_up(console, to)

@@ -254,7 +254,7 @@ def main(
     out: Annotated[Path, typer.Option(help="Table of every strip.")] = Path("out/stress.csv"),
     case: Annotated[bool, typer.Option("--case", help="Print the cases instead of running them.")] = False,
 ) -> None:
-    """Draw strips at random, and tell how far each gets under automatic path control and by plain Newton."""
+    """Draw strips at random, and print how far each gets under automatic path control and by plain Newton."""
     chosen = [draw for draw in draws(seed, count) if not only or draw.number in only]
     if case:
         print("\n".join(draw.toml(to, step, "auto") for draw in chosen))

@@ -62,7 +62,7 @@ def main(
     to: Annotated[float, typer.Option(min=0, help="Last angle in degrees.")] = 150.0,
     processes: Annotated[int | None, typer.Option(min=1, help="All cores when left out.")] = None,
 ) -> None:
-    """Compute the published runs as `isopeel paper` does, without files or report, and tell their costs."""
+    """Compute the published runs as `isopeel paper` does, without files or report, and print their costs."""
     runs, workers = chosen_runs(space, mesh), processes or cores()
     bar = Progress(console=Console(stderr=True), transient=True)
     with bar:

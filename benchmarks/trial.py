@@ -35,7 +35,7 @@ _COLUMNS = (
 def outcomes(
     trials: Sequence[Trial], processes: int, limit: float, finished: Callable[[Trial, Outcome], None]
 ) -> Found:
-    """Run trials, and tell when each is finished; those that take longer than the limit are ended."""
+    """Run trials, and report when each is finished; those that take longer than the limit are ended."""
     # of this process, as those that run out of time leave theirs behind
     with TemporaryDirectory(prefix="isopeel-trial-") as folder:
         tasks = [Attempt(trial, Path(folder)) for trial in trials]
@@ -77,7 +77,7 @@ def report(found: Found, console: Console, *, everything: bool) -> None:
     close = sum(verdict(*one) is Verdict.WARNED_CLOSE for one in found)
     total = len(found)
     console.print(
-        f"on the default mesh {warned} of {default} cases carry a note or fail ({_percent(warned, default)})"
+        f"on the default mesh {warned} of {default} cases have a note or fail ({_percent(warned, default)})"
     )
     console.print(f"in the default space and on its mesh {of_space} of {both} ({_percent(of_space, both)})")
     console.print(f"right within 1 % but warned: {close} of {total} ({_percent(close, total)})")

@@ -71,7 +71,7 @@ def solution(below: IntArray) -> Work:
 
 
 def update(n: int, pairs: int) -> Work:
-    """Of what the pairs add to a solution: on the way there and back, a product and a sum of vectors each.
+    """Work of the L-BFGS update of a solution: a product and a sum of vectors for each pair in both loops.
 
     They are in single precision.
     """

@@ -25,11 +25,11 @@ from isopeel.solve.step import KINDS
 from trials.case import Reading, Trial
 from trials.energy import Gain, largest_gain
 
-#: How a case ended: to its last step, before it with a cause, refused as bad input, by an error that nobody
-#: foresaw, or stopped for lack of time.
+#: How a case ended: to its last step, before it with a cause, refused as bad input, by an unexpected
+#: error, or stopped for lack of time.
 Ending: TypeAlias = Literal["completed", "not converged", "refused", "crashed", "too slow"]
 
-#: Subjects of notes that say nothing against the numbers.
+#: Subjects of notes that are no doubt about the numbers.
 _NO_DOUBT = ("reading", "bifurcation")
 
 
@@ -116,7 +116,7 @@ def _run(source: str | Path, out: Path, reading: Reading) -> Outcome:
     )
 
 
-#: What the rows of a summary that tell of each reading begin with.
+#: The first words of the summary row of each reading.
 _ROWS: dict[Reading, tuple[str, ...]] = {
     "plateau": ("steady ", "mean "),
     "largest": ("largest force", "largest moment"),

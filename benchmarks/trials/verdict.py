@@ -46,7 +46,7 @@ def verdict(trial: Trial, outcome: Outcome) -> Verdict:
 
 
 def warned_by_default(found: Sequence[tuple[Trial, Outcome]], *, any_space: bool = True) -> tuple[int, int]:
-    """Of the cases on the default mesh how many carry a doubt, or failed, and how many there are.
+    """Of the cases on the default mesh how many have a doubt, or failed, and how many there are.
 
     Of `any_space`, or of the default one only.
     """

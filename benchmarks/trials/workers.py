@@ -50,7 +50,7 @@ def run_all(
     limit: float,
     finished: Callable[[int, object], None],
 ) -> list[object]:
-    """Run tasks, each in `limit` seconds of the processor, and tell when each is finished; in their order."""
+    """Run tasks, each in `limit` seconds of the processor; report each end, return results in order."""
     done: dict[int, object] = {}
     waiting = list(reversed(range(len(tasks))))
     with _workers(min(processes, len(tasks)), limit) as workers:

@@ -86,17 +86,17 @@ class Prescribed:
         self.closed = True
 
 
-def advanced(*programs: Prescribed) -> "Comparison":
+def compared(*programs: Prescribed) -> "Comparison":
     from comparison import Comparison, Entry
 
     comparison = Comparison([Entry(program) for program in programs])
-    comparison.advance([0.0, 1.0, 2.0], timed=True)
+    comparison.trace([0.0, 1.0, 2.0], timed=True)
     return comparison
 
 
 def test_no_time_is_shown_of_a_program_that_disagrees() -> None:
     right, wrong = Prescribed("right", 9e-9), Prescribed("wrong", 2e-8)
-    comparison = advanced(Prescribed("isopeel"), right, wrong)
+    comparison = compared(Prescribed("isopeel"), right, wrong)
     assert [entry.program.label for entry in comparison.entries] == ["isopeel", "right"]
     # 9e-9 is known to 2e-16 beside a moment of 2
     assert comparison.largest_difference == pytest.approx(9e-9, rel=1e-6)
@@ -108,7 +108,7 @@ def test_no_time_is_shown_of_a_program_that_disagrees() -> None:
 
 
 def test_the_comparison_ends_where_a_program_finds_no_equilibrium() -> None:
-    comparison = advanced(Prescribed("isopeel"), Prescribed("other", count=2))
+    comparison = compared(Prescribed("isopeel"), Prescribed("other", count=2))
     assert comparison.notes == [
         "no equilibrium at 114.592 degrees, where the comparison ends: other (none after 25 iterations)"
     ]
@@ -117,7 +117,7 @@ def test_the_comparison_ends_where_a_program_finds_no_equilibrium() -> None:
 
 
 def test_a_program_that_breaks_does_not_end_the_others() -> None:
-    comparison = advanced(Prescribed("isopeel"), Prescribed("broken", gone=True), Prescribed("other"))
+    comparison = compared(Prescribed("isopeel"), Prescribed("broken", gone=True), Prescribed("other"))
     assert comparison.notes == ["broken is left out: it ended with status -11"]
     assert [len(entry.steps) for entry in comparison.entries] == [3, 3]
 

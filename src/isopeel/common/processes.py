@@ -57,7 +57,7 @@ def worker_pool(workers: int, begin: Callable[[], None] | None = None) -> Iterat
 def compute_all(
     tasks: Sequence[Callable[[], object]], workers: int, finished: Callable[[int, Done], None]
 ) -> list[Done]:
-    """Compute tasks that do not depend on each other, and tell when each is finished; in their order.
+    """Compute independent tasks, and report when each is finished; return results in their order.
 
     Raises WorkerLostError where a process is ended, and what a task raises.
     """
