@@ -130,9 +130,9 @@ def test_the_slider_moves_all_pictures(browser: webdriver.Chrome, strip_page: Pa
     slider(browser).send_keys(Keys.ARROW_LEFT)
     before = pictures(browser)
     assert all(before[name] != last[name] for name in last)
-    told = slider(browser).get_attribute("aria-valuetext") or ""
-    assert told.startswith("20° · M = ")
-    assert browser.find_element(By.CSS_SELECTOR, ".told").get_property("textContent") == told
+    readout = slider(browser).get_attribute("aria-valuetext") or ""
+    assert readout.startswith("20° · M = ")
+    assert browser.find_element(By.CSS_SELECTOR, ".state-readout").get_property("textContent") == readout
     slider(browser).send_keys(Keys.ARROW_RIGHT)
     assert pictures(browser) == last
 
@@ -159,8 +159,8 @@ def test_a_click_on_the_curve_chooses_the_state_next_to_it(
     point(browser, "canvas.curve", "pointerdown", width * 0.4, 100)
     assert (slider(browser).get_attribute("aria-valuetext") or "").startswith("10°")
     point(browser, "canvas.curve", "pointermove", width * 0.55, 100)
-    told = browser.find_element(By.CSS_SELECTOR, ".curve-readout").text
-    assert told.startswith("15°")  # a step, whose state is not stored
+    readout = browser.find_element(By.CSS_SELECTOR, ".curve-readout").text
+    assert readout.startswith("15°")  # a step, whose state is not stored
     assert (slider(browser).get_attribute("aria-valuetext") or "").startswith("10°")
 
 
@@ -195,8 +195,8 @@ def test_the_stress_under_the_pointer_is_that_of_the_run(browser: webdriver.Chro
     """
     px, py, scale = browser.execute_script(axes, float(x), float(y))
     point(browser, "canvas.front", "pointermove", px, py)
-    told = browser.find_element(By.CSS_SELECTOR, ".front-readout").text
-    shown = float(told.removeprefix("I₁ = ").replace("−", "-"))
+    readout = browser.find_element(By.CSS_SELECTOR, ".front-readout").text
+    shown = float(readout.removeprefix("I₁ = ").replace("−", "-"))
     # a level of 127 each way, two digits, and a dot of the screen: of all stress 3 % together
     assert shown == pytest.approx(float(fields.first_invariant[29, 0, 1, 1]), abs=0.03 * scale)
     assert abs(shown) > 0.1 * scale
@@ -300,9 +300,9 @@ def test_each_stage_has_its_own_slider(browser: webdriver.Chrome, staged_page: P
 
 def test_a_failed_run_says_so(browser: webdriver.Chrome, tmp_path: Path) -> None:
     show(browser, write_html_report(failed(tmp_path)))
-    told = browser.find_element(By.CSS_SELECTOR, ".ending").text
-    assert told.startswith("No equilibrium at 40°: ")
-    assert "What to try: " in told
+    readout = browser.find_element(By.CSS_SELECTOR, ".ending").text
+    assert readout.startswith("No equilibrium at 40°: ")
+    assert "What to try: " in readout
     assert browser.find_element(By.CSS_SELECTOR, "canvas.curve").is_displayed()
 
 

@@ -22,7 +22,7 @@ function cleared(canvas) {
   return { context, width, height, dots };
 }
 
-/** Round values in a range, about so many, and how many digits after the point tell them apart. */
+/** Round values in a range, about so many, and how many digits after the point distinguish them. */
 function ticksOf([low, high], count) {
   const rough = (high - low) / Math.max(count, 1);
   const power = 10 ** Math.floor(Math.log10(rough));
@@ -58,7 +58,7 @@ function shown(value, digits = 6) {
   return `${withMinus(String(Number((value / 10 ** exponent).toPrecision(digits))))}·${powerOfTen(exponent)}`;
 }
 
-/** Axes of a canvas over a part of the plane; x(value) and y(value) tell where a point is. */
+/** Axes of a canvas over a part of the plane; x(value) and y(value) return the place of a point. */
 class Axes {
   /**
    * `equal` widens the part so that lengths are the same both ways. `names` are of x and y, the latter written

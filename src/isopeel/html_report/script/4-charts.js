@@ -47,15 +47,15 @@ class Curve {
   }
 
   /** A value with its symbol and unit, such as "F = 1.63 N/m". */
-  static told(column, k, digits) {
+  static withUnit(column, k, digits) {
     const gap = column.unit === "°" ? "" : "\u00a0";
     return `${shown(column.values[k], digits)}${gap}${column.unit}`;
   }
 
-  /** What is said of a step. */
-  telling(k) {
-    const parameter = Curve.told(this.parameter, k, 6);
-    const reaction = `${this.reaction.symbol} = ${Curve.told(this.reaction, k, 6)}`;
+  /** The text on a step: its parameter, reaction and iterations. */
+  summary(k) {
+    const parameter = Curve.withUnit(this.parameter, k, 6);
+    const reaction = `${this.reaction.symbol} = ${Curve.withUnit(this.reaction, k, 6)}`;
     const count = this.iterations[k];
     return `${parameter} · ${reaction} · ${count} ${count === 1 ? "iteration" : "iterations"}`;
   }

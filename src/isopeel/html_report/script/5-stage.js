@@ -90,18 +90,18 @@ class Stage {
     }
   }
 
-  /** Tell where a pointer is on a canvas, and whether it is pressed; and when it leaves. */
+  /** Report the place of a pointer on a canvas, whether it is pressed, and when it leaves. */
   onPointer(canvas, moved, left = () => {}) {
-    const tell = (event, pressed) => {
+    const report = (event, pressed) => {
       const { x, y } = canvas.getBoundingClientRect();
       if (pressed) this.pause();
       moved(event.clientX - x, event.clientY - y, pressed);
     };
     canvas.addEventListener("pointerdown", (event) => {
       canvas.setPointerCapture(event.pointerId);
-      tell(event, true);
+      report(event, true);
     });
-    canvas.addEventListener("pointermove", (event) => tell(event, event.buttons > 0));
+    canvas.addEventListener("pointermove", (event) => report(event, event.buttons > 0));
     canvas.addEventListener("pointerleave", left);
   }
 
@@ -131,11 +131,11 @@ class Stage {
     this.chosen = number;
     this.slider.value = String(number);
     const { step, residuals } = this.states[number];
-    const telling = this.curve.telling(step);
-    this.slider.setAttribute("aria-valuetext", telling);
-    this.find(".told").textContent = telling;
-    const told = residuals.map((value) => shown(value, 2)).join(", ");
-    this.find(".residuals").textContent = residuals.length ? `Energy residuals of this step: ${told}` : "";
+    const summary = this.curve.summary(step);
+    this.slider.setAttribute("aria-valuetext", summary);
+    this.find(".state-readout").textContent = summary;
+    const words = residuals.map((value) => shown(value, 2)).join(", ");
+    this.find(".residuals").textContent = residuals.length ? `Energy residuals of this step: ${words}` : "";
     this.draw();
   }
 
@@ -173,9 +173,9 @@ class Stage {
     const step = this.steps[this.chosen];
     this.curveAxes = this.curve.draw(
       this.canvas.curve, this.view, content.theory, content.window, this.steps, step, this.hovered);
-    const told = this.hovered ?? step;
+    const at = this.hovered ?? step;
     this.find(".curve-readout").textContent =
-      (this.hovered === null ? "" : `${this.curve.telling(told)} · `) + this.curve.details(told);
+      (this.hovered === null ? "" : `${this.curve.summary(at)} · `) + this.curve.details(at);
   }
 
   /** Where the picture of the front is in that of the whole body. */
