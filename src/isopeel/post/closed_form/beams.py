@@ -1,4 +1,4 @@
-"""Beams that peel: moments and forces that an energy release rate asks for. All per unit width.
+"""Beams that peel: moments and forces for a given energy release rate. All per unit width.
 
 `bending_stiffness` is E' I of one beam per width, E' h^3/12 of a strip in plane strain. A length dl that
 peels releases what the load does less what it stores in the beam.
@@ -16,12 +16,12 @@ def beam_moment(work: float, bending_stiffness: float) -> float:
 
 
 def double_cantilever_moment(energy_release_rate: float, bending_stiffness: float) -> float:
-    """Moment M = sqrt(G E' I) on each arm of a double cantilever beam: two arms release M^2/(2 E' I) each."""
+    """Return the moment M = sqrt(G E' I) on each arm of a double cantilever: each releases M^2/(2 E' I)."""
     return sqrt(energy_release_rate * bending_stiffness)
 
 
 def double_cantilever_force(energy_release_rate: float, bending_stiffness: float, opening: float) -> float:
-    """Force P = sqrt(2/3) G^(3/4) (E' I)^(1/4) D^(-1/2) on each arm, at the opening D of both together.
+    """Return the force P = sqrt(2/3) G^(3/4) (E' I)^(1/4) D^(-1/2) on each arm, for the total opening D.
 
     The crack's length a drops out of the bending of both arms, D = 2 P a^3/(3 E' I), and of the moment
     P a = sqrt(G E' I) at its tip. Arms are slender, clamped at the tip, and turn little.

@@ -86,7 +86,7 @@ def invalid(
     adhering_end: float,
     shown: Callable[[float], str] = "{:.4g} L0".format,
 ) -> str | None:
-    """Why a closed form does not hold where a curve is read, or None where it does.
+    """Return why a closed form is not valid where a curve is read, or None where it is.
 
     `crack_lengths` are those from the driven end to the front (L0) where the reading begins and where it
     ends, None without a front; `adhering_end` is where the joint ends, from the same end, and `shown` writes
@@ -105,7 +105,7 @@ def invalid(
 
 
 def decay_length(problem: Problem, height: float) -> float | None:
-    """Length (4 E'I/k)^(1/4) over which a front reaches into a joint; None where the law attracts nowhere.
+    """Return the length (4 E'I/k)^(1/4) that a front reaches into a joint; None without attraction.
 
     Of a beam on springs (Hetenyi, Beams on Elastic Foundation, 1946) with the mean stiffness
     k = strength^2/(2 W) of the law on its way to parting, and of a layer at least its height.
@@ -121,7 +121,7 @@ def decay_length(problem: Problem, height: float) -> float | None:
 
 
 def lies_free(problem: Problem, strip: FreeStrip) -> bool:
-    """Whether a slender strip lies at the equilibrium gap, adheres up to its far end, and is held there."""
+    """Return whether a slender strip lies at the equilibrium gap, adheres to its far end, and is held."""
     adhesion, substrate, driven = problem.adhesion, problem.adhesion.substrate, problem.drive.side
     place = problem.body.shape.boundary(adhesion.side).evaluate([adhesion.start])
     gap, _, _ = evaluate_substrate(substrate.kernel, substrate.parameters, place)
@@ -134,7 +134,7 @@ def lies_free(problem: Problem, strip: FreeStrip) -> bool:
 
 
 def _tension(problem: Problem, strip: FreeStrip) -> float:
-    """Return the force per width along the strip that it is laid with."""
+    """Return the tension per width with which the strip was laid."""
     material = problem.body.material
     stress = evaluate_material(material.kernel, material.parameters, np.eye(2)[None])[1]
     tension = strip.height * float(stress[0, 0, 0])
@@ -169,7 +169,7 @@ def _beam(problem: Problem, strip: FreeStrip, element: float | None) -> Theory |
 
 
 def _tape(problem: Problem, strip: FreeStrip, element: float | None) -> Theory | None:
-    """A strip that a dead force pulls off: Kendall's tape, or one that slides where nothing holds it."""
+    """Return the theory of a strip peeled by a dead force: Kendall's tape, or a tape that slides."""
     adhesion, drive, load = problem.adhesion, problem.drive, problem.drive.load
     if load is None or load.follows or load.control == "force" or (load.start, load.end) != (0.0, 1.0):
         return None
@@ -209,12 +209,12 @@ def _tape(problem: Problem, strip: FreeStrip, element: float | None) -> Theory |
 
 
 def reach_behind(problem: Problem, height: float) -> float:
-    """Length that a front reaches into a joint by bending and by shear: less of it ends steady peeling."""
+    """Return the reach of a front into a joint by bending and shear; with a shorter rest it is not steady."""
     return _DECAY * max(decay_length(problem, height) or height, _shear_lag(problem, height))
 
 
 def _shear_lag(problem: Problem, height: float) -> float:
-    """Length sqrt(E'h/k) over which a joint takes up a tension along it, k = 2 W/d^2; 0 where it slides."""
+    """Return the length sqrt(E'h/k) over which a joint takes up a tension, k = 2 W/d^2; 0 where it slides."""
     sliding, work = problem.adhesion.sliding_length, problem.adhesion.law.work_of_adhesion
     stiffness = plane_strain_modulus(problem.body.material) * height
     return 0.0 if sliding is None else sliding * sqrt(stiffness / (2 * work))

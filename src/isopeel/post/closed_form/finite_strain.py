@@ -19,12 +19,12 @@ from isopeel.common.arrays import FloatArray
 from isopeel.physics.batch import evaluate_material
 from isopeel.physics.materials import Material
 
-_FURTHEST = 100.0  # stretch: no tape of a laboratory is stretched by more
-_STEP = 1.05  # from one stretch to the next one that is tried; a factor
+_FURTHEST = 100.0  # largest stretch: no tape of a laboratory is stretched by more
+_STEP = 1.05  # factor from one tried stretch to the next
 # of the polynomial across a bent section, and its Gauss points: round-off at strain 0.3
 _ORDER, _POINTS = 8, 10
 _NEWTON = 30  # iterations: the first guess is a beam's, from which a few are enough at moderate strain
-# where a formula is no number at large strains, `brentq` and `numpy.linalg` raise kinds of ValueError
+# where a formula is nan at large strains, `brentq` and `numpy.linalg` raise kinds of ValueError
 _NONE = (ArithmeticError, ValueError)
 
 
@@ -42,7 +42,7 @@ class Membrane:
     height: float
 
     def state(self, stretch: float) -> tuple[float, float]:
-        """Energy, above that of the reference shape, and force S = h dpsi/dlambda, per reference length.
+        """Return the energy above that of the reference shape, and S = h dpsi/dlambda, per reference length.
 
         Raises ArithmeticError where no transverse stretch leaves the tape free of stress across.
         """
@@ -106,7 +106,7 @@ def peeled_tape(
 
     try:
         slack = tape.stretch(0.0)
-        # a tape that stores more than the joint takes comes off by itself
+        # a tape that stores more energy than the joint takes comes off by itself
         if released(slack) >= 0:
             return None
         low, high = slack, slack
@@ -123,7 +123,10 @@ def peeled_tape(
 
 
 def _root_around(function: Callable[[float], float], start: float) -> float:
-    """The root nearest to a positive start of a function that rises through it. Raises ArithmeticError."""
+    """Return the root next to a positive start of a function that rises through it.
+
+    Raises ArithmeticError.
+    """
     from scipy.optimize import brentq
 
     value = function(start)
@@ -149,7 +152,7 @@ class BentStrip:
 
 
 def bent_strip(material: Material, height: float, work: float, curvature: float) -> BentStrip | None:
-    """The moment that peels a strip, at any bending strain: M kappa - U(kappa) = W; None where none does.
+    """Return the moment that peels a strip at any bending strain: M kappa - U(kappa) = W; None without one.
 
     U is the energy per reference length of a strip bent to a uniform curvature kappa (turn per reference
     length), M = dU/dkappa, and `curvature` a first guess, that of beam theory. In plane strain the section
@@ -184,7 +187,7 @@ class _Section:
     height: float
 
     def bent(self, curvature: float) -> tuple[float, float]:
-        """Energy, above that of the reference shape, per reference length, and moment at a curvature.
+        """Return the energy per reference length above that of the reference shape, and the moment.
 
         Raises ArithmeticError where there is no equilibrium.
         """

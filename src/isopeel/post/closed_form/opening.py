@@ -8,14 +8,15 @@ from isopeel.post.closed_form.expected import decay_length, lies_free
 from isopeel.post.closed_form.strip import free_strip
 from isopeel.problem import Problem
 
-# Each of the limits keeps the force at a given lift within 1 %. What the root of the arm gives way lengthens
-# the crack and drops out of that to first order: of an arm on springs, exactly, (decay length/crack)^3/4 of
-# the force remains (from the compliance of a beam on springs, that of `front.beam_decay`).
+# Each of the limits keeps the error of the force at a given lift within 1 %. The compliance of the arm's root
+# lengthens the crack; its effect on the force vanishes to first order: for an arm on springs the relative
+# error is exactly (decay length/crack)^3/4 (from the compliance of a beam on springs, that of
+# `front.beam_decay`).
 _SLENDER = 8.0  # crack over height: shear adds about (3/4)(height/crack)^2 to the compliance
 _DECAYS = 4.0  # crack over decay length
 _GROWN = 1.0  # decay lengths that the crack has grown by
 _LEFT = 2.0  # decay lengths of the joint that are left
-#: Lift over crack up to which the small turns of beam theory give a crack's length within 1.4 %.
+#: Lift over crack up to which the small rotations of beam theory give a crack's length within 1.4 %.
 _SLOPE = 0.25
 
 
@@ -27,24 +28,25 @@ class LiftedArm:
     work: float
 
     def crack_length(self, lift: float) -> float:
-        """Length a = (9 E'I d^2/(2 W))^(1/4), (3 E'h^3 d^2/(8 W))^(1/4) of a strip, at small turns.
+        """Return the length a = (9 E'I d^2/(2 W))^(1/4), for a strip (3 E'h^3 d^2/(8 W))^(1/4).
 
-        By the moment P a = sqrt(2 E'I W) at the front and d = P a^3/(3 E'I). It is that of an arm clamped at
-        the front: what the root gives way is part of it.
+        It is valid at small rotations, and follows from the moment P a = sqrt(2 E'I W) at the front and d = P
+        a^3/(3 E'I). It is the length of an arm clamped at the front: the compliance of the root is part of
+        it.
         """
         return float((9 * self.bending_stiffness * lift**2 / (2 * self.work)) ** 0.25)
 
     def crack_by_compliance(self, lift: float, force: float) -> float:
-        """Return the length a = (3 E'I d/P)^(1/3) of an arm clamped at its front that is as compliant."""
+        """Return the length a = (3 E'I d/P)^(1/3) of an arm clamped at its front with the same compliance."""
         return float((3 * self.bending_stiffness * lift / force) ** (1 / 3))
 
     def force(self, lift: float) -> float:
-        """Force P of the elastica, at turns of any size; `double_cantilever_force` where they are small.
+        """Return the force P of the elastica at any rotation; for small ones it is `double_cantilever_force`.
 
-        A dead force P across the joint turns the end by phi. Along the arm E'I theta'^2/2 =
+        A dead force P across the joint rotates the end by phi. Along the arm E'I theta'^2/2 =
         P (sin phi - sin theta), and the joint takes W = M^2/(2 E'I) = P sin phi at the front. So
         d = sqrt(E'I/(2 P)) int_0^phi sin(theta)/sqrt(sin(phi) - sin(theta)) dtheta, which is solved for phi.
-        Much higher lifts than sqrt(E'I/W) turn the arm upright: then P = W, that of a tape at 90 degrees.
+        Lifts much larger than sqrt(E'I/W) rotate the arm by 90 degrees: then P = W, as for a tape.
         """
         from scipy.integrate import quad
         from scipy.optimize import brentq
@@ -63,7 +65,7 @@ class LiftedArm:
 
 @dataclass(frozen=True)
 class Opening:
-    """The closed form of an opening test at its end: lengths are None where turns are not small."""
+    """The closed form of an opening test at its end: lengths are None where rotations are not small."""
 
     force: float
     crack_length: float | None
@@ -71,10 +73,10 @@ class Opening:
 
 
 def opening(problem: Problem, lift: float, force: float) -> Opening | str | None:
-    """What an arm needs at a lift of its end where a run has a force; a text says why no form is valid.
+    """Return the closed form for the lift of an arm's end, a text on why it is not valid, or None.
 
-    None where the problem is another one: it takes a slender strip that lies on a flat substrate, or on its
-    mirror image, lifted across at its end and held at the other one.
+    `force` is that of the run. None is returned for other problems: the form is that of a slender strip on a
+    flat substrate, or on its mirror image, lifted across at one end and held at the other.
     """
     strip, load = free_strip(problem), problem.drive.load
     if strip is None or load is None or load.follows or problem.adhesion.side != "bottom":

@@ -22,7 +22,7 @@ class BeamPeeling:
     length: float  # of the strip
 
     def period_deg(self, elements: int) -> float:
-        """Rotation in which the front passes one of equal elements: the period of a mesh's oscillation."""
+        """Return the rotation in which the front passes one of equal elements: the period of oscillation."""
         return degrees(self.length / elements / self.radius)
 
 
@@ -56,12 +56,12 @@ def free_strip(problem: Problem) -> FreeStrip | None:
 
 
 def beam_peeling(problem: Problem) -> BeamPeeling | None:
-    """Closed form of a straight strip peeled by a rotated end; None where the problem is another one.
+    """Return the closed form of a straight strip peeled by a rotated end; None for other problems.
 
     A length dl that peels takes W dl to part and M^2/(2 E' I) dl to bend, while the moment does the work
     M dl/rho, 1/rho = M/(E' I). Hence M = sqrt(2 E' I W), with E' = E/(1 - nu^2) and I = h^3/12 of a strip in
-    plane strain. Peeling begins at the angle (free length)/rho; free is what lies between the adhering part
-    and the driven end.
+    plane strain. Peeling begins at the angle (free length)/rho; the free length is that between the adhering
+    part and the driven end.
     """
     strip = free_strip(problem)
     if strip is None or not isinstance(problem.drive, RotatedSide):

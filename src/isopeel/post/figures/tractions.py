@@ -60,7 +60,7 @@ def tractions_figure(
 
 
 def broken(x: FloatArray, y: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Lines of values (n, k) that end with each of n elements, so that jumps between them stay open."""
+    """Return lines of values (n, k) with a gap after each of n elements, so that jumps are not joined."""
     ends = np.full((len(x), 1), np.nan)
     return np.hstack([x, ends]).ravel(), np.hstack([y, ends]).ravel()
 
