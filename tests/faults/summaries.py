@@ -8,7 +8,7 @@ from isopeel.post.laboratory import Laboratory
 from isopeel.post.summary import summarize
 from isopeel.post.summary_table import Row, summary_rows
 from isopeel.results.curve import Curve
-from isopeel.results.fields import Field, Fields
+from isopeel.results.fields import KeptStates, StoredState
 from isopeel.results.provenance import Provenance
 from isopeel.results.run_file import StoredRun, run_attributes
 from isopeel.solve.newton import NewtonSettings
@@ -49,23 +49,23 @@ def told_by(text: str) -> Told:
     case = Case.parse(text)
     space, base = case.space(), None
     for stage in case.stages():
-        fields: Fields[Field] = Fields(stage.fields_every)
+        kept = KeptStates(stage.fields_every)
         steps = []
         settings = NewtonSettings(path_control=stage.path_control)
         for step in trace(stage.problem, space, stage.parameters, settings, base=base):
             steps.append(step)
             at = stage.problem.drive.parameter_column.shown(step.parameter)
-            fields.take(float(at), Field(step.displacement, step.maximum_openings))
+            kept.take(StoredState(step.number, float(at), step.displacement, step.maximum_openings))
         before, base = base, steps[-1].state
     attributes = run_attributes(stage.problem, space, Provenance.of_this_process())
     run = StoredRun(
         text,
         Curve.of(steps, stage.problem.drive),
-        {},
+        kept.all(),
         {"L0": case.units.length, "E0": case.units.stress, **attributes},
         "completed",
         base=None if before is None else before.displacement,
-    ).with_states(fields.all())
+    )
     laboratory = Laboratory.of(case.units.system(), stage.problem, case.body.width)
     found = find(stage.problem, space, run, stage.window, laboratory)
     summary = summarize(case.name, run, found, 1.0, [])

@@ -5,7 +5,6 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-import h5py
 import numpy as np
 import pytest
 from rich.console import Console
@@ -16,13 +15,9 @@ from isopeel.case import Case
 from isopeel.common.arrays import FloatArray
 from isopeel.common.errors import InputError
 from isopeel.html_report.content import stage_content
-from isopeel.output.export import export_run
-from isopeel.output.plot import plot_run
 from isopeel.physics.batch import evaluate_law
-from isopeel.post.findings import history_notes
 from isopeel.post.front import front_profile, process_zones
 from isopeel.post.grids import side_grids, side_mesh
-from isopeel.results.run_file import read_run
 from isopeel.running.resume import resume_case
 from isopeel.running.run import run_case
 from isopeel.running.run_reader import StoredStage, read_stages
@@ -281,43 +276,6 @@ def test_a_resumed_run_has_the_history_of_one_that_was_not(folders: dict[str, Pa
         for at in other.run.fields:
             np.testing.assert_array_equal(one.run.maximum_openings[at], other.run.maximum_openings[at])
             np.testing.assert_array_equal(integral(one, at), integral(other, at))
-
-
-def without_openings(folder: Path) -> None:
-    """Make the files of a run those of version 0.1.0."""
-    for file in folder.rglob("run.h5"):
-        with h5py.File(file, "a") as content:
-            del content["fields/openings"]
-
-
-def test_a_file_without_history_is_read_and_says_so(tmp_path: Path) -> None:
-    out = tmp_path / "out"
-    run_case(Case.parse(BLOCK + BLOCK_STAGES), out, QUIET)
-    without_openings(out)
-    stages = read_stages(out)
-    assert all(stage.run.lacks_history for stage in stages)
-    for stage in stages:
-        (note,) = history_notes(stage.stage.problem, stage.run)
-        assert [one.text for one in stage.found().doubts].count(note.text) == 1
-        assert "\n" not in note.text
-    # never opened farther than now: the envelope at 0.4
-    last = stages[-1]
-    tension = -integral(last, 0.4)[1]
-    assert tension == pytest.approx(envelope(0.4), rel=1e-4)
-    with (tmp_path / "message").open("w") as file:
-        console = Console(file=file, width=400)
-        export_run(out, None, 1, console)
-        plot_run(stages[-1].folder, ["tractions"], [], "png", None, console)
-    assert (tmp_path / "message").read_text().count("holds no history") == 4
-    # what goes on after it knows its own history, and not that of the states before
-    resume_case(out, QUIET, to="0.6 mm")
-    run = read_run(last.folder / "run.h5")
-    known = {
-        at: not np.isnan(maximum_openings).any() for at, maximum_openings in run.maximum_openings.items()
-    }
-    assert known[list(known)[-1]]
-    assert not known[0.4] if 0.4 in known else True
-    assert run.lacks_history
 
 
 def test_an_irreversible_joint_is_not_shown_as_virgin_in_silence(folders: dict[str, Path]) -> None:

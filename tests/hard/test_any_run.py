@@ -16,6 +16,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from isopeel.cli import main
+from isopeel.results.schema import checksum
 
 LIMIT = 20.0  # seconds; a page takes about one
 COMMANDS = [
@@ -70,8 +71,10 @@ def stored(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def with_text(text: str) -> Change:
     def change(file: Path) -> None:
         with h5py.File(file, "r+") as opened:
+            stored = text.encode("utf-8", "replace").replace(b"\0", b"?")
             del opened["case"]
-            opened["case"] = text.encode("utf-8", "replace").replace(b"\0", b"?").decode()
+            opened["case"] = stored.decode()
+            opened["case"].attrs["checksum"] = checksum(stored)
 
     return change
 

@@ -17,7 +17,7 @@ from runs import failed, staged, strip
 from isopeel import InputError
 from isopeel.cli import main
 from isopeel.html_report import content
-from isopeel.html_report.content import field_steps, plain, stage_content
+from isopeel.html_report.content import plain, stage_content
 from isopeel.html_report.markup import curve_legend
 from isopeel.html_report.region import substrate_region
 from isopeel.html_report.write import html_report, write_html_report
@@ -138,15 +138,8 @@ def path(run: StoredRun, parameters: list[float], fields: list[float]) -> Stored
     for name in vars(curve).keys() - whole - {"parameter_column", "reaction_column"}:
         columns[name] = np.zeros(number)
     columns |= {"parameter": np.array(parameters), "energy_residuals": np.empty(0)}
-    return replace(run, curve=replace(curve, **columns), fields=dict.fromkeys(fields, run.fields[0.0]))
-
-
-def test_a_state_is_that_of_the_step_whose_displacement_was_kept(stage: StoredStage) -> None:
-    # past 10, back below it, and past it again at the same parameter: the last of these is kept
-    run = path(stage.run, [0.0, 10.0, 12.0, 9.0, 10.0, 13.0], [0.0, 10.0, 9.0, 13.0])
-    assert field_steps(run) == {0: 0.0, 3: 9.0, 4: 10.0, 5: 13.0}
-    with pytest.raises(InputError, match="at a parameter without a step"):
-        field_steps(path(stage.run, [0.0, 1.0], [0.5]))
+    states = [run.states[0]._replace(step=parameters.index(at), parameter=at) for at in fields]
+    return replace(run, curve=replace(curve, **columns), states=tuple(states))
 
 
 def test_branches_and_jumps_are_reported_apart(stage: StoredStage) -> None:
@@ -178,13 +171,14 @@ def test_branches_and_jumps_are_reported_apart(stage: StoredStage) -> None:
 
 def test_what_is_no_number_is_refused(folder: Path, tmp_path: Path) -> None:
     run = read_run(folder / "run.h5")
-    fields = {**run.fields, 30.0: np.full_like(run.fields[30.0], np.nan)}
+    last = run.states[-1]
+    states = (*run.states[:-1], last._replace(displacement=np.full_like(last.displacement, np.nan)))
     reaction = np.where(run.curve.parameter > 20, np.inf, run.curve.reaction)
     for changed, message in (
-        (replace(run, fields=fields), "displacements that are no numbers"),
+        (replace(run, states=states), "/fields/displacement has numbers that are not finite"),
         (
             replace(run, curve=replace(run.curve, reaction=reaction)),
-            "its curve holds a value that is not a number",
+            "curve/reaction has numbers that are",
         ),
     ):
         write_run(tmp_path / "run.h5", changed)
@@ -269,10 +263,10 @@ def test_runs_that_did_not_end_say_so(stage: StoredStage, tmp_path: Path) -> Non
 def test_a_run_without_a_step_has_a_page_too(tmp_path: Path) -> None:
     (stopped,) = read_stages(failed(tmp_path))
     nothing = path(stopped.run, [], [])
-    found = Elements(html_report((replace(stopped, run=replace(nothing, fields={})),)))
+    found = Elements(html_report((replace(stopped, run=replace(nothing, states=())),)))
     assert any("No equilibrium" in text for text in found.texts["p"])
     assert json.loads(found.texts["script"][0])["stages"] == {}
-    found = Elements(html_report((replace(stopped, run=replace(stopped.run, fields={})),)))
+    found = Elements(html_report((replace(stopped, run=replace(stopped.run, states=())),)))
     assert json.loads(found.texts["script"][0])["stages"] == {}
 
 

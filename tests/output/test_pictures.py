@@ -166,7 +166,7 @@ def test_animations_that_cannot_be_made(
     for option, value in (("--format", "avi"), ("--fps", "0"), ("--size", "641x302"), ("--size", "9x9")):
         assert f"{option}: " in refused(capsys, "animate", runs / "L1", option, value)
     stored = read_run(runs / "L1" / "run.h5")
-    one_state = replace(stored, fields={0.0: stored.fields[0.0]})
+    one_state = replace(stored, states=stored.states[:1])
     write_run(tmp_path / "run.h5", one_state)
     assert "two stored states or more" in refused(capsys, "animate", tmp_path)
 
@@ -246,10 +246,11 @@ def test_what_is_no_run_is_refused(
     assert "it is no folder" in refused(capsys, command, tmp_path / "nowhere")
     assert "there is no run.h5 in it" in refused(capsys, command, tmp_path)
     stored = read_run(runs / "L1" / "run.h5")
-    last = max(stored.fields)
+    last = stored.states[-1]
+    no_numbers = last._replace(displacement=last.displacement * np.nan)
     for changed, message in (
-        (replace(stored, fields={**stored.fields, last: stored.fields[last] * np.nan}), "without a value"),
-        (replace(stored, fields={}), "no step of the run in it converged"),
+        (replace(stored, states=(*stored.states[:-1], no_numbers)), "not finite"),
+        (replace(stored, states=()), "no step of the run in it converged"),
     ):
         write_run(tmp_path / "run.h5", changed)
         assert message in refused(capsys, command, tmp_path)
@@ -290,7 +291,7 @@ def test_a_run_of_one_step_has_figures(runs: Path, tmp_path: Path) -> None:
     )
     for name in ("one", "two"):
         (tmp_path / name).mkdir()
-        write_run(tmp_path / name / "run.h5", replace(stored, curve=first, fields={0.0: stored.fields[0.0]}))
+        write_run(tmp_path / name / "run.h5", replace(stored, curve=first, states=stored.states[:1]))
     assert main(["plot", str(tmp_path / "one")]) == 0
     drawn = {path.name for path in (tmp_path / "one" / "figures").iterdir()}
     assert drawn == {"curve.png", "shapes.png", "front.png", "tractions.png"}

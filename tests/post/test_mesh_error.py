@@ -10,6 +10,7 @@ from isopeel.common.arrays import FloatArray
 from isopeel.post.mesh_error import MeshChange, mesh_changes
 from isopeel.post.notes import MESH_CHANGE
 from isopeel.results.curve import Curve
+from isopeel.results.fields import StoredState
 from isopeel.results.run_file import StoredRun
 from isopeel.solve.newton import NewtonSettings
 from isopeel.solve.trace import trace
@@ -68,12 +69,12 @@ def _changes(text: str) -> tuple[list[MeshChange], Curve]:
         trace(stage.problem, case.space(), stage.parameters, NewtonSettings(path_control=stage.path_control))
     )
     curve = Curve.of(steps, stage.problem.drive)
-    fields = {at: step.displacement for at, step in zip(curve.parameter.tolist(), steps, strict=True)}
-    kept = {at: fields[at] for at in [*list(fields)[::4], list(fields)[-1]]}
-    maximum_openings = {
-        at: step.maximum_openings for at, step in zip(curve.parameter.tolist(), steps, strict=True)
-    }
-    run = StoredRun(case.text, curve, kept, {}, "completed", maximum_openings=maximum_openings)
+    states = [
+        StoredState(step.number, at, step.displacement, step.maximum_openings)
+        for at, step in zip(curve.parameter.tolist(), steps, strict=True)
+    ]
+    kept = (*states[:-1:4], states[-1])
+    run = StoredRun(case.text, curve, kept, {}, "completed")
     return mesh_changes(stage.problem, case.space(), run), curve
 
 

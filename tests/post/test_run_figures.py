@@ -1,7 +1,5 @@
 """Figures of one run and of several: each line is what was read, each picture the state that it says."""
 
-from types import MappingProxyType
-
 import numpy as np
 import pytest
 from matplotlib.collections import LineCollection, TriMesh
@@ -58,7 +56,7 @@ def waves(amplitude: float, drift: float = 1e-4) -> Curve:
 
 def compared(name: str, curve: Curve, window: tuple[float, float] = (10.0, 20.0)) -> Compared:
     attributes: dict[str, str | int] = {"space": name, "mesh": "1x1", "dofs": 8, "L0": "1 nm", "E0": "2 GPa"}
-    run = StoredRun("", curve, MappingProxyType({}), attributes, "completed")
+    run = StoredRun("", curve, (), attributes, "completed")
     return Compared(name, run, Findings(window, read_plateau(curve, window), None, 0.0))
 
 

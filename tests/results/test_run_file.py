@@ -88,7 +88,6 @@ def test_the_journal_of_a_killed_run_holds_the_openings(
         file.append(step)
     run = read_run(tmp_path / "run.h5")
     assert run.journaled == 3
-    assert not run.lacks_history
     for at, maximum_openings in zip(run.fields, history, strict=True):
         np.testing.assert_array_equal(run.maximum_openings[at], maximum_openings)
     file.end("completed")
@@ -153,8 +152,8 @@ def test_columns_have_their_units(tmp_path: Path) -> None:
     with h5py.File(tmp_path / "run.h5") as file:
         units = {name: column.attrs["unit"] for name, column in file["curve"].items()}
     assert units == {
-        "theta_deg": "degree",
-        "moment": "E0 L0^3",
+        "parameter": "degree",
+        "reaction": "E0 L0^3",
         "iterations": "1",
         "stored_energy": "E0 L0^3",
         "adhesive_energy": "E0 L0^3",

@@ -13,6 +13,7 @@ from isopeel.results.journal import journal_path, read_journal
 from isopeel.results.provenance import Provenance
 from isopeel.results.run_file import read_run, run_attributes
 from isopeel.results.run_writer import RunWriter
+from isopeel.results.schema import checksum
 from isopeel.solve.trace import trace
 from isopeel.splines.rows import row_space
 
@@ -36,15 +37,42 @@ def path(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return file
 
 
-def replaced(name: str, make: Callable[[h5py.File], object]) -> Callable[[h5py.File], None]:
+Change = Callable[[h5py.File], object]
+
+
+def sealed(file: h5py.File, name: str) -> None:
+    """Give a data set the checksum of what it holds, as a liar would."""
+    values = file[name][()]
+    file[name].attrs["checksum"] = checksum(values if isinstance(values, bytes) else np.asarray(values))
+
+
+def replaced(name: str, make: Callable[[h5py.File], object]) -> Change:
     def change(file: h5py.File) -> None:
+        old = dict(file[name].attrs)
+        made = make(file)
         del file[name]
-        file[name] = make(file)
+        file[name] = made
+        if isinstance(file.get(name, getlink=True), h5py.HardLink) and isinstance(file[name], h5py.Dataset):
+            file[name].attrs.update(old)
+            if file[name].dtype.kind in "fi":
+                sealed(file, name)
 
     return change
 
 
-def huge(name: str) -> Callable[[h5py.File], None]:
+def changed(name: str, value: float) -> Change:
+    """The first number of a data set is another one."""
+
+    def change(file: h5py.File) -> None:
+        values = file[name][()]
+        values.flat[0] = value
+        file[name][...] = values
+        sealed(file, name)
+
+    return change
+
+
+def huge(name: str) -> Change:
     """An array of 8 TB that nothing was written to."""
 
     def change(file: h5py.File) -> None:
@@ -74,58 +102,72 @@ def virtual(file: h5py.File) -> None:
     file.create_virtual_dataset("base", layout)
 
 
-def drop(name: str) -> Callable[[h5py.File], None]:
+def drop(name: str) -> Change:
     def change(file: h5py.File) -> None:
         del file[name]
 
     return change
 
 
-def attribute(name: str, value: object) -> Callable[[h5py.File], None]:
+def attribute(name: str, value: object, of: str = "/") -> Change:
     def change(file: h5py.File) -> None:
-        file.attrs[name] = value
+        file[of].attrs[name] = value
 
     return change
 
 
-def openings(value: float, *shape: int) -> Callable[[h5py.File], None]:
+def openings(value: float, *shape: int) -> Change:
     def change(file: h5py.File) -> None:
-        file["fields/openings"] = np.full(shape or (1, *file["last/openings"].shape), value)
+        name = "history/adhesion/maximum_openings"
+        file[name] = np.full(shape or (1, *file["last/maximum_openings"].shape), value)
+        sealed(file, name)
 
     return change
 
 
-LIES: dict[str, Callable[[h5py.File], None]] = {
+def wrong_bits(file: h5py.File) -> None:
+    file["curve/reaction"][...] = file["curve/reaction"][()] + 1e-9
+
+
+LIES: dict[str, Change] = {
     "a huge field": huge("fields/displacement"),
-    "a huge curve": huge("curve/moment"),
-    "a huge memory": huge("last/memory/corrections"),
+    "a huge curve": huge("curve/reaction"),
+    "a huge memory": huge("last/solver/lbfgs_corrections"),
     "packed zeros": packed,
     "bytes of another file": elsewhere,
     "a virtual array": virtual,
     "an external link": replaced("last", lambda _: h5py.ExternalLink("other.h5", "/last")),
-    "an external link to an array": replaced("curve/moment", lambda _: h5py.ExternalLink("o.h5", "/x")),
-    "a soft link": replaced("curve/moment", lambda _: h5py.SoftLink("/curve/theta_deg")),
+    "an external link to an array": replaced("curve/reaction", lambda _: h5py.ExternalLink("o.h5", "/x")),
+    "a soft link": replaced("curve/reaction", lambda _: h5py.SoftLink("/curve/parameter")),
     "no curve": drop("curve"),
     "no fields": drop("fields"),
     "no case": drop("case"),
-    "no unknowns": drop("last/past/unknown_values"),
-    "a group for an array": replaced("curve/moment", lambda file: file.create_group("x")),
+    "no unknowns": drop("last/solver/accepted_unknown_values"),
+    "a group for an array": replaced("curve/reaction", lambda file: file.create_group("x")),
     "an array for a group": replaced("last", lambda _: 1.0),
-    "texts for numbers": replaced("curve/moment", lambda _: ["a"]),
-    "single precision": replaced("curve/moment", lambda _: np.zeros(1, dtype="f4")),
+    "texts for numbers": replaced("curve/reaction", lambda _: ["a"]),
+    "single precision": replaced("curve/reaction", lambda _: np.zeros(1, dtype="f4")),
     "numbers for the case": replaced("case", lambda _: 3.0),
-    "a short column": replaced("curve/moment", lambda _: np.zeros(0)),
+    "a short column": replaced("curve/reaction", lambda _: np.zeros(0)),
     "counts below zero": replaced("curve/iterations", lambda _: np.array([-1])),
     "counts of others": replaced("curve/iterations", lambda _: np.array([10**9])),
+    "iterations in a table": replaced("curve/iterations", lambda _: np.array([[1]])),
     "fields of others": replaced("fields/displacement", lambda _: np.zeros((1, 3, 2))),
+    "a field of no step": replaced("fields/step", lambda _: np.array([7])),
     "infinite openings": openings(np.inf),
     "openings of another side": openings(0.1, 1, 3, 3),
     "openings of more states": openings(0.1, 2, 1, 1),
     "three components": replaced("last/displacement", lambda _: np.zeros((63, 3))),
+    "residuals without a value": changed("curve/energy_residuals", np.nan),
+    "an infinite reaction": changed("curve/reaction", np.inf),
+    "a field without a value": changed("fields/displacement", np.nan),
+    "other bits": wrong_bits,
     "another ending": attribute("ending", "won"),
     "another format": attribute("format", 7),
     "no identity": attribute("identity", "xyz"),
-    "a column of nowhere": lambda file: file["curve"].attrs.__setitem__("reaction", "../../etc"),
+    "an attribute that is an array": attribute("dofs", [1.0, 2.0]),
+    "an interval of none": attribute("field_interval", 0.0),
+    "a name in no encoding": attribute("name", np.bytes_(b"\xff\xfe"), "curve/reaction"),
 }
 
 
@@ -142,6 +184,31 @@ def test_a_file_that_lies_is_refused(lie: str, path: Path) -> None:
     assert str(caught.value).count("\n") == 0
 
 
+@pytest.mark.parametrize(
+    ("name", "written", "read"),
+    [
+        ("unit", "$\\frac{a}{b$", "fracab"),
+        ("unit", "\x1b[2Jdegree", "2Jdegree"),
+        ("words", "$\\undefined{$", "undefined"),
+        ("words", "rotation $\\theta$", "rotation $\\theta$"),
+        ("name", "../../etc\n", "../../etc"),
+    ],
+)
+def test_labels_are_read_without_what_figures_and_terminals_take_for_more(
+    name: str, written: str, read: str, path: Path
+) -> None:
+    with h5py.File(path, "r+") as file:
+        file["curve/parameter"].attrs[name] = written
+    assert getattr(read_run(path, journal=False).curve.parameter_column, name) == read
+
+
+def test_the_file_of_another_version_is_refused_as_that(path: Path) -> None:
+    with h5py.File(path, "r+") as file:
+        file.attrs["format"] = "isopeel run 6"
+    with pytest.raises(InputError, match=r"another version of isopeel \(isopeel run 6\): run its case again"):
+        read_run(path)
+
+
 def test_a_file_cut_anywhere_is_refused(path: Path) -> None:
     whole = path.read_bytes()
     for size in np.linspace(0, len(whole) - 1, 40).astype(int):
@@ -152,12 +219,13 @@ def test_a_file_cut_anywhere_is_refused(path: Path) -> None:
 
 def test_a_journal_cut_anywhere_is_read_to_its_last_whole_record(path: Path) -> None:
     run, saved, journal = read_run(path), read_run(path, journal=False), journal_path(path).read_bytes()
-    last = list(saved.states.values())[-1]
+    last = saved.states[-1]
+    shapes = last.displacement.shape, last.maximum_openings.shape
     found: list[int] = []
     for size in range(len(journal) + 1):
         journal_path(path).write_bytes(journal[:size])
         # without the file, which stays as it is, and takes most of the time
-        records = list(read_journal(path, run.identity, saved.curve, last))
+        records = list(read_journal(path, run.identity, saved.curve, *shapes))
         read = saved.curve.followed_by([record.curve for record in records])
         assert read.reaction.tobytes() == run.curve.reaction[: len(read)].tobytes()
         if size in (0, len(journal)) or len(read) != found[-1]:

@@ -52,12 +52,12 @@ def test_a_file_that_does_not_fit_to_its_case_is_refused(staged: Path, tmp_path:
     run = read_run(staged / "2-peel" / "run.h5")
     attributes = dict(run.attributes)
     del attributes["dofs"]
-    other_fields = {0.0: run.fields[0.0][1:]}
+    other_states = (run.states[0]._replace(displacement=run.states[0].displacement[1:]),)
     for changed, message in (
         (replace(run, attributes=attributes), "it lacks dofs"),
         (replace(run, attributes={**run.attributes, "stage": "other"}), "of another case"),
         (replace(run, attributes={**run.attributes, "stage": "press"}), "of another drive"),
-        (replace(run, fields=other_fields, last=None, base=None), "of another case"),
+        (replace(run, states=other_states, last=None, base=None), "of another case"),
         (replace(run, case_text="no TOML"), "the case in it cannot be read any more"),
     ):
         write_run(tmp_path / "run.h5", changed)

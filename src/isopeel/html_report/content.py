@@ -30,7 +30,6 @@ from isopeel.post.states import (
 )
 from isopeel.problem import Column, Problem
 from isopeel.results.curve import Curve
-from isopeel.results.fields import Fields
 from isopeel.results.run_file import StoredRun
 from isopeel.running.run_reader import StoredStage
 from isopeel.solve.step import KINDS
@@ -46,14 +45,11 @@ Content = dict[str, Any]
 def stage_content(stored: StoredStage, found: Findings, most_bytes: int) -> Content:
     """Return the content of a page on a stage with steps; its states take about `most_bytes` at most.
 
-    Where all stored states would take more, some of them are left out, evenly. Raises InputError where stored
-    displacements are not numbers.
+    Where the states that are stored would take more, some of them are left out, evenly.
     """
     run, problem = stored.run, stored.stage.problem
     shown = in_laboratory(run.curve, found)
     steps = field_steps(run)
-    if not all(np.isfinite(displacement).all() for displacement in run.fields.values()):
-        raise InputError("DIR", str(stored.folder), "it holds displacements that are no numbers")
     numbers = list(steps)
     last = _state(stored, steps, numbers[-1])
     most = max(2, most_bytes // _size(stored, last))
@@ -84,19 +80,8 @@ def stage_content(stored: StoredStage, found: Findings, most_bytes: int) -> Cont
 
 
 def field_steps(run: StoredRun) -> dict[int, float]:
-    """Return the parameters of the steps with stored displacements, by the numbers of the steps from zero."""
-    kept: Fields[int] = Fields(run.field_interval)
-    for number, parameter in enumerate(run.curve.parameter.tolist()):
-        # where a path met a parameter more than once, the rule of selection determines the step
-        kept.take(parameter, number)
-    chosen = kept.all()
-    steps = {}
-    for parameter in run.fields:
-        (places,) = np.nonzero(run.curve.parameter == parameter)
-        if not len(places):
-            raise InputError("run.h5", parameter, "it stores a displacement at a parameter without a step")
-        steps[chosen.get(parameter, int(places[-1]))] = parameter
-    return dict(sorted(steps.items()))
+    """Return the parameters of the stored states by the numbers of their steps."""
+    return {state.step: state.parameter for state in run.states}
 
 
 def plain(text: str) -> str:

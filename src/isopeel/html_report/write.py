@@ -12,7 +12,6 @@ import matplotlib as mpl
 import numpy as np
 
 import isopeel
-from isopeel.common.errors import InputError
 from isopeel.html_report import markup
 from isopeel.html_report.content import Content, column_words, stage_content
 from isopeel.html_report.packing import packed
@@ -45,7 +44,7 @@ def write_html_report(folder: Path, out: Path | None = None, *, force: bool = Fa
 
 
 def html_report(stages: tuple[StoredStage, ...]) -> str:
-    """Return the page of the stages of one run. Raises InputError where their files hold no numbers."""
+    """Make the page of stages of one run."""
     names = [f"stage-{number}" for number, _ in enumerate(stages, start=1)]
     sections, contents = [], {}
     for name, stored in zip(names, stages, strict=True):
@@ -84,8 +83,6 @@ def _section(name: str, stored: StoredStage, several: bool, most_bytes: int) -> 
     ending = markup.ending(stored)
     if not len(run.curve) or not run.fields:
         return f'<section id="{name}">\n{heading}{ending}</section>\n', None
-    if not all(np.isfinite(values).all() for values in (run.curve.parameter, run.curve.reaction)):
-        raise InputError("DIR", str(stored.folder), "its curve holds a value that is not a number")
     found = stored.found()
     points = stored.case.discretization.contact_points
     changes = stored_changes(stored.folder / "summary.json", run)

@@ -6,7 +6,6 @@ from pathlib import Path
 from rich.console import Console
 
 from isopeel.common.errors import InputError
-from isopeel.post.findings import history_notes
 from isopeel.post.grids import body_grids, body_mesh, side_grids, side_mesh
 from isopeel.results.vtk import write_grid, write_series
 from isopeel.running.folder import EXPORTED, check_overwritten, make_folder
@@ -40,8 +39,6 @@ def export_run(
             place = stage.folder / "paraview" if out is None else out
             if out is not None and len(stages) > 1:
                 place = out / stage.folder.name
-            for note in history_notes(stage.stage.problem, run):
-                console.print(f"note: {note.text}", soft_wrap=True)
             known = [path for path in place.glob("*") if EXPORTED.fullmatch(path.name)]
             check_overwritten("--out", known, force)
             removed = _export(stage, place, linear)

@@ -19,7 +19,7 @@ from isopeel.post.figures import (
     tractions_figure,
 )
 from isopeel.post.figures.shapes import MOST_SHAPES, spread
-from isopeel.post.findings import Findings, Shown, history_notes, in_laboratory
+from isopeel.post.findings import Findings, Shown, in_laboratory
 from isopeel.post.front import front_profile
 from isopeel.post.laboratory import Laboratory
 from isopeel.post.plateau import unreadable
@@ -77,8 +77,6 @@ def plot_run(
             stage.found(),
             stored_parameters(stage, at, console),
         )
-        for note in history_notes(stage.stage.problem, stage.run):
-            console.print(f"note: {note.text}", soft_wrap=True)
         into = stage.folder / FIGURES if out is None else out / stage.folder.relative_to(folder)
         check_overwritten("--out", [into / f"{part}.{suffix}" for part in only or PARTS], force)
         make_folder(into)

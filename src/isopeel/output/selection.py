@@ -19,17 +19,12 @@ _SAME = 1e-9
 def shown_stages(folder: Path) -> tuple[StoredStage, ...]:
     """Return the stages with a converged step, in the folder of a run or of a stage.
 
-    Raises InputError where there is none, or where numbers of a stage are not finite.
+    Raises InputError where there is none.
     """
     stages = tuple(stage for stage in read_stages(folder) if len(stage.run.curve) and stage.run.fields)
     if not stages:
         allowed = "no step of the run in it converged, so that there is nothing to show"
         raise InputError("DIR", str(folder), allowed)
-    for stage in stages:
-        run = stage.run
-        arrays = run.curve.parameter, run.curve.reaction, np.array(list(run.fields)), *run.fields.values()
-        if not all(np.isfinite(values).all() for values in arrays):
-            raise InputError("DIR", str(stage.folder), "its curve or its fields hold numbers without a value")
     return stages
 
 

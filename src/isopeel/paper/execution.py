@@ -157,7 +157,14 @@ def _compute(run: Run, key: str, store: Store) -> None:
         contact_points=case.discretization.contact_points,
     )
     last_report = 0.0
-    with RunWriter(store.path(run), problem.drive, case.text, attributes, case.output.fields_every) as writer:
+    with RunWriter(
+        store.path(run),
+        problem.drive,
+        case.text,
+        attributes,
+        case.output.fields_every,
+        space=(space, problem.body.shape),
+    ) as writer:
         try:
             for step in steps:
                 writer.append(step)

@@ -117,7 +117,6 @@ def find(
         doubts = zone_notes(problem, space, zones, laboratory) + doubts
     if not doubts:
         doubts = oscillation_notes(problem, curve, plateau, steady)
-    doubts = [*history_notes(problem, run), *doubts]
     return Findings(
         window,
         plateau,
@@ -133,17 +132,6 @@ def find(
         laboratory,
         elements_are_tall(problem, space),
     )
-
-
-def history_notes(problem: Problem, run: StoredRun) -> list[Note]:
-    """Return a note that tractions are without damage, where the file of a run does not hold its history."""
-    if not (problem.adhesion.irreversible and run.fields and run.lacks_history):
-        return []
-    text = (
-        "the file of the run is older than this version and holds no history of its stored states: tractions "
-        "of the irreversible joint are those of one never opened farther than in the state shown"
-    )
-    return [Note("history", text)]
 
 
 def _used(problem: Problem, curve: Curve, found: Mapping[float, Front]) -> Mapping[float, Front]:

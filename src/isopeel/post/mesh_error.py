@@ -58,14 +58,12 @@ def mesh_changes(
 ) -> list[MeshChange]:
     """Return the changes on a finer space of the largest reaction and of that in the last stored state.
 
-    The path on the finer space is traced to the largest reaction from the stored state before it. States with
-    nearly no reaction are left out; all states are left out where the finer space would be too large, or
-    where the file holds values that are not numbers. The damage of an irreversible joint is that of each
-    state, at the points of the finer space.
+    To the largest reaction the finer space is traced from the stored state before it. States that carry next
+    to nothing are left out, and all where the finer space would be too large. The damage of an irreversible
+    joint is that of each state, at the points of the finer space.
     """
     refined = finer(space, tall=elements_are_tall(problem, space))
-    finite = all(np.isfinite(displacement).all() for displacement in run.fields.values())
-    if 2 * refined.size > _MOST_UNKNOWNS or not run.fields or not finite:
+    if 2 * refined.size > _MOST_UNKNOWNS or not run.fields:
         return []
     weighted = space.weighted(problem.body.shape)
     target = refined.weighted(problem.body.shape)

@@ -17,13 +17,14 @@ import zlib
 from collections.abc import Iterator
 from dataclasses import fields
 from functools import cache
+from math import prod
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 
 from isopeel.results.curve import Curve
-from isopeel.results.fields import Field
+from isopeel.results.fields import StoredState
 from isopeel.results.files import check_is_file, new_file
 
 _MARK = b"isopeel journal 2\n"
@@ -33,10 +34,10 @@ _CHECKSUM = struct.Struct("<Q")
 
 
 class Record(NamedTuple):
-    """A step: its curve of one row, its displacement (functions, 2) and its maximum openings (E, Q)."""
+    """A step: its curve of one row, and its state."""
 
     curve: Curve
-    field: Field
+    state: StoredState
 
 
 def journal_path(run_file: Path) -> Path:
@@ -56,12 +57,12 @@ class Journal:
         self._write([_MARK + bytes.fromhex(identity)])
         self._begin = self._file.tell()
 
-    def append(self, number: int, record: Record) -> None:
-        """Write a step, by its number from zero."""
-        row = record.curve
-        u, maximum_openings = (np.ascontiguousarray(array) for array in record.field)
+    def append(self, record: Record) -> None:
+        """Write a step."""
+        row, state = record
+        u, maximum_openings = map(np.ascontiguousarray, (state.displacement, state.maximum_openings))
         maximum_openings = maximum_openings if maximum_openings.any() else maximum_openings[:0]
-        parts = [_HEAD.pack(number, len(row.energy_residuals), maximum_openings.size)]
+        parts = [_HEAD.pack(state.step, len(row.energy_residuals), maximum_openings.size)]
         parts += [getattr(row, name).tobytes() for name in _columns()]
         head = b"".join(parts)
         self._write([head, u.data.cast("B"), maximum_openings.tobytes(), _CHECKSUM.pack(zlib.crc32(head))])
@@ -91,14 +92,20 @@ class Journal:
             raise OSError(error.errno, error.strerror, str(self._path)) from error
 
 
-def read_journal(run_file: Path, identity: str, curve: Curve, last: Field) -> Iterator[Record]:
-    """Yield the whole records after a run's file, whose curve and last field are given."""
+def read_journal(
+    run_file: Path,
+    identity: str,
+    curve: Curve,
+    displacement_shape: tuple[int, ...],
+    opening_shape: tuple[int, ...],
+) -> Iterator[Record]:
+    """Yield the whole records after a run's file, whose curve and shapes of fields are given."""
     path = journal_path(run_file)
     if not path.is_file():
         return
     columns = _columns()
     types = [getattr(curve, name).dtype for name in columns]
-    points = last.maximum_openings.size
+    points, size_of_u = prod(opening_shape), prod(displacement_shape)
     with path.open("rb") as file:
         if file.read(len(_MARK) + _IDENTITY) != _MARK + bytes.fromhex(identity):
             return
@@ -106,10 +113,10 @@ def read_journal(run_file: Path, identity: str, curve: Curve, last: Field) -> It
         while len(head := file.read(_HEAD.size)) == _HEAD.size:
             number, residuals, opened = _HEAD.unpack(head)
             counts = [residuals if name == "energy_residuals" else 1 for name in columns]
-            row_size, rest = 8 * sum(counts), 8 * (last.displacement.size + opened) + _CHECKSUM.size
+            row_size, rest = 8 * sum(counts), 8 * (size_of_u + opened) + _CHECKSUM.size
             if number > expected or file.tell() + row_size + rest > size or opened not in (0, points):
                 return
-            row, displacement = file.read(row_size), file.read(8 * last.displacement.size)
+            row, displacement = file.read(row_size), file.read(8 * size_of_u)
             history = np.frombuffer(file.read(8 * opened), np.float64) if opened else np.zeros(points)
             if file.read(_CHECKSUM.size) != _CHECKSUM.pack(zlib.crc32(head + row)):
                 return
@@ -120,11 +127,14 @@ def read_journal(run_file: Path, identity: str, curve: Curve, last: Field) -> It
                 name: np.frombuffer(row, dtype, count, 8 * place)
                 for name, dtype, count, place in zip(columns, types, counts, places, strict=True)
             }
+            row_read = Curve(curve.parameter_column, curve.reaction_column, **values)
             yield Record(
-                Curve(curve.parameter_column, curve.reaction_column, **values),
-                Field(
-                    np.frombuffer(displacement, np.float64).reshape(last.displacement.shape),
-                    history.reshape(last.maximum_openings.shape),
+                row_read,
+                StoredState(
+                    number,
+                    float(row_read.parameter[0]),
+                    np.frombuffer(displacement, np.float64).reshape(displacement_shape),
+                    history.reshape(opening_shape),
                 ),
             )
             expected += 1

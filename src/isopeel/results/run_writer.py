@@ -6,7 +6,7 @@ from dataclasses import replace
 from errno import ENOENT
 from pathlib import Path
 from time import perf_counter
-from types import MappingProxyType, TracebackType
+from types import TracebackType
 from typing import Self
 
 import numpy as np
@@ -14,10 +14,12 @@ import numpy as np
 from isopeel.common.arrays import FloatArray
 from isopeel.problem import Drive
 from isopeel.results.curve import Curve
-from isopeel.results.fields import Field, Fields
+from isopeel.results.fields import KeptStates, StoredState
 from isopeel.results.journal import Journal, Record
 from isopeel.results.run_file import Ending, Failure, StoredRun, write_run
 from isopeel.solve.step import Step
+from isopeel.splines.nurbs import NurbsSurface
+from isopeel.splines.rows import RowSpace
 
 _SAVE_SECONDS = 1.0
 _SAVE_SHARE = 0.02  # of the time, at most, for saving
@@ -51,25 +53,27 @@ class RunWriter:
         base: FloatArray | None = None,
         after: StoredRun | None = None,
         journaled: int = 0,
+        space: tuple[RowSpace, NurbsSurface] | None = None,
     ) -> None:
         self._path = path
         self._drive = drive
         self._outdated = outdated
         self._rows: list[Step] = []
         self._journaled = journaled
-        self._fields: Fields[Field] = Fields(field_interval)
         nothing = StoredRun(
             case_text,
             Curve.of([], drive),
-            MappingProxyType({}),
+            (),
             attributes,
             "running",
             base=base,
             field_interval=field_interval,
         )
         #: The run as it was stored before, without the steps since then.
-        self._run = replace(after or nothing, case_text=case_text, ending="running", failure=None)
-        self._fields.take_all(self._run.states)
+        self._run = replace(
+            after or nothing, case_text=case_text, ending="running", failure=None, space=space
+        )
+        self._kept = KeptStates(field_interval, self._run.states)
         self._last = self._run.last
         self._resumes = True
         self._journal: Journal | None = None
@@ -117,15 +121,16 @@ class RunWriter:
         self._resumes = step.resumes
         if step.resumes:
             self._last = step.state
-        kept = Field(step.displacement, step.maximum_openings)
-        self._fields.take(float(self._drive.parameter_column.shown(step.parameter)), kept)
+        number = len(self._run.curve) + len(self._rows) - 1
+        shown = float(self._drive.parameter_column.shown(step.parameter))
+        state = StoredState(number, shown, step.displacement, step.maximum_openings)
+        self._kept.take(state)
         if self._is_behind:
             return
         if step.resumes and (self._journal is None or perf_counter() >= self._next_save):
             self._save()
         elif self._journal is not None:
-            number = len(self._run.curve) + len(self._rows) - 1
-            self._journal.append(number, Record(Curve.of([row], self._drive), kept))
+            self._journal.append(Record(Curve.of([row], self._drive), state))
 
     @property
     def _is_behind(self) -> bool:
@@ -148,7 +153,7 @@ class RunWriter:
 
     def _save(self) -> None:
         began = perf_counter()
-        run = replace(self._run, curve=self.curve, last=self._last).with_states(self._fields.all())
+        run = replace(self._run, curve=self.curve, last=self._last, states=self._kept.all())
         try:
             write_run(self._path, run)
         except FileNotFoundError as error:

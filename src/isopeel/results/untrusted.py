@@ -31,8 +31,8 @@ def text(parent: h5py.Group, name: str) -> str:
     return str(data.asstr()[()])
 
 
-def floats(parent: h5py.Group, name: str, dimensions: int) -> FloatArray:
-    """Return numbers of double precision."""
+def floats(parent: h5py.Group, name: str, dimensions: int | None = None) -> FloatArray:
+    """Return numbers of double precision, of any number of dimensions where none is given."""
     return np.asarray(_array(parent, name, dimensions, "<f8"), dtype=np.float64)
 
 
@@ -84,10 +84,11 @@ def _inside(parent: h5py.Group, name: str, kind: type) -> Any:
     return found
 
 
-def _array(parent: h5py.Group, name: str, dimensions: int, dtype: str) -> Any:
+def _array(parent: h5py.Group, name: str, dimensions: int | None, dtype: str) -> Any:
     data = _inside(parent, name, h5py.Dataset)
-    if data.dtype != np.dtype(dtype) or data.ndim != dimensions:
-        raise UntrustedError(f"{data.name} is no array of {dimensions} dimensions of {np.dtype(dtype).name}")
+    if data.dtype != np.dtype(dtype) or dimensions not in (None, data.ndim):
+        expected = "" if dimensions is None else f" of {dimensions} dimensions"
+        raise UntrustedError(f"{data.name} is no array{expected} of {np.dtype(dtype).name}")
     # the numbers must be contiguous in the file: packed ones could unpack to more than the memory
     plain = data.chunks is None and not data.is_virtual and not data.external
     if not plain or data.id.get_storage_size() != data.nbytes:

@@ -263,6 +263,7 @@ def _run_stage(
         None if base is None else base.displacement,
         found,
         0 if found is None else read_run(place.run_file).journaled,
+        (space, problem.body.shape),
     )
     with deferred():
         try:

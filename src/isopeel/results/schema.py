@@ -1,0 +1,195 @@
+"""The data sets of run.h5: what each is, its type, shape and unit, and that it is what was written.
+
+One table serves the writer, which stores unit and description with each data set, and the reader, which takes
+nothing that differs from it. A checksum (CRC-32) with each data set tells where bits have changed since.
+"""
+
+import re
+import zlib
+from collections.abc import Mapping
+from typing import Literal, NamedTuple
+
+import h5py
+import numpy as np
+
+from isopeel.common.arrays import FloatArray, IntArray
+from isopeel.results import untrusted
+from isopeel.results.untrusted import UntrustedError
+
+#: Attribute of each data set.
+_CHECKSUM = "checksum"
+#: What names, units and labels may not hold, as a figure could take it for mathematics, or a terminal for a
+#: command. It is left out where they are read, as the drive of a plug-in may have it.
+_FORBIDDEN = re.compile(r"[^\w ,.()'/%^*°·-]")
+#: A label: words and one symbol.
+_LABEL = re.compile(r"[\w ,.()'/-]*(\$\\?[A-Za-z_]{1,20}\$)?")
+_LONGEST = 1000  # characters of an attribute
+
+
+class DataSet(NamedTuple):
+    """One data set: its type, the names of its sizes, unit and meaning.
+
+    Sizes of the same name are the same in all data sets of a file. Values are finite unless said.
+    """
+
+    type: Literal["float", "integer", "text"]
+    shape: tuple[str | int, ...]
+    unit: str
+    description: str
+    required: bool = True
+    finite: bool = True
+
+
+#: All data sets but those of the solver and of the spaces, whose number varies.
+SCHEMA: dict[str, DataSet] = {
+    "case": DataSet("text", (), "", "the case file, in TOML"),
+    "curve/parameter": DataSet("float", ("steps",), "", "parameter of the drive"),
+    "curve/reaction": DataSet("float", ("steps",), "", "reaction to the drive, for a width of L0"),
+    "curve/iterations": DataSet("integer", ("steps",), "1", "corrections of the step"),
+    "curve/stored_energy": DataSet("float", ("steps",), "E0 L0^3", "strain energy of the body"),
+    "curve/adhesive_energy": DataSet("float", ("steps",), "E0 L0^3", "energy of the interface, 0 far away"),
+    "curve/dissipated_energy": DataSet("float", ("steps",), "E0 L0^3", "energy dissipated by damage"),
+    "curve/released_energy": DataSet("float", ("steps",), "E0 L0^3", "energy released by jumps"),
+    "curve/seconds": DataSet("float", ("steps",), "s", "wall time of the step"),
+    "curve/energy_residuals": DataSet(
+        "float", ("corrections",), "E0 L0^3", "energy residual per unknown before each correction, all steps"
+    ),
+    "curve/kind": DataSet(
+        "integer", ("steps",), "1", "0 requested, 1 between, 2 limit point, 3 jump, 4 bifurcation"
+    ),
+    "curve/negative_eigenvalues": DataSet(
+        "integer", ("steps",), "1", "negative eigenvalues of the tangent, -1 where not counted"
+    ),
+    "fields/step": DataSet("integer", ("fields",), "1", "number of the step, its row in the curve"),
+    "fields/displacement": DataSet(
+        "float", ("fields", "functions", 2), "L0", "displacement coefficients in the space `spaces/body`"
+    ),
+    "history/adhesion/maximum_openings": DataSet(
+        "float",
+        ("fields", "elements", "points"),
+        "L0",
+        "largest opening so far at the Gauss points of the interface, -1 where it has not closed yet",
+        required=False,
+    ),
+    "last/displacement": DataSet(
+        "float", ("functions", 2), "L0", "displacement coefficients of the last step", required=False
+    ),
+    "last/maximum_openings": DataSet(
+        "float", ("elements", "points"), "L0", "largest opening at the last step", required=False
+    ),
+    "base": DataSet(
+        "float", ("functions", 2), "L0", "displacement that this stage began with", required=False
+    ),
+    "failure/iterations": DataSet(
+        "float",
+        ("attempts",),
+        "E0 L0^3",
+        "energy residual per unknown before each correction of the step that failed",
+        required=False,
+        finite=False,
+    ),
+}
+
+
+def checksum(values: FloatArray | IntArray | bytes) -> int:
+    """CRC-32 of numbers as they lie in the memory, or of a text in UTF-8."""
+    return zlib.crc32(values if isinstance(values, bytes) else np.ascontiguousarray(values).data.cast("B"))
+
+
+def write(
+    file: h5py.Group, path: str, values: FloatArray | IntArray | str, **attributes: str | float
+) -> None:
+    """Write a data set of the schema with its unit, description, checksum and further attributes."""
+    one = SCHEMA[path]
+    write_described(file, path, values, **{"unit": one.unit, "description": one.description, **attributes})
+
+
+def write_described(
+    file: h5py.Group, path: str, values: FloatArray | IntArray | str, **attributes: str | float
+) -> None:
+    """Write any data set with its checksum and attributes."""
+    data = file.create_dataset(path, data=values)
+    bits = values.encode() if isinstance(values, str) else values
+    data.attrs.update({**attributes, _CHECKSUM: checksum(bits) if len(bits) else 0})
+
+
+class Read(NamedTuple):
+    """What a file holds of the schema: its arrays by their paths, its case, and its sizes by their names."""
+
+    arrays: Mapping[str, FloatArray | IntArray]
+    case: str
+    sizes: Mapping[str, int]
+
+    def floats(self, path: str) -> FloatArray:
+        """Numbers of double precision."""
+        return np.asarray(self.arrays[path], dtype=np.float64)
+
+    def get(self, path: str) -> FloatArray | None:
+        """The same, None where the file has none."""
+        return self.floats(path) if path in self.arrays else None
+
+    def integers(self, path: str) -> IntArray:
+        """Whole numbers."""
+        return np.asarray(self.arrays[path], dtype=np.int64)
+
+
+def read(file: h5py.File) -> Read:
+    """Read all data sets of the schema. Raises UntrustedError where one is missing or not what it must be."""
+    arrays: dict[str, FloatArray | IntArray] = {}
+    sizes: dict[str, int] = {}
+    case = ""
+    for path, one in SCHEMA.items():
+        parent, name = _parent(file, path, one)
+        if parent is None:
+            continue
+        if one.type == "text":
+            case = untrusted.text(parent, name)
+            _check_bits(parent[name], case.encode())
+            continue
+        take = untrusted.floats if one.type == "float" else untrusted.whole_numbers
+        values = take(parent, name, len(one.shape))
+        for size, wanted in zip(values.shape, one.shape, strict=True):
+            expected = wanted if isinstance(wanted, int) else sizes.setdefault(wanted, size)
+            if size != expected:
+                raise UntrustedError(f"{path} has the shape {values.shape}, where {wanted} is {expected}")
+        check_values(parent[name], values, finite=one.finite)
+        values.setflags(write=False)
+        arrays[path] = values
+    return Read(arrays, case, sizes)
+
+
+def check_values(data: h5py.Dataset, values: FloatArray | IntArray, *, finite: bool) -> None:
+    """Check the bits of numbers, and that they are finite. Raises UntrustedError."""
+    _check_bits(data, values)
+    if finite and not np.isfinite(values).all():
+        raise UntrustedError(f"{data.name} has numbers that are not finite")
+
+
+def label(of: h5py.Group | h5py.Dataset, name: str) -> str:
+    """Return an attribute that is a name, a unit or a label, without what they may not hold."""
+    value = text_attribute(of, name)
+    return value if _LABEL.fullmatch(value) else _FORBIDDEN.sub("", value)
+
+
+def text_attribute(of: h5py.Group | h5py.Dataset, name: str) -> str:
+    """Return an attribute that is a text of some length. Raises UntrustedError."""
+    value = untrusted.words(of, name)
+    if len(value) > _LONGEST:
+        raise UntrustedError(f"{name} of {of.name} is too long")
+    return value
+
+
+def _parent(file: h5py.File, path: str, one: DataSet) -> tuple[h5py.Group | None, str]:
+    """The group that holds a data set, None where it may be missing and is, and the name in it."""
+    *groups, name = path.split("/")
+    parent: h5py.Group = file
+    for part in groups:
+        if not one.required and part not in parent:
+            return None, name
+        parent = untrusted.group(parent, part)
+    return (None if not one.required and name not in parent else parent), name
+
+
+def _check_bits(data: h5py.Dataset, values: FloatArray | IntArray | bytes) -> None:
+    if untrusted.number(data, _CHECKSUM) != (checksum(values) if len(values) else 0):
+        raise UntrustedError(f"the bits of {data.name} have changed: its checksum differs")
