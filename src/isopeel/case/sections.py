@@ -218,7 +218,7 @@ class DriveSection(KindSection):
 
     @property
     def usual_fields_every(self) -> float:
-        """Distance of fields where nothing is said: 10 degrees, or a tenth of the way."""
+        """Return the default distance of stored fields: 10 degrees, or a tenth of the path."""
         return 10.0 if self.dimension.angle else abs(self.steps().last) / 10
 
     def steps(self) -> Steps:

@@ -66,7 +66,7 @@ def keeps(function: Callable[..., Any]) -> bool:
     """
     try:
         _leave_out(_folder(function), _module(function), sources())
-    except (OSError, RuntimeError):  # the latter is Numba's, which finds no folder
+    except (OSError, RuntimeError):  # RuntimeError: Numba finds no folder
         return False
     return True
 

@@ -13,9 +13,9 @@ from typing import Any, NamedTuple
 
 import pint
 
-#: Length that lengths are measured in if not told otherwise, 1 nm, in metres.
+#: Length that lengths are measured in by default, 1 nm, in metres.
 L0 = Fraction(1, 10**9)
-#: Stress that stresses are measured in if not told otherwise, 2 GPa, in pascals.
+#: Stress that stresses are measured in by default, 2 GPa, in pascals.
 E0 = Fraction(2 * 10**9)
 
 
@@ -269,7 +269,7 @@ def shown(value: float, units: UnitSystem, stress: int = 0, length: int = 0) -> 
     return f"{compact.magnitude:.5g} {compact.units:~}"
 
 
-#: Units of what a case tells, and those that people confuse with them, as pint reads them (NIST SP 811,
+#: Units of the quantities of a case, and those that are confused with them, as pint reads them (NIST SP 811,
 #: Guide for the Use of the International System of Units, App. B). All of pint's take a tenth of a short run.
 _DEFINITIONS = """
     yocto- = 1e-24 = y-

@@ -1,9 +1,9 @@
 """Products with blocks of eight columns, written for vector registers by hand.
 
 The compiler runs a loop over eight numbers one by one, and a loop over a few rows behind tests for
-overlapping arrays; factors of narrow bands have no other loops. So these few are told to it as what they are:
-operations on eight numbers at once. Arrays are in C order, and are told with the place of the number that is
-the first one; blocks are stored column by column. Numbers of rows are multiples of eight.
+overlapping arrays; factors of narrow bands have no other loops. So these few loops are written as operations
+on eight numbers at once. Arrays are in C order, and are passed with the index of their first number; blocks
+are stored column by column. Numbers of rows are multiples of eight.
 """
 
 from typing import Any
@@ -196,7 +196,7 @@ def _product(*, subtract: bool) -> Any:
             write = _Writer(context, builder, signature.args[0].dtype)
 
             def columns(argument: int) -> tuple[Any, list[Any]]:
-                """Where an array begins, and the places of the columns that it is told with."""
+                """Return the start of an array, and the indices of the columns that it is passed with."""
                 array, first, stride = arguments[argument : argument + 3]
                 places = [builder.add(first, builder.mul(stride, _number(k))) for k in range(COLUMNS)]
                 return write.data(signature.args[argument], array), places

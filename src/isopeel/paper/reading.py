@@ -1,4 +1,4 @@
-"""Ways to read dM and the steepest slopes off a curve, since the published way is not told."""
+"""Ways to read dM and the steepest slopes off a curve, as the published definition is not known."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
@@ -60,7 +60,7 @@ class Points(Enum):
     THREE = "3"
 
     def count(self, space: str) -> int | None:
-        """So many on a space; None for the default."""
+        """Return the number of points on a space; None for the default."""
         default = default_points(space)
         number = {
             Points.DEFAULT: default,
@@ -89,7 +89,7 @@ class Readable:
         self._mean: FloatArray | None = None
 
     def read(self, window: Window, reading: Reading = Reading.MEAN) -> Figures | None:
-        """What a window tells, in 1e-3 E0 L0^3 (per degree); None where the run does not cover it.
+        """Return the figures in a window, in 1e-3 E0 L0^3 (per degree); None where the run does not cover it.
 
         A run covers a window when it reached half a period beyond it, whatever the reading.
         """

@@ -1,4 +1,4 @@
-"""The finished runs, as the sections of the report ask for them."""
+"""The finished runs, for the sections of the report."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -20,12 +20,12 @@ class Results:
     readables: dict[Run, Readable] = field(init=False)
 
     def __post_init__(self) -> None:
-        """Make the readings' means only once."""
+        """Make the cache of running means."""
         readables = {run: Readable(record) for run, record in self.records.items()}
         object.__setattr__(self, "readables", readables)
 
     def figures(self, run: Run, window: Window = WINDOW, reading: Reading = Reading.MEAN) -> Figures | None:
-        """What a run's window tells; None where it was not run, or ended before."""
+        """Return the figures of a run in a window; None where it was not run, or ended before."""
         return self.readables[run].read(window, reading) if run in self.readables else None
 
     def amplitude(self, run: Run) -> float | None:

@@ -37,7 +37,7 @@ class Predictor:
         self._system = system
         self._translation = TranslationPredictor.of(system)
         sides = [term.table.functions.ravel() for term in system.interfaces]
-        # without an interface, what is driven tells
+        # without an interface, states are compared along the driven side
         side = np.unique(np.concatenate(sides or [system.constraints.driven]))
         ahead = side if self._translation is None else self._translation.ahead[side]
         self._functions = np.stack([side, ahead])

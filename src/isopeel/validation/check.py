@@ -23,7 +23,7 @@ O = TypeVar("O")  # noqa: E741 (an outcome)
 class Row:
     """A number that was computed, beside the one that is expected.
 
-    `allowed` is the largest relative deviation, None where the row tells of a closed form beyond its reach;
+    `allowed` is the largest relative deviation, None where the closed form is not valid for the row;
     `details` are cells for the columns that the check adds. Raises InputError unless it is positive.
     """
 
@@ -60,7 +60,7 @@ class Result:
     """What a check found: its rows, what made them, and figures.
 
     `text` says in Markdown what is compared and how it is read; `settings` are names and values;
-    `columns` head the details of the rows, the first `named_by` of which tell the rows apart; `problems` say
+    `columns` head the details of the rows, the first `named_by` of which name the rows; `problems` say
     why numbers are missing.
     """
 

@@ -57,7 +57,7 @@ class Trace:
     def deviation(
         self, window: tuple[float, float], part: tuple[float, float]
     ) -> tuple[FloatArray, FloatArray]:
-        """Angles and moments in a part, the latter less the straight line fitted to them in a window."""
+        """Return angles and moments in a part; the moments minus a straight line fitted in a window."""
         line = np.polynomial.Polynomial.fit(*self.within(window), 1)
         angles, moments = self.within(part)
         return angles, moments - line(angles)
@@ -83,7 +83,7 @@ def mesh_handles(meshes: Iterable[str]) -> list[Line2D]:
 
 
 def draw_whole(axes: Axes, curves: Mapping[str, Trace], looks: Mapping[str, dict[str, Any]]) -> None:
-    """Draw curves from 0 to END_DEG. Those that end before it end in a cross, and their end is told."""
+    """Draw curves from 0 to END_DEG. Those that end before it have a cross and their last angle."""
     crosses = []
     for name, curve in curves.items():
         axes.plot(curve.angles_deg, curve.moments, **looks[name], label=name)
@@ -117,7 +117,7 @@ def draw_deviations(
 ) -> None:
     """Draw curves around a window, each less the straight line fitted to it inside the window.
 
-    Only those that reach its end. The scale is a power of ten, told at the axis.
+    Only those that reach its end. The scale is a power of ten, given at the axis.
     """
     part = around(window)
     shown = {

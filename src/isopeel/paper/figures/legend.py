@@ -16,7 +16,7 @@ _SIZE, _HANDLE, _SPACING = 8, 2.8, 1.2
 
 
 def space_handles(spaces: Iterable[str]) -> list[Line2D]:
-    """Entries of spaces. That of X tells L1+X too, with one more entry for all such hollow ones."""
+    """Return the entries of spaces. L1+X has that of X, and all such hollow ones share one more entry."""
     names = list(spaces)
     styles = {name: space_style(name) for name in names}
     covered_by_others = [

@@ -77,7 +77,7 @@ def _histories(results: Results, run: Run) -> Iterator[NewtonHistory]:
     stored = results.stored(run)
     step = len(stored.curve) - 1
     if stored.failure is None:
-        # where nothing failed, the hardest step tells the most, once there are three states for a parabola
+        # where nothing failed, the hardest step is shown, once there are three states for a parabola
         step = PARABOLA_POINTS + int(np.argmax(stored.curve.iterations[PARABOLA_POINTS:]))
     angle, residuals = stored.curve.parameter[step], stored.curve.residuals_of(step)
     yield NewtonHistory(run.space, float(angle), tuple(residuals.tolist()), converged=True)

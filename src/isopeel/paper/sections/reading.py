@@ -38,7 +38,7 @@ from isopeel.report.wording import ABSENT, digits, listed
 
 TITLE = "How the figures depend on the reading"
 _LENGTH = WINDOW[1] - WINDOW[0]
-#: Entries further off than this are told one by one.
+#: Entries with a larger deviation are listed one by one.
 _FAR = 0.2
 
 

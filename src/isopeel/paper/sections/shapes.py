@@ -14,7 +14,7 @@ _SPACE, _MESH = "L4", "m2"
 
 
 def runs(meshes: Sequence[str]) -> list[Run]:
-    """One on m2, or on the first mesh that is asked for."""
+    """Return one run, on m2 or on the first requested mesh."""
     return [_shown(meshes)]
 
 

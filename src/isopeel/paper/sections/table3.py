@@ -14,7 +14,7 @@ _MESH = "m2"
 
 
 def runs(meshes: Sequence[str]) -> list[Run]:
-    """Those of Table 2 on m2, whatever meshes are asked for."""
+    """Return the runs of Table 2 on m2, whatever meshes are requested."""
     return [*table_runs([_MESH]), *contact_row_runs([_MESH])] if _MESH in meshes else []
 
 

@@ -61,11 +61,11 @@ def expected(problem: Problem, space: RowSpace) -> Expected | None:
 
 
 def theory(problem: Problem, space: RowSpace) -> Theory:
-    """Find the closed form of a problem whose body begins at rest, or why there is none.
+    """Return the closed form of a problem whose body begins at rest, or why there is none.
 
-    It takes a slender strip that lies on a flat substrate at the equilibrium gap, adheres up to the end that
-    is not driven, and is held nowhere but there. A small-strain form is given where it is within SMALL_STRAIN
-    of that at finite strain, and else the latter.
+    It is valid for a slender strip on a flat substrate at the equilibrium gap that adheres up to the end that
+    is not driven, and is held only there. The small-strain form is returned where it is within SMALL_STRAIN
+    of the one at finite strain, and otherwise the form at finite strain.
     """
     strip = free_strip(problem)
     if strip is None or not lies_free(problem, strip):
