@@ -148,11 +148,11 @@ def read_run(path: Path, *, journal: bool = True) -> StoredRun:
         raise InputError("FILE", str(path), f"the file of a run is needed: {error}") from error
 
 
-def _check_format(told: object) -> None:
-    if told == _FORMAT:
+def _check_format(stated: object) -> None:
+    if stated == _FORMAT:
         return
-    if isinstance(told, str) and re.fullmatch(_EARLIER, told):
-        raise UntrustedError(f"it was written by another version of isopeel ({told}): run its case again")
+    if isinstance(stated, str) and re.fullmatch(_EARLIER, stated):
+        raise UntrustedError(f"it was written by another version of isopeel ({stated}): run its case again")
     raise UntrustedError("it is not the file of a run")
 
 
@@ -198,9 +198,9 @@ def _image(run: StoredRun) -> bytes:
             schema.write(file, "base", run.base)
         if run.failure is not None:
             schema.write(file, "failure/iterations", np.array(run.failure.iterations, np.float64))
-            told = run.failure
+            stated = run.failure
             file["failure"].attrs.update(
-                {"parameter": told.parameter, "reason": told.reason, "cause": told.cause}
+                {"parameter": stated.parameter, "reason": stated.reason, "cause": stated.cause}
             )
         if run.space is not None:
             write_space(file, "body", *run.space)
@@ -246,15 +246,15 @@ def _state(file: h5py.File, read: schema.Read) -> State | None:
 
 def _stored(file: h5py.File) -> StoredRun:
     attributes = {name: untrusted.attribute(file, name) for name in file.attrs}
-    told, identity = (untrusted.words(file, name) for name in ("ending", "identity"))
+    stated, identity = (untrusted.words(file, name) for name in ("ending", "identity"))
     interval = untrusted.number(file, "field_interval")
     for name in ("format", "ending", "identity", "field_interval"):
         del attributes[name]
     if any(isinstance(value, np.ndarray) for value in attributes.values()):
         raise UntrustedError("an attribute is an array")
     endings: dict[str, Ending] = {ending: ending for ending in get_args(Ending)}
-    if told not in endings or len(bytes.fromhex(identity)) != _IDENTITY:
-        raise UntrustedError(f"it says that it ended {told!r}, and that it is {identity!r}")
+    if stated not in endings or len(bytes.fromhex(identity)) != _IDENTITY:
+        raise UntrustedError(f"it says that it ended {stated!r}, and that it is {identity!r}")
     if not 0 < interval < np.inf:
         raise UntrustedError(f"its field_interval is {interval}")
     read = schema.read(file)
@@ -265,7 +265,7 @@ def _stored(file: h5py.File) -> StoredRun:
         curve,
         _states(read, curve),
         MappingProxyType(attributes),
-        endings[told],
+        endings[stated],
         _failure(file, read),
         last,
         read.get("base"),
