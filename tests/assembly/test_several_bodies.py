@@ -32,7 +32,7 @@ from isopeel.assembly.system import System
 from isopeel.common.arrays import FloatArray
 from isopeel.matrix.band import Storage
 from isopeel.problem import Drive
-from isopeel.splines.nurbs import annulus_sector
+from isopeel.splines.nurbs import annulus_sector, rectangle
 
 STRIP = strip(length=20.0, height=2.0, adhering_length=15.0)
 UPPER = replace(STRIP.body, name="strip")
@@ -216,6 +216,19 @@ def test_a_history_is_a_value() -> None:
     np.testing.assert_array_equal(system.equilibrium(u).forces, before.forces)
     with pytest.raises(ValueError, match="read-only"):
         later.maximum_openings[0, 0] = 0.0
+
+
+def test_a_bar_without_an_interface_is_stretched() -> None:
+    """Its force is E' h e at a small strain e, up to e itself; nothing adheres."""
+    soft = Body(rectangle(20.0, 2.0), NeoHooke(3.0, 0.2))
+    supports = (Support(soft.side("left"), (0,)), Support(soft.side("bottom"), (1,)))
+    bar = Problem("bar", (soft,), (), supports, MovedSide("right", 0.0))
+    strains = np.linspace(0.0, 1e-5, 4)
+    steps = list(trace(bar, row_space("N2", (8, 2)), 20.0 * strains))
+    expected = 3.0 / (1 - 0.2**2) * 2.0 * strains
+    np.testing.assert_allclose([step.reaction for step in steps], expected, rtol=1e-4, atol=1e-14)
+    assert steps[-1].adhesive_energy == 0
+    assert System(bar, row_space("N2", (8, 2))).openings_of(steps[-1].maximum_openings) == {}
 
 
 def test_names_are_checked() -> None:

@@ -1,6 +1,7 @@
 """Data of terms: packed as two arrays, it is read back as it was, and serves any list of terms."""
 
 import sys
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -10,11 +11,12 @@ from numba.core.dispatcher import Dispatcher
 from isopeel.assembly.equations import Iterate, evaluate
 from isopeel.assembly.loops import Sums, TermList, add_terms
 from isopeel.assembly.packing import Flags2, Floats1, Floats3, Integers2, packed, reader
+from isopeel.assembly.spaces import SpaceOfBodies
 from isopeel.assembly.system import System
 from isopeel.common.arrays import FloatArray
 from isopeel.physics.adhesion import Exponential
 from isopeel.physics.materials import SaintVenantKirchhoff
-from isopeel.problem import Problem, strip
+from isopeel.problem import Problem, Support, strip
 from isopeel.solve.newton import NewtonSettings
 from isopeel.solve.path import Path
 from isopeel.splines.rows import row_space
@@ -83,8 +85,8 @@ def test_no_solver_function_is_compiled_anew_for_other_terms() -> None:
             if isinstance(value, Dispatcher)
         }
 
-    def go(problem: Problem, name: str) -> None:
-        path = Path(System(problem, row_space(name, (40, 2))), NewtonSettings(), ())
+    def go(problem: Problem, spaces: SpaceOfBodies) -> None:
+        path = Path(System(problem, spaces), NewtonSettings(), ())
         for degrees in (0.0, 0.1, 0.2, 0.3):
             path.step(path.equilibrium(np.radians(degrees)), 0.0)
         system = path.system
@@ -95,9 +97,23 @@ def test_no_solver_function_is_compiled_anew_for_other_terms() -> None:
             some = system.equations._replace(terms=system.equations.terms.only(kept))
             evaluate(some, system.maximum_openings.ravel(), moved, external, at)
 
-    go(strip(), "N2.1")
+    go(strip(), row_space("N2.1", (40, 2)))
     known = signatures()
     assert known["isopeel.solve.quasi_newton", "corrected"] == 1
     material, law = SaintVenantKirchhoff(1.0, 0.3), Exponential(0.06, 0.015, 0.25)
-    go(strip(material=material, law=law, irreversible=True), "N2.1")
+    go(strip(material=material, law=law, irreversible=True), row_space("N2.1", (40, 2)))
+    assert signatures() == known
+    # two bodies, one of them on two sides
+    problem, beside = strip(), replace(strip().body, name="beside")
+    joints = [
+        replace(problem.adhesion, boundary=beside.side("bottom", *part)) for part in ((0.0, 0.3), (0.6, 1.0))
+    ]
+    two = replace(
+        problem,
+        bodies=(problem.body, beside),
+        interfaces=(problem.adhesion, *joints),
+        supports=(*problem.supports, Support(beside.side("left"), (0,))),
+    )
+    space = row_space("N2.1", (40, 2))
+    go(two, {"body": space, "beside": space})
     assert signatures() == known

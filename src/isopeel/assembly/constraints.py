@@ -22,10 +22,14 @@ class Constraints:
     with T is exact and costs nothing: `unknowns` (size, 2) is the number of the unknown, or HELD. The side
     that the drive moves shares one unknown per component that is common to it. What is held, and what moves
     as a whole, does so from where it is in the `base` state: `offset` holds that part of it, u0.
+
+    All unknowns y are those of the displacement, z, and after them the global ones: the size of a load whose
+    displacement is prescribed.
     """
 
     unknowns: IntArray
-    count: int
+    count: int  # of z
+    global_unknowns: int
     offset: FloatArray  # (size, 2)
     drive: Drive
     driven: IntArray  # functions on the driven side
@@ -34,8 +38,13 @@ class Constraints:
     _moved: dict[float, FloatArray] = field(default_factory=dict, init=False, repr=False)
     _rate: dict[float, FloatArray] = field(default_factory=dict, init=False, repr=False)
 
+    @property
+    def total(self) -> int:
+        """Number of all unknowns y."""
+        return self.count + self.global_unknowns
+
     def displacement(self, unknown_values: FloatArray, parameter: float) -> FloatArray:
-        """Coefficients u (size, 2) of unknowns z (count,) at a value of the drive's parameter."""
+        """Coefficients u (size, 2) of unknowns y (total,) at a value of the drive's parameter."""
         u = np.empty(self.offset.shape)
         displace(self.unknowns, unknown_values, self.offset, self.driven, self.moved(parameter), u)
         return u
@@ -57,12 +66,16 @@ class Constraints:
         return self._rate[parameter]
 
     def unknown_values(self, displacement: FloatArray, parameter: float) -> FloatArray:
-        """The unknowns z (count,) of coefficients u (size, 2) that satisfy the constraints."""
+        """The unknowns y (total,) of coefficients u (size, 2) that satisfy the constraints.
+
+        Global unknowns are left at zero: a dead load enters the equations linearly, so that Newton's method
+        finds it at once.
+        """
         free = displacement - self.offset
         free[self.driven] -= self.moved(parameter)
-        z = np.empty(self.count + 1)
-        z[self.unknowns] = free
-        return z[:-1]
+        y = np.zeros(self.total + 1)
+        y[self.unknowns] = free
+        return y[:-1]
 
     def condense(self, forces: FloatArray) -> FloatArray:
         """T^T f (count,) of forces f (size, 2) that work on the coefficients."""
@@ -159,7 +172,8 @@ def constrain(
         unknowns[place] = np.where(numbers == HELD, HELD, numbers + count)
         count += int(numbers.max()) + 1
     control_points = spaces.control_points() + u0
-    return Constraints(unknowns, count, offset, drive, driven, control_points[driven])
+    with_load = drive.load is not None and drive.load.control == "displacement"
+    return Constraints(unknowns, count, int(with_load), offset, drive, driven, control_points[driven])
 
 
 def _number(groups: IntArray, places: FloatArray, axis: int) -> IntArray:

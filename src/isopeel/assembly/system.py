@@ -163,11 +163,12 @@ class System:
 
     def openings_of(self, maximum_openings: FloatArray) -> dict[str, FloatArray]:
         """Return the maximum openings (E, Q) of each interface, by its name."""
-        shapes = [term.table.weights.shape for term in self.interfaces]
-        ends = np.cumsum([term.table.weights.size for term in self.interfaces])
-        parts = np.split(maximum_openings.ravel(), ends[:-1])
-        names = self.problem.interface_names
-        return {name: part.reshape(of) for name, part, of in zip(names, parts, shapes, strict=True)}
+        found, start, flat = {}, 0, maximum_openings.ravel()
+        for name, term in zip(self.problem.interface_names, self.interfaces, strict=True):
+            weights = term.table.weights
+            found[name] = flat[start : start + weights.size].reshape(weights.shape)
+            start += weights.size
+        return found
 
     def _shaped(self, parts: Sequence[FloatArray]) -> FloatArray:
         """Largest openings of all interfaces, of those (n,) of each."""
@@ -178,16 +179,16 @@ class System:
     @property
     def load_is_unknown(self) -> bool:
         """Whether the size of the load is one more unknown, after those of the displacement."""
-        return self.load is not None and self.load.load.control == "displacement"
+        return bool(self.constraints.global_unknowns)
 
     @property
     def count(self) -> int:
         """Number of unknowns y: those of the displacement, and the size of a load that is unknown."""
-        return self.constraints.count + self.load_is_unknown
+        return self.constraints.total
 
     def state(self, unknown_values: FloatArray, parameter: float) -> tuple[FloatArray, float]:
         """Coefficients u (size, 2) and size of the load, of unknowns y (count,) at a parameter."""
-        u = self.constraints.displacement(unknown_values[: self.constraints.count], parameter)
+        u = self.constraints.displacement(unknown_values, parameter)
         if self.load is None:
             return u, 0.0
         return u, float(unknown_values[-1]) if self.load_is_unknown else parameter
@@ -200,9 +201,7 @@ class System:
 
     def unknown_values(self, displacement: FloatArray, parameter: float) -> FloatArray:
         """Unknowns y (count,) of coefficients u (size, 2); the size of an unknown load is left at zero."""
-        z = self.constraints.unknown_values(displacement, parameter)
-        # a dead load enters the equations linearly: Newton's method finds it at once
-        return np.append(z, 0.0) if self.load_is_unknown else z
+        return self.constraints.unknown_values(displacement, parameter)
 
     def reaction(
         self, equilibrium: Equilibrium, displacement: FloatArray, load: float, parameter: float
