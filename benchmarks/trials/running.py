@@ -23,7 +23,7 @@ from isopeel.running.folder import places
 from isopeel.running.run import run_case
 from isopeel.solve.step import KINDS
 from trials.case import Reading, Trial
-from trials.energy import Gain, largest_gain
+from trials.energy import Gain, gain_in_parts, largest_gain
 
 #: How a case ended: to its last step, before it with a cause, refused as bad input, by an unexpected
 #: error, or stopped for lack of time.
@@ -92,6 +92,9 @@ def _run(source: str | Path, out: Path, reading: Reading) -> Outcome:
         paths = [place.run_file for place in places(case.name, [stage.name for stage in stages], out)]
         runs = [read_run(path) for path in paths if path.exists()]
         gains = [largest_gain(run, stage.problem) for run, stage in zip(runs, stages, strict=False)]
+        gains = [
+            gain_in_parts(case, number, gain) if gain.forbidden else gain for number, gain in enumerate(gains)
+        ]
     except InputError as error:
         return Outcome("refused", cause=f"{error}", seconds=time.process_time() - began)
     except Exception:

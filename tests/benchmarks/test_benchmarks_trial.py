@@ -15,7 +15,7 @@ from isopeel.case import Case, load_case
 from isopeel.post.closed_form import double_cantilever_force, kendall_force, sliding_tape_force
 from trials.dice import Dice
 from trials.drawing import FAMILIES, refined, trial
-from trials.energy import works
+from trials.energy import Gain, gain_in_parts, works
 from trials.families import cantilevers, columns, cylinders, double_cantilevers, tapes
 from trials.quantities import LENGTHS, written
 from trials.running import Attempt, Outcome, unit_of
@@ -186,3 +186,9 @@ def test_cheap_cases_are_right(tmp_path: Path) -> None:
         assert found.ending == "completed"
         assert abs(deviation(one, found)) < CLOSE
     assert Case.parse(trial(1, CHEAP[0]).text).name == f"trial-1-{CHEAP[0]}"
+
+
+def test_a_gain_that_is_the_error_of_the_rule_is_none_in_parts() -> None:
+    """A step of a sliding tape in which the trapezoidal rule misses 1.6e-4 of W A of the work."""
+    case = Case.parse(trial(1, 148).text)
+    assert not gain_in_parts(case, 0, Gain(1.6e-4, 0.357, 17)).forbidden
