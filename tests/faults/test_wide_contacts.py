@@ -116,5 +116,5 @@ def test_a_fall_that_does_not_come_to_rest_is_reported(monkeypatch: pytest.Monke
     assert steps[-1].reaction > 30.0
     assert error is not None
     assert error.cause == "long fall"
-    assert "not come to rest" in error.reason
+    assert "has not ended" in error.reason
     assert error.hint == HINTS["long fall"]

@@ -89,7 +89,7 @@ def test_a_failed_line_search_is_reported(monkeypatch: pytest.MonkeyPatch) -> No
     with pytest.raises(ConvergenceError) as caught:
         path.jump_from([np.zeros(system.count)], 0.02)
     assert caught.value.cause == "line search"
-    assert "no shorter step" in caught.value.reason
+    assert "the line search of the descent failed" in caught.value.reason
 
 
 def test_a_force_beyond_the_joints_strength_finds_no_equilibrium() -> None:

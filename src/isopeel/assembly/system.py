@@ -16,7 +16,7 @@ from isopeel.assembly.interface_term import InterfaceTerm
 from isopeel.assembly.loads import AssembledLoad
 from isopeel.assembly.loops import Loops, Sums, add_terms, term_list
 from isopeel.assembly.spaces import SpaceOfBodies, Spaces
-from isopeel.assembly.start import ROUND_OFF, check_start, extent_of
+from isopeel.assembly.start import ROUND_OFF, check_rigid, check_start, extent_of
 from isopeel.assembly.tables import BodyTable, SideTable, body_of, side_of
 from isopeel.assembly.terms import Term
 from isopeel.common.arrays import FloatArray, frozen
@@ -60,7 +60,7 @@ class System:
     adhesive force has `contact_points` Gauss points per element, one more than the degree by default. `base`
     are the coefficients (size, 2) of the state that the drive begins with, if it is not the bodies as they
     are. Raises InputError where the memory does not suffice, where problem and spaces do not fit together,
-    where a body overlaps the substrate, or where it can move as a whole without a force.
+    where a body overlaps the substrate, can move as a whole without a force, or cannot without strain.
 
     Tangents share one array per storage: each call of `linearize` overwrites the last one's.
     """
@@ -84,6 +84,8 @@ class System:
                 f"it needs up to {needed / 2**30:.1f} GiB of memory, and {free / 2**30:.1f} GiB are free"
             )
             raise InputError("mesh", ", ".join("{}x{}".format(*one.elements) for one in given), allowed)
+        for body in problem.bodies:
+            check_rigid(self.spaces.of[body.name], body.shape)
         self.bodies: tuple[BodyTerm, ...] = tuple(
             BodyTerm(body, body_of(self.spaces, body), *self.body_loops) for body in problem.bodies
         )
