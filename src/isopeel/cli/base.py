@@ -28,7 +28,7 @@ app = typer.Typer(pretty_exceptions_enable=False)
 @app.callback(invoke_without_command=True)
 def _root(
     context: typer.Context,
-    version: Annotated[bool, typer.Option("--version", help="Tell the version.")] = False,
+    version: Annotated[bool, typer.Option("--version", help="Print the version.")] = False,
 ) -> None:
     """Simulate peeling of soft solids off adhesive surfaces by isogeometric analysis."""
     if version:

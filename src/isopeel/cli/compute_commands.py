@@ -27,7 +27,7 @@ _ForceOption = Annotated[
 _ControlOption = Annotated[
     str | None,
     typer.Option(
-        metavar="auto|newton|continuation|jump", help="What to do where a step finds no equilibrium."
+        metavar="auto|newton|continuation|jump", help="What to do when a step finds no equilibrium."
     ),
 ]
 
@@ -38,7 +38,7 @@ def run(
         str, typer.Argument(metavar="CASE", help="A TOML file, or a shipped case (see `isopeel cases`).")
     ],
     out: Annotated[
-        Path | None, typer.Option(metavar="DIR", help="Folder of the results; out/NAME when left out.")
+        Path | None, typer.Option(metavar="DIR", help="Folder of the results; out/NAME by default.")
     ] = None,
     assigned: Annotated[
         list[str] | None,
@@ -59,7 +59,7 @@ def run(
         ),
     ] = None,
     step: Annotated[
-        str | None, typer.Option(metavar="VALUE", help="Step of the parameter, written likewise.")
+        str | None, typer.Option(metavar="VALUE", help="Step of the parameter, in the same format.")
     ] = None,
     traction: Annotated[
         str | None,
@@ -71,10 +71,10 @@ def run(
     control: _ControlOption = None,
     fields_every: Annotated[
         str | None,
-        typer.Option(metavar="VALUE", help="Parameter between stored displacements, written likewise."),
+        typer.Option(metavar="VALUE", help="Parameter between stored displacements, in the same format."),
     ] = None,
     strict: Annotated[
-        bool, typer.Option("--strict", help="Refuse elements that do not resolve the front, or lock.")
+        bool, typer.Option("--strict", help="Reject elements that do not resolve the front, or lock.")
     ] = False,
     force: Annotated[
         bool,

@@ -32,7 +32,7 @@ def plot(
     ] = None,
     suffix: Annotated[str, typer.Option("--format", metavar="png|svg|pdf", help="Kind of file.")] = "png",
     out: Annotated[
-        Path | None, typer.Option(metavar="DIR", help="Folder of the figures; DIR/figures when left out.")
+        Path | None, typer.Option(metavar="DIR", help="Folder of the figures; DIR/figures by default.")
     ] = None,
     force: _ForceOption = False,
 ) -> int:
@@ -47,7 +47,7 @@ def plot(
 def report(
     folder: Annotated[Path, typer.Argument(metavar="DIR", help="Folder of a run, or of a stage of one.")],
     out: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="File of the page; DIR/report.html when left out.")
+        Path | None, typer.Option(metavar="FILE", help="File of the page; DIR/report.html by default.")
     ] = None,
     force: _ForceOption = False,
 ) -> int:
@@ -62,7 +62,7 @@ def report(
 def export(
     folder: Annotated[Path, typer.Argument(metavar="DIR", help="Folder of a run.")],
     out: Annotated[
-        Path | None, typer.Option(metavar="DIR", help="Folder of the files; DIR/paraview when left out.")
+        Path | None, typer.Option(metavar="DIR", help="Folder of the files; DIR/paraview by default.")
     ] = None,
     linear: Annotated[
         int | None,
@@ -106,11 +106,11 @@ def animate(
     suffix: Annotated[str, typer.Option("--format", metavar="mp4|gif", help="Kind of file.")] = "mp4",
     fps: Annotated[
         float | None,
-        typer.Option(metavar="N", help="Stored states per second; a few seconds in all when left out."),
+        typer.Option(metavar="N", help="Stored states per second; a few seconds in all by default."),
     ] = None,
     size: Annotated[str, typer.Option(metavar="WxH", help="Width and height in pixels.")] = "1280x600",
     out: Annotated[
-        Path | None, typer.Option(metavar="DIR", help="Folder of the file; DIR/figures when left out.")
+        Path | None, typer.Option(metavar="DIR", help="Folder of the file; DIR/figures by default.")
     ] = None,
     force: _ForceOption = False,
 ) -> int:
@@ -136,7 +136,7 @@ def view(
     ] = None,
     force: _ForceOption = False,
 ) -> int:
-    """Show the deformed body of a stored run in a window, with a slider (needs isopeel[view])."""
+    """Show the deformed body of a stored run in a window, with a slider (needs the extra "view")."""
     from isopeel.output.view import view_run
 
     view_run(folder, at, screenshot, console(), force=force)
@@ -157,7 +157,7 @@ def spaces(
     name: Annotated[str, typer.Argument(metavar="NAME", help="A spline space, such as N2.1 or L1+N2@2.")],
     mesh: Annotated[str, typer.Option(metavar="NXxNY", help="Elements, to count DOFs.")] = "200x10",
     out: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="File of the figure; out/NAME.png when left out.")
+        Path | None, typer.Option(metavar="FILE", help="File of the figure; out/NAME.png by default.")
     ] = None,
     force: _ForceOption = False,
 ) -> int:
@@ -174,7 +174,7 @@ def law(
         str, typer.Argument(metavar="NAME", help="A law, such as exponential, or a case whose law is shown.")
     ],
     out: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="File of the figure; out/NAME.png when left out.")
+        Path | None, typer.Option(metavar="FILE", help="File of the figure; out/NAME.png by default.")
     ] = None,
     force: _ForceOption = False,
 ) -> int:

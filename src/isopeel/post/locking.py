@@ -184,7 +184,7 @@ def _bending_notes(problem: Problem, space: RowSpace, laboratory: Laboratory) ->
     for richer, words in _richer(space):
         better = bending(problem, richer)
         if better is not None and not _matters(problem, richer, better):
-            return [Note("locking", f"{message}; {words} would do ({_by(better.excess)})")]
+            return [Note("locking", f"{message}; {words} is sufficient ({_by(better.excess)})")]
     return [Note("locking", f"{message}; take smaller elements too, and space N2.1 with across_degree = 3")]
 
 

@@ -23,7 +23,7 @@ def run_notes(run: StoredRun, found: Findings, onset: float | None) -> list[Note
     notes = [*found.doubts]
     if found.inside:
         depth = laboratory.text(found.inside, "length", 2)
-        text = f"a part that does not adhere, and feels no substrate, lies up to {depth} inside it"
+        text = f"a part of the face without adhesion is up to {depth} inside the substrate"
         notes.append(Note("penetration", text))
     notes += stability_notes(run.curve, laboratory)
     for reading in found.readings:
@@ -41,7 +41,7 @@ def run_notes(run: StoredRun, found: Findings, onset: float | None) -> list[Note
         notes.append(Note("reading", f"closed form: {found.unproven}"))
     if window is None:
         if found.closed_form is not None:
-            text = "plateau, amplitude and slopes: the case names no window to read them in"
+            text = "plateau, amplitude and slopes: the case has no reading window"
             notes.append(Note("reading", text))
     elif reason := unreadable(
         run.curve, window, found.period, partial(laboratory.parameter, run.curve.parameter_column)

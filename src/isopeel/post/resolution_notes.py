@@ -112,10 +112,10 @@ def oscillation_notes(
         plateau = None if window is None else _about_a_line(curve, window)
     if plateau is None or not plateau.amplitude > SWINGS * abs(plateau.mean):
         return []
-    swing = f"the reaction swings by {100 * plateau.amplitude / abs(plateau.mean):.2g} % of its mean"
+    swing = f"the reaction oscillates by {100 * plateau.amplitude / abs(plateau.mean):.2g} % of its mean"
     if jumped >= JUMPS:
         swing += f", and the front jumped {jumped} times"
-    text = f"{swing}, where that of such a strip moves steadily: elements along are too large for the front"
+    text = f"{swing}, where that of such a strip should be steady: elements along are too large for the front"
     return [Note("resolution", text)]
 
 

@@ -42,7 +42,7 @@ _NEAR = 0.03
 HINTS: dict[Cause, str] = {
     "inverted element": "take smaller steps, or a mesh that is finer where the element is",
     "limit point": (
-        "go beyond it with path_control = continuation, or with jump where forces have an energy, or refine"
+        "use path_control = continuation, or jump if the forces have a potential, or refine the mesh"
     ),
     "limit load": "stay below it, or prescribe the displacement where the load acts (control = displacement)",
     "energy without work": "take path_control = auto, which looks for the stable branch, or smaller steps",
@@ -50,8 +50,8 @@ HINTS: dict[Cause, str] = {
     "long fall": "refine the mesh where the joint opens, or stop before, where the body begins to come off",
     "stalled residual": "take smaller steps, or path_control = continuation",
     "line search": "take smaller steps, or a finer mesh",
-    "non-finite traction": "take smaller steps, or see whether the body meets the substrate",
-    "singular tangent": "hold the body so that it cannot move freely, or take path_control = continuation",
+    "non-finite traction": "take smaller steps, or check whether the body touches the substrate",
+    "singular tangent": "add a support against free motion, or take path_control = continuation",
     "iteration limit": "take smaller steps, or path_control = auto, which cuts them",
 }
 
