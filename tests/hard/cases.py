@@ -201,7 +201,7 @@ ANYTHING = st.one_of(
     st.booleans(),
     st.lists(st.sampled_from([*NUMBERS, *QUANTITIES]), max_size=3),
     st.just({}),
-    st.just({"a": {"b": {"c": 1}}}),
+    st.builds(lambda: {"a": {"b": {"c": 1}}}),  # a new one each time, as it may be changed
     st.just([[[[]]]]),
     st.dictionaries(st.text(max_size=5), st.integers(), max_size=2),
     st.floats(min_value=-1e15, max_value=1e15).map(lambda value: f"{value!r} nm"),

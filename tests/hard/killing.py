@@ -94,11 +94,13 @@ def stored_bits(path: Path) -> dict[str, bytes]:
     bits: dict[str, bytes] = {}
 
     def visit(name: str, item: h5py.Group | h5py.Dataset) -> None:
+        if name in ("curve/seconds", "case"):
+            return
         for key, value in item.attrs.items():
             bits[f"{name}@{key}"] = (
                 np.asarray(value).tobytes() if not isinstance(value, str) else value.encode()
             )
-        if isinstance(item, h5py.Dataset) and name not in ("curve/seconds", "case"):
+        if isinstance(item, h5py.Dataset):
             bits[name] = item[()].tobytes()
 
     with h5py.File(path) as file:

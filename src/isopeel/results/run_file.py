@@ -254,7 +254,7 @@ def _stored(file: h5py.File) -> StoredRun:
         raise UntrustedError("an attribute is an array")
     endings: dict[str, Ending] = {ending: ending for ending in get_args(Ending)}
     if stated not in endings or len(bytes.fromhex(identity)) != _IDENTITY:
-        raise UntrustedError(f"it says that it ended {stated!r}, and that it is {identity!r}")
+        raise UntrustedError("its ending or its identity is unknown")
     if not 0 < interval < np.inf:
         raise UntrustedError(f"its field_interval is {interval}")
     read = schema.read(file)
