@@ -10,7 +10,7 @@ from scipy.interpolate import BSpline
 from isopeel.problem import strip
 from isopeel.results.fields import KeptStates, StoredState
 from isopeel.results.provenance import Provenance
-from isopeel.results.run_file import run_attributes
+from isopeel.results.run_file import read_run, run_attributes
 from isopeel.results.run_writer import RunWriter
 from isopeel.results.schema import SCHEMA
 from isopeel.solve.trace import trace
@@ -40,6 +40,7 @@ def test_each_data_set_says_what_it_is(path: Path) -> None:
             assert one.attrs["unit"] or name == "case"
             seen.append(name)
 
+    assert len(read_run(str(path)).curve) == 4
     with h5py.File(path) as file:
         file.visititems(look)
         assert file["curve/parameter"].attrs["unit"] == "degree"

@@ -125,12 +125,13 @@ def write_run(path: Path, run: StoredRun) -> None:
         part.write_bytes(_image(run))
 
 
-def read_run(path: Path, *, journal: bool = True) -> StoredRun:
+def read_run(path: str | Path, *, journal: bool = True) -> StoredRun:
     """Read the file of a run, with the steps of its journal if there are any.
 
     Both may come from anywhere: nothing outside of them is read. Raises InputError where it is not the file
     of a run.
     """
+    path = Path(path)
     try:
         check_readable(path)
         with h5py.File(path, "r") as file:
