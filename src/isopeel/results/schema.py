@@ -114,11 +114,10 @@ def write_described(
 
 
 class Read(NamedTuple):
-    """What a file holds of the schema: its arrays by their paths, its case, and its sizes by their names."""
+    """What a file holds of the schema: its arrays by their paths, and its case."""
 
     arrays: Mapping[str, FloatArray | IntArray]
     case: str
-    sizes: Mapping[str, int]
 
     def floats(self, path: str) -> FloatArray:
         """Numbers of double precision."""
@@ -155,7 +154,7 @@ def read(file: h5py.File) -> Read:
         check_values(parent[name], values, finite=one.finite)
         values.setflags(write=False)
         arrays[path] = values
-    return Read(arrays, case, sizes)
+    return Read(arrays, case)
 
 
 def check_values(data: h5py.Dataset, values: FloatArray | IntArray, *, finite: bool) -> None:

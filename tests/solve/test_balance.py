@@ -1,0 +1,44 @@
+"""The work of the drive in both halves of a step, by the parabola through its three rates."""
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from scipy.integrate import quad
+
+from isopeel.solve.balance import simpson_misfits
+from isopeel.solve.step import AcceptedState
+
+
+def states(energy: np.polynomial.Polynomial, jump: float = 0.0) -> list[AcceptedState]:
+    """States of an energy at 1, 1.3 and 1.6; the last one has released some by a jump."""
+    rate = energy.deriv()
+    nothing = np.zeros(0)
+    places = (1.0, 1.3, 1.6)
+    return [
+        AcceptedState(p, nothing, energy(p) - (jump if p == places[-1] else 0.0), rate(p), 0.0)
+        for p in places
+    ]
+
+
+def test_an_energy_of_third_order_comes_from_the_work_to_round_off() -> None:
+    one, half, other = states(np.polynomial.Polynomial([0.3, -1.0, 2.0, 0.7]))
+    # energies are of the order 1, their round-off a few 1e-16
+    assert simpson_misfits(one, half, other) == pytest.approx((0.0, 0.0), abs=1e-14)
+
+
+def test_the_halves_add_up_to_the_rule_of_simpson_beside_the_integral() -> None:
+    """Of fifth order: its error is h^5/90 times the fourth derivative of the rate, h half of the step."""
+    energy = np.polynomial.Polynomial([0.0, 1.0, 0.0, 0.0, 0.0, 0.2])
+    path = states(energy)
+    work = sum(quad(energy.deriv(), a.parameter, b.parameter)[0] for a, b in pairwise(path))
+    assert work == pytest.approx(path[-1].energy - path[0].energy, rel=1e-13)
+    expected = -(0.3**5) / 90 * 24.0
+    # both are differences of energies of the order 1
+    assert sum(simpson_misfits(*path)) == pytest.approx(expected, abs=1e-14)
+
+
+def test_a_jump_shows_in_its_half_alone() -> None:
+    first, second = simpson_misfits(*states(np.polynomial.Polynomial([0.0, 1.0, 1.0]), jump=0.01))
+    assert first == pytest.approx(0.0, abs=1e-14)
+    assert second == pytest.approx(-0.01, rel=1e-12)
