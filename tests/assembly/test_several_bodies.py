@@ -232,7 +232,7 @@ def test_a_bar_without_an_interface_is_stretched() -> None:
 
 
 def test_names_are_checked() -> None:
-    with pytest.raises(InputError, match="each with a name of its own"):
+    with pytest.raises(InputError, match="no two may have the same name"):
         Problem("two", (UPPER, UPPER), (), (), RotatedSide("right"))
     with pytest.raises(InputError, match="body: 'pad' cannot be used; there is strip"):
         replace(ALONE, interfaces=(STICKY,))

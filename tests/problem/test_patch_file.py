@@ -145,9 +145,9 @@ BROKEN: dict[str, tuple[object, str]] = {
     "cut off": (json.dumps(document())[:-9], "not a JSON file"),
     "nested": ("[" * 100_000, "not a JSON file"),
     "a list": ([1, 2], "not a JSON file of splines"),
-    "no list": ({"Name": "SplineGroup"}, "SplineList is missing: a list of one spline"),
-    "no spline": ({"SplineList": []}, "SplineList: a list of one spline"),
-    "two": ({"SplineList": document()["SplineList"] * 2}, "SplineList: a list of one spline"),
+    "no list": ({"Name": "SplineGroup"}, "SplineList is missing: a list with exactly one spline"),
+    "no spline": ({"SplineList": []}, "SplineList: a list with exactly one spline"),
+    "two": ({"SplineList": document()["SplineList"] * 2}, "SplineList: a list with exactly one spline"),
     "type": (document(SplineType="TSpline"), "SplineType: it is one of NURBS, BSpline"),
     "volume": (document(para_dim=3, degrees=[1, 1, 1]), "para_dim: it must be 2, for a surface"),
     "in space": (document(dim=3), "dim: it must be 2, for a shape in the plane"),
@@ -160,7 +160,7 @@ BROKEN: dict[str, tuple[object, str]] = {
     "more weights": (document(SplineType="BSpline"), "a BSpline has no weights"),
     "knots fall": (
         document(knot_vectors=[[0, 0, 0, 1, 1, 1], [1, 1, 0, 0]]),
-        "knot_vector [1.0, 0.0]: knots must",
+        "in the file, knot_vector [1.0, 0.0]: knots must",
     ),
     "knots equal": (document(knot_vectors=[[0, 0, 0, 1, 1, 1], [1, 1, 1, 1]]), "first and last knot"),
     "no knot": (document(knot_vectors=[[], [0, 0, 1, 1]]), "at least 6 knots"),
@@ -178,7 +178,7 @@ BROKEN: dict[str, tuple[object, str]] = {
         "",
     ),
     "triples": (document(control_points=[[0, 0, 0]] * 6), "control_points: pairs of finite numbers"),
-    "fewer points": (document(control_points=[[0, 0]] * 5), "go with 3 x 2 control points, not 5"),
+    "fewer points": (document(control_points=[[0, 0]] * 5), "need 3 x 2 control points, not 5"),
     "fewer weights": (document(weights=[1] * 5), "5 weights for 6 control points"),
     "negative": (document(weights=[1, 1, 1, 1, 1, -1]), "weights are positive"),
     "not base64": (document(control_points="no!"), "control_points: pairs of finite numbers are needed"),
@@ -187,7 +187,7 @@ BROKEN: dict[str, tuple[object, str]] = {
     "folded": (document(control_points=[[0, 0], [5, 9], [10, 2], [0, 3], [5, 3], [10, 5]]), "must not fold"),
     "far away": (
         document(control_points=[[0, 0], [1e300, 0], [0, 1], [1e300, 1], [0, 2], [1e300, 2]]),
-        "control_points: pairs of finite numbers are needed, 1e+12 at most in magnitude",
+        "control_points: pairs of finite numbers are needed, of magnitude 1e+12 at most",
     ),
     "a point": (document(control_points=[[1, 1]] * 6), "must not fold"),
 }
@@ -208,7 +208,9 @@ def test_broken_files_are_refused_in_one_line(kind: str, tmp_path: Path) -> None
 def test_mirrored_patches_are_distinguished_from_folded_ones(tmp_path: Path) -> None:
     swapped = splinepy.Bezier([1, 1], [[0, 0], [0, 1], [5, 0], [5, 1]])
     splinepy.io.json.export(str(tmp_path / "swapped.json"), swapped)
-    with pytest.raises(InputError, match=r"negative everywhere: let xi run along the lower side .* swapping"):
+    with pytest.raises(
+        InputError, match=r"negative everywhere: swap or reverse .* xi runs along the lower side"
+    ):
         Patch(tmp_path / "swapped.json")
 
 

@@ -221,7 +221,7 @@ def test_a_free_rigid_motion_is_refused(drive: Drive, fixed: tuple[Support, ...]
 @pytest.mark.parametrize(
     ("make", "message"),
     [
-        (lambda: MovedSide("right", 0.3), "drive.angle: 0.3 cannot be used; along a slanted line"),
+        (lambda: MovedSide("right", 0.3), "drive.angle: 0.3 cannot be used; at this angle"),
         (lambda: MovedSide("right", float("nan"), "held"), "drive.angle: nan"),
         (lambda: MovedSide("right", 0.0, "loose"), "drive.transverse: 'loose'"),  # type: ignore[arg-type]
         (lambda: PulledSide("east", 0.0), "drive.side: 'east'"),  # type: ignore[arg-type]

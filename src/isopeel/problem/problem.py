@@ -18,7 +18,7 @@ Part = TypeVar("Part")
 
 @dataclass(frozen=True)
 class Boundary:
-    """The part of a side of a body of some name, from parameter `start` to `end` in [0, 1] along it."""
+    """A part of a side of the body with this name, from parameter `start` to `end` in [0, 1] along it."""
 
     body: str
     side: Side
@@ -33,7 +33,7 @@ class Boundary:
 
     @property
     def part(self) -> tuple[float, float]:
-        """Where it starts and ends."""
+        """Its first and last parameter."""
         return self.start, self.end
 
 
@@ -57,9 +57,9 @@ class Interface:
     Force on the body, F_c = -int N^T T n_o dA per reference area dA (`reference`; it has a potential), or the
     same with dA projected on the substrate, times -n_o . F^-T N_o (`projected`; its tangent is not
     symmetric), with the substrate's normal n_o and the outward normal N_o of the side (Sadhana 46:3, 2021,
-    Eq. 19, read in two ways). Where it is `irreversible`, what has opened closes again along the secant of
-    the law (`physics.adhesion.irreversible`). Without a `sliding_length` it slides along the substrate
-    without friction, with one it is held there as well (`physics.adhesion.sliding`).
+    Eq. 19, read in two ways). An `irreversible` interface that has opened closes again along the secant of
+    the law (`physics.adhesion.irreversible`). Without a `sliding_length` the body slides along the substrate
+    without friction; with one it is held along the substrate too (`physics.adhesion.sliding`).
     """
 
     boundary: Boundary
@@ -70,7 +70,7 @@ class Interface:
     sliding_length: float | None = None
 
     def __post_init__(self) -> None:
-        """Check the kind of traction and what holds along the substrate."""
+        """Check the kind of traction and the sliding length."""
         if self.traction not in get_args(Traction):
             raise InputError("adhesion.traction", self.traction, f"it is {' or '.join(get_args(Traction))}")
         if self.sliding_length is None:
@@ -88,21 +88,21 @@ class Interface:
 
     @property
     def start(self) -> float:
-        """Parameter along the side where it begins."""
+        """Parameter along the side at which it begins."""
         return self.boundary.start
 
     @property
     def end(self) -> float:
-        """Parameter along the side where it ends."""
+        """Parameter along the side at which it ends."""
         return self.boundary.end
 
 
 @dataclass(frozen=True)
 class Support:
-    """A boundary whose displacement components (0: x, 1: y) are held, at zero or where a stage left them.
+    """A boundary whose displacement components (0: x, 1: y) are held, at zero or as the last stage left them.
 
-    On a part of a side all functions are held that do not vanish there: up to the next breakpoints, unless
-    it ends at some.
+    On a part of a side, all functions are held that do not vanish there. So the held part extends to the next
+    breakpoints, unless it ends at breakpoints.
     """
 
     boundary: Boundary
@@ -121,12 +121,12 @@ class Support:
 
 @dataclass(frozen=True)
 class Problem:
-    """Bodies, where they adhere, what is held, and the drive, which acts on one body.
+    """Bodies, their interfaces, their supports, and the drive of one body.
 
-    That is the body of the name `driven`, by default the first one. Any consistent units: results call the
-    unit of length L0 and that of stress E0, and are for a width of L0.
+    The drive acts on the body with the name `driven`, by default on the first one. Any consistent units can
+    be used: results call the unit of length L0 and that of stress E0, and are for a width of L0.
 
-    Raises InputError where bodies share a name, or a boundary is of none of them.
+    Raises InputError if two bodies have one name, or if a boundary is of no body.
     """
 
     name: str
@@ -140,13 +140,13 @@ class Problem:
         """Check the names."""
         names = [body.name for body in self.bodies]
         if not names or len(set(names)) < len(names):
-            raise InputError("bodies", names, "there must be one at least, each with a name of its own")
+            raise InputError("bodies", names, "at least one is needed, and no two may have the same name")
         if not self.driven:
             object.__setattr__(self, "driven", names[0])
         boundaries = [one.boundary for one in self.interfaces] + [one.boundary for one in self.supports]
         for name in (self.driven, *(boundary.body for boundary in boundaries)):
             if name not in names:
-                raise InputError("body", name, f"there is {', '.join(names)}")
+                raise InputError("body", name, f"the bodies are {', '.join(names)}")
 
     def body_of(self, name: str) -> Body:
         """The body of a name."""
@@ -164,7 +164,7 @@ class Problem:
 
     @property
     def interface_names(self) -> tuple[str, ...]:
-        """Body and side of each interface, as `body.bottom`, with a number where that has several."""
+        """Body and side of each interface, as `body.bottom`, with a number where a side has several."""
         names: list[str] = []
         for interface in self.interfaces:
             name = f"{interface.boundary.body}.{interface.side}"
@@ -180,7 +180,7 @@ class Problem:
         supports: tuple[Support, ...] | None = None,
         drive: Drive | None = None,
     ) -> "Problem":
-        """Return the same problem of one body and one interface with some other parts."""
+        """Return the same problem of one body and one interface, with other values for some of its fields."""
         return replace(
             self,
             bodies=self.bodies if body is None else (body,),
@@ -192,5 +192,5 @@ class Problem:
 
 def _only(kind: str, parts: tuple[Part, ...]) -> Part:
     if len(parts) != 1:
-        raise InputError("problem", f"{len(parts)} of the kind {kind}", "this is known for one of them only")
+        raise InputError("problem", f"{len(parts)} of the kind {kind}", "this needs exactly one of them")
     return parts[0]

@@ -19,12 +19,12 @@ def strip(
     traction: Traction = "reference",
     irreversible: bool = False,
 ) -> Problem:
-    """Strip on a flat rigid substrate at the equilibrium gap, its right face turned by a pure moment.
+    """Strip on a flat rigid substrate at the equilibrium gap, whose right face is rotated by a pure moment.
 
-    The lower face adheres for 0 <= x <= `adhering_length`; the left face keeps u_x = 0. Defaults: the strip
-    of Sauer (Int. J. Numer. Methods Eng. 87, 2011) and of Sadhana 46:3 (2021) in its units, lengths in
-    L0 = 1 nm and stresses in E0 = 2 GPa, so that moments come in E0 L0^3 for a width L0. Raises InputError
-    for lengths that make no strip.
+    The lower face adheres for 0 <= x <= `adhering_length`; the left face has u_x = 0. By default it is the
+    strip of Sauer (Int. J. Numer. Methods Eng. 87, 2011) and of Sadhana 46:3 (2021). Its units are the length
+    L0 = 1 nm and the stress E0 = 2 GPa; so moments are in E0 L0^3 for a width L0. Raises InputError if a
+    length is not positive, or if more than the whole length adheres.
     """
     for name, value in (("length", length), ("height", height)):
         if not 0 < value < float("inf"):

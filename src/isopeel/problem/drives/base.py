@@ -9,17 +9,17 @@ from isopeel.common.arrays import FloatArray
 from isopeel.common.quantities import FORCE_PER_WIDTH, LENGTH, Dimension
 from isopeel.splines.nurbs import Side
 
-#: A displacement component of the driven side: each point's own, one unknown that the whole side shares,
-#: moved by the drive, or held where it is.
+#: The displacement component of a driven side: free at each point; tied, one unknown for the whole side;
+#: prescribed by the drive; or held where it is.
 Freedom: TypeAlias = Literal["free", "tied", "prescribed", "held"]
 
-#: What is raised and what is found, under a load: either its displacement or its force.
+#: What the parameter of a load prescribes, its displacement or its force. The other one is the reaction.
 LoadControl: TypeAlias = Literal["displacement", "force"]
 
 
 @dataclass(frozen=True)
 class Column:
-    """How a quantity is tabulated: name, unit, the factor from internal values, and what figures call it."""
+    """A column of a table: its name, its unit, the factor from internal values, and the label in figures."""
 
     name: str
     unit: str
@@ -37,12 +37,12 @@ FORCE = Column("force", "E0 L0", words="force $F$")
 
 @dataclass(frozen=True)
 class Load:
-    """A traction of one size on the part of a side, from parameter `start` to `end` in [0, 1].
+    """A uniform traction on the part of a side, from parameter `start` to `end` in [0, 1].
 
-    It amounts to a force per width, at an `angle` (radians) from the x axis. A load that `follows` turns
-    with the surface it acts on, and acts on its deformed length. Under `displacement` control the force is
-    an unknown, and the parameter of the drive is the mean displacement of the part along the angle; under
-    `force` control it is the other way round.
+    Its sum is a force per unit width, at an `angle` (radians) from the x axis. A load that `follows` rotates
+    with the surface, and acts on the deformed length. Under `displacement` control the parameter of the drive
+    is the mean displacement of the part along the angle, and the force is an unknown. Under `force` control
+    the parameter is the force, and the reaction is the displacement.
     """
 
     start: float
@@ -58,7 +58,7 @@ class Load:
 
 
 class Drive(Protocol):
-    """A side that moves by a known displacement g(parameter), or is loaded; up to what it leaves free."""
+    """A side with a prescribed displacement g(parameter) or a load; components of it may be free."""
 
     @property
     def side(self) -> Side:
@@ -72,22 +72,22 @@ class Drive(Protocol):
 
     @property
     def parameter_column(self) -> Column:
-        """How the parameter is tabulated."""
+        """The column of the parameter in tables."""
         ...
 
     @property
     def reaction_column(self) -> Column:
-        """How the reaction is tabulated."""
+        """The column of the reaction in tables."""
         ...
 
     @property
     def freedoms(self) -> tuple[Freedom, Freedom]:
-        """What becomes of the displacement of the side along x and along y."""
+        """How the displacement of the side is constrained along x and along y."""
         ...
 
     @property
     def load(self) -> Load | None:
-        """The load on the side, where there is one."""
+        """The load on the side, or None."""
         ...
 
     def prescribed(self, points: FloatArray, parameter: float) -> FloatArray:
@@ -101,7 +101,7 @@ class Drive(Protocol):
 
 def unit_vector(angle: float) -> FloatArray:
     """Return the direction (2,) at an angle (radians) from the x axis."""
-    # the round-off of pi would slant what is meant to lie along an axis
+    # with the round-off of pi, directions along an axis would be slightly inclined
     return np.round(np.array([np.cos(angle), np.sin(angle)]), 15)
 
 

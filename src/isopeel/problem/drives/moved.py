@@ -11,7 +11,7 @@ from isopeel.common.quantities import LENGTH, Angle, Dimension
 from isopeel.problem.drives.base import DISPLACEMENT, FORCE, Column, Freedom, Load, unit_vector
 from isopeel.splines.nurbs import Side, check_side
 
-#: What becomes of the displacement across the motion.
+#: How the displacement across the motion is constrained.
 Transverse: TypeAlias = Literal["free", "held"]
 
 
@@ -19,9 +19,9 @@ Transverse: TypeAlias = Literal["free", "held"]
 class MovedSide:
     """A side whose points all move by one displacement along an angle (radians) from the x axis.
 
-    Parameter: the displacement (length); reaction: the force along it per unit width. Across it each point
-    is `free`, which takes an angle along an axis, or `held`. A side that moves along itself cannot turn
-    without being stretched: the end of a beam is better driven by `PulledSide`.
+    Parameter: the displacement (length). Reaction: the force along it per unit width. Across the motion each
+    point is `held`, or `free` if the motion is along an axis. A side that moves along itself cannot rotate
+    without being stretched: for the end of a beam take `PulledSide`.
     """
 
     name: ClassVar[str] = "displacement"
@@ -30,7 +30,7 @@ class MovedSide:
     transverse: Transverse = "free"
 
     def __post_init__(self) -> None:
-        """Check the side, the angle and what is held."""
+        """Check the side, the angle and the constraint across the motion."""
         check_side("drive.side", self.side)
         if self.transverse not in get_args(Transverse):
             allowed = f"it is {' or '.join(get_args(Transverse))}"
@@ -38,7 +38,7 @@ class MovedSide:
         if not np.isfinite(self.angle):
             raise InputError("drive.angle", self.angle, "it must be finite")
         if self.transverse == "free" and 0.0 not in unit_vector(self.angle):
-            allowed = "along a slanted line the side must be 'held' across it; free is 0, 90, 180 or 270 deg"
+            allowed = "at this angle the side must be 'held' across; 'free' needs 0, 90, 180 or 270 deg"
             raise InputError("drive.angle", self.angle, allowed)
 
     @property

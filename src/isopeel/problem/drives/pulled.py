@@ -14,13 +14,13 @@ from isopeel.splines.nurbs import Side, check_side
 
 @dataclass(frozen=True)
 class PulledSide:
-    """A force on a side, or its part from parameter `start` to `end`, at an angle (radians) from the x axis.
+    """A force on the part of a side from parameter `start` to `end`, at an angle (radians) from the x axis.
 
     It is a dead traction, or one that `follows` the surface; the side deforms freely. Under `displacement`
-    control the parameter is the mean displacement of the part along the angle (length), and the force per
-    unit width is the unknown that is the reaction: so a tape is pulled at a fixed angle past any instability
-    of the force. Under `force` control the parameter is the force, from none on, and the reaction the
-    displacement. A load that follows keeps its angle to the surface at each of its points.
+    control the parameter is the mean displacement of the part along the angle (length). The force per unit
+    width is an unknown, and the reaction. This pulls a tape at a fixed angle past an instability of the
+    force. Under `force` control the parameter is the force, which begins with zero, and the reaction is the
+    displacement. A load that follows keeps its angle to the surface at each point.
     """
 
     name: ClassVar[str] = "force"
@@ -43,17 +43,17 @@ class PulledSide:
 
     @property
     def parameter_dimension(self) -> Dimension:
-        """A length, or a force per width."""
+        """A length under displacement control, a force per width under force control."""
         return dimension_of(self.control)
 
     @property
     def parameter_column(self) -> Column:
-        """What is raised."""
+        """The displacement or the force, by the control."""
         return DISPLACEMENT if self.control == "displacement" else FORCE
 
     @property
     def reaction_column(self) -> Column:
-        """What is found."""
+        """The other one of displacement and force."""
         return FORCE if self.control == "displacement" else DISPLACEMENT
 
     @property
@@ -63,13 +63,13 @@ class PulledSide:
 
     @property
     def load(self) -> Load | None:
-        """The force."""
+        """The traction."""
         return Load(self.start, self.end, self.angle, self.follows, self.control)
 
     def prescribed(self, points: FloatArray, parameter: float) -> FloatArray:  # noqa: ARG002 (a drive's interface)
-        """Nothing."""
+        """Return zeros."""
         return np.zeros_like(points)
 
     def rate(self, points: FloatArray, parameter: float) -> FloatArray:  # noqa: ARG002 (a drive's interface)
-        """Nothing."""
+        """Return zeros."""
         return np.zeros_like(points)

@@ -1,4 +1,4 @@
-"""A side that is turned by a pure moment."""
+"""A side that is rotated by a pure moment."""
 
 from dataclasses import dataclass
 from math import cos, sin
@@ -14,7 +14,7 @@ from isopeel.splines.nurbs import Side, check_side
 
 @dataclass(frozen=True)
 class RotatedSide:
-    """A side that moves as a rigid line: turned anticlockwise by an angle about its own free centre.
+    """A side that moves as a rigid line: it rotates anticlockwise by an angle about its own free centre.
 
     Parameter: the angle in radians. The centre is free, so that the net force vanishes and the only
     reaction is a pure moment (energy per radian and unit width).
@@ -44,7 +44,7 @@ class RotatedSide:
 
     @property
     def freedoms(self) -> tuple[Freedom, Freedom]:
-        """Both shared: the centre is free."""
+        """Both tied: the centre is free."""
         return "tied", "tied"
 
     @property
@@ -53,12 +53,12 @@ class RotatedSide:
         return None
 
     def prescribed(self, points: FloatArray, parameter: float) -> FloatArray:
-        """(Q(angle) - 1)(x - centre)."""
-        # 1 - cos by the half angle, which keeps its digits at small angles
+        """Return (Q(angle) - 1)(x - centre)."""
+        # 1 - cos by the half angle, which is exact at small angles too
         return _turned(points, complex(-2 * sin(parameter / 2) ** 2, sin(parameter)))
 
     def rate(self, points: FloatArray, parameter: float) -> FloatArray:
-        """dQ/dangle (x - centre)."""
+        """Return dQ/dangle (x - centre)."""
         return _turned(points, complex(-sin(parameter), cos(parameter)))
 
 

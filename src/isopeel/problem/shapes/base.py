@@ -1,4 +1,4 @@
-"""What every shape offers, and what shapes share."""
+"""The interface of a shape, and functions for several shapes."""
 
 from math import inf
 from typing import ClassVar, Protocol
@@ -6,19 +6,19 @@ from typing import ClassVar, Protocol
 from isopeel.common.errors import InputError
 from isopeel.splines.nurbs import NurbsCurve, NurbsSurface, Side
 
-ROUND_OFF = 1e-12  # a length beyond the whole by no more, relative to it, is the whole
+ROUND_OFF = 1e-12  # relative: a length that exceeds the whole by at most this share is the whole
 
 
 class Shape(Protocol):
-    """A body's outline, as one patch over the unit square.
+    """The shape of a body, as one patch over the unit square.
 
-    xi runs along the lower side, "bottom", which faces the substrate, and eta away from it. The lower side
-    starts at the origin, unless the shape says otherwise.
+    xi runs along the lower side, "bottom", which faces the substrate; eta runs away from it. The lower side
+    starts at the origin, unless the docstring of a shape states another place.
     """
 
     #: The name of the shape in a case file.
     name: ClassVar[str]
-    #: The side that a case holds in x where it does not say what is held.
+    #: The side that is held in x if a case has no key `held`.
     usual_hold: ClassVar[Side]
 
     def surface(self) -> NurbsSurface:
@@ -26,7 +26,9 @@ class Shape(Protocol):
         ...
 
     def adhering_part(self, length: float) -> tuple[float, float]:
-        """The parameters between which an arc length of the lower side adheres: from its left end, mostly.
+        """Return the parameters between which an arc length of the lower side adheres.
+
+        For most shapes it begins at the left end.
 
         Raises InputError ("adhesion.length") for lengths that are not positive, or more than the whole side.
         """
@@ -41,13 +43,13 @@ def check_positive(**fields: float) -> None:
 
 
 def check_length(length: float, total: float) -> None:
-    """Raise InputError unless so much of a lower side of this total length can adhere."""
+    """Raise InputError unless this length of a lower side, whose total length is given, can adhere."""
     if not 0 < length <= total:
         raise InputError("adhesion.length", length, f"it must be positive and at most {total:g}")
 
 
 def parameter_at_length(curve: NurbsCurve, length: float) -> float:
-    """Return the parameter of a curve at an arc length from its start, to round-off."""
+    """Return the parameter of a curve at an arc length from its start, exact to round-off."""
     from scipy.optimize import brentq
 
     start, end = (float(place) for place in curve.space.breakpoints[[0, -1]])

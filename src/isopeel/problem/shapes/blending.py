@@ -26,15 +26,16 @@ def arc(radius: float, start: float, end: float) -> FloatArray:
     middle = cos((end - start) / 2)
     angles, weights = (start, (start + end) / 2, end), (1.0, middle, 1.0)
     rows = zip(angles, weights, strict=True)
-    # tangents at both ends meet at radius / middle from the centre, so that homogeneous points stay at radius
+    # the tangents at both ends meet at the distance radius / middle from the centre: times its weight, the
+    # middle control point is at the radius too
     return np.array([[radius * sin(angle), radius * (w - cos(angle)), w] for angle, w in rows])
 
 
 def blended(left: FloatArray, right: FloatArray, bottom: FloatArray, top: FloatArray) -> NurbsSurface:
     """Return the biquadratic patch between four curves that meet at their ends.
 
-    It is Coons's bilinear blend in homogeneous coordinates (Coons, 1967), of which only the one inner
-    control point is not given by the sides.
+    It is Coons's bilinear blend in homogeneous coordinates (Coons, 1967). The sides give all control points
+    except for one inside.
     """
     points = np.empty((3, 3, 3))
     points[0], points[2], points[:, 0], points[:, 2] = left, right, bottom, top

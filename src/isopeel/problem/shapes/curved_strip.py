@@ -1,4 +1,4 @@
-"""The curved strip: it lies on a cylinder, or in a hollow one."""
+"""The curved strip: it lies on a cylinder, or inside a hollow cylinder."""
 
 from dataclasses import dataclass
 from math import cos, pi, sin, tan
@@ -12,13 +12,13 @@ from isopeel.problem.shapes.base import check_positive, parameter_at_length
 from isopeel.splines.nurbs import NurbsSurface, Side
 from isopeel.splines.space import SplineSpace
 
-#: Where the ends of a strip point: down, as on a cylinder, or up, as in a hollow one.
+#: The direction in which the ends of a strip point: down, as on a cylinder, or up, as in a hollow one.
 Bend: TypeAlias = Literal["down", "up"]
 
 
 @dataclass(frozen=True)
 class CurvedStrip:
-    """Strip of constant height whose lower face is an arc of a `length` and a `radius`.
+    """Strip of constant height whose lower face is an arc with a `length` and a `radius`.
 
     The arc starts at the origin along +x and bends down, about (0, -radius), or up, about (0, radius).
     Raises InputError unless all lengths are positive, the angle length / radius is below pi and a strip that
@@ -44,18 +44,18 @@ class CurvedStrip:
             raise InputError("body.height", self.height, f"it must be below the radius, {self.radius:g}")
 
     def surface(self) -> NurbsSurface:
-        """One patch of exact arcs: quadratic, with weights 1, cos(angle/2), 1 (The NURBS Book, Sec. 7.3)."""
+        """Return one patch of exact quadratic arcs, weights 1, cos(angle/2), 1 (The NURBS Book, Sec. 7.3)."""
         angle, outwards = self.length / self.radius, 1 if self.bends == "down" else -1
         middle = cos(angle / 2)
         points = np.zeros((3, 2, 2))
         for j, y in enumerate((0.0, self.height)):
             radius = self.radius + outwards * y
-            # seen from the origin, not from the centre, whose distance may be large
+            # relative to the origin, not to the centre: its distance may be large, and cost digits
             drop = outwards * 2 * radius * sin(angle / 2) ** 2
             points[:, j] = [0, y], [radius * tan(angle / 2), y], [radius * sin(angle), y - drop]
         weights = np.repeat([[1.0], [middle], [1.0]], 2, axis=1)
         return NurbsSurface((SplineSpace.uniform(2, 1, 1), SplineSpace.uniform(1, 0, 1)), points, weights)
 
     def adhering_part(self, length: float) -> tuple[float, float]:
-        """The parameters of a length of the lower side from its left end; InputError beyond the right one."""
+        """Return the parameters of a length from the left end; raises InputError beyond the right end."""
         return 0.0, parameter_at_length(self.surface().boundary("bottom"), length)

@@ -15,8 +15,8 @@ class HalfCylinder:
     """Half disc of a `radius` whose lowest point is the origin, with its flat face on top, at y = radius.
 
     The sides are arcs: "bottom" from -45 to 45 degrees about the lowest point, "left" and "right" from there
-    up to the flat face. Where two arcs meet the outline has no corner, so that the Jacobian vanishes at the
-    two ends of "bottom", and only there. Raises InputError unless the radius is positive.
+    up to the flat face. The outline has no corner where two arcs meet. So the Jacobian vanishes at the two
+    ends of "bottom", and only there. Raises InputError unless the radius is positive.
     """
 
     name: ClassVar[str] = "half-cylinder"
@@ -29,7 +29,7 @@ class HalfCylinder:
         check_positive(radius=self.radius)
 
     def surface(self) -> NurbsSurface:
-        """One biquadratic patch with exact arcs."""
+        """Return one biquadratic patch with exact arcs."""
         return blended(
             left=arc(self.radius, -pi / 4, -pi / 2),
             right=arc(self.radius, pi / 4, pi / 2),
@@ -38,10 +38,10 @@ class HalfCylinder:
         )
 
     def adhering_part(self, length: float) -> tuple[float, float]:
-        """The parameters of a length of the lower side about its lowest point; InputError beyond its ends."""
+        """Return the parameters of a length about the lowest point; raises InputError beyond the ends."""
         total = self.radius * pi / 2
         check_length(length, total * (1 + ROUND_OFF))
-        # a parameter divides an arc in standard form as the sines of half the angles before and after it
+        # on an arc in standard form, t / (1 - t) is the ratio of the sines of half the angles on both sides
         half_angle = max(0.0, (total - length) / self.radius / 4)
         before, after = sin(half_angle), sin(pi / 4 - half_angle)
         return before / (before + after), after / (before + after)

@@ -15,21 +15,23 @@ from isopeel.problem.shapes.spline_file import read_surface
 from isopeel.splines.nurbs import NurbsSurface, Side
 from isopeel.splines.space import SplineSpace
 
-#: Each way; more of them where there are few spans, where a fold may be small beside a span.
+#: Points along xi and along eta at which the Jacobian is checked. With few spans there are more, since a fold
+#: may be small beside a span.
 POINTS_PER_SPAN, POINTS_OF_FEW, FEW_SPANS = 5, 16, 1000
-#: Of an extent: a coordinate times a unit length, each of which a case has between 1e-12 and 1e12.
+#: Bounds of an extent: a coordinate times a unit length, of which each is between 1e-12 and 1e12 in a case.
 SMALLEST, LARGEST = 1e-24, 1e24
-#: A minimum of the Jacobian is closed in on so many times, by a factor of four each: to 1e-6 of a span.
+#: Number of times that the interval around a minimum of the Jacobian is quartered: to 1e-6 of a span.
 ZOOMS = 8
-#: Of the largest weight over the smallest: a Jacobian goes with their squares, and has sixteen digits.
+#: Largest ratio of two weights: a Jacobian is proportional to their squares, and has sixteen digits.
 WEIGHTS_APART = 1e6
-#: Of a side to the extent of the patch, and of the least Jacobian to the largest: half of the digits.
+#: Least ratio of a side to the extent of the patch, and of the least Jacobian to the largest: half of the
+#: digits.
 LEAST = 1e-8
 
 
 @dataclass(frozen=True)
 class Patch:
-    """A plane NURBS patch from a file, one unit of whose coordinates means `unit_length`.
+    """A plane NURBS patch from a file, whose coordinates are in units of `unit_length`.
 
     The file is what `splinepy.io.json.export` writes of one surface, encoded or not:
 
@@ -38,10 +40,10 @@ class Patch:
           "control_points": [[0, 0], [5, 0], [10, 2], [0, 3], [5, 3], [10, 5]],
           "weights": [1, 1, 1, 1, 1, 1]}]}
 
-    Control points are counted along xi first. A "BSpline" has no weights, a "RationalBezier" no knot
-    vectors, a "Bezier" neither; other keys are passed over. The intervals of the knots become [0, 1].
-    Coordinates are kept: the lower side is where eta = 0 and may lie anywhere. The file is read once, when
-    the object is made. Raises InputError where it cannot be, and for a patch that folds.
+    The index of control points along xi runs fastest. A "BSpline" has no weights, a "RationalBezier" no knot
+    vectors, and a "Bezier" neither of them; other keys are ignored. The knots are mapped to [0, 1].
+    Coordinates are not changed: the lower side, eta = 0, may be at any place. The file is read once, when the
+    object is made. Raises InputError if it cannot be read, and for a patch that folds.
     """
 
     name: ClassVar[str] = "patch"
@@ -55,12 +57,12 @@ class Patch:
         object.__setattr__(self, "file", Path(self.file))
         check_positive(unit_length=self.unit_length)
         try:
-            with np.errstate(all="ignore"):  # what does not stay finite is refused
+            with np.errstate(all="ignore"):  # numbers that become infinite are refused below
                 surface = self._surface
                 _check_size(surface)
                 _check_orientation(surface)
         except InputError as error:
-            reason = f"in it, {error.field} {error.value}: {error.allowed}"
+            reason = f"in the file, {error.field} {error.value}: {error.allowed}"
             raise InputError("body.file", str(self.file), reason) from error
         except ValueError as error:
             raise InputError("body.file", str(self.file), str(error)) from error
@@ -70,7 +72,7 @@ class Patch:
         return self._surface
 
     def adhering_part(self, length: float) -> tuple[float, float]:
-        """The parameters of a length of the lower side from its left end; InputError beyond the right one."""
+        """Return the parameters of a length from the left end; raises InputError beyond the right end."""
         return 0.0, parameter_at_length(self._surface.boundary("bottom"), length)
 
     @cached_property
@@ -79,9 +81,9 @@ class Patch:
         apart = float(drawn.weights.max() / drawn.weights.min())
         if not apart <= WEIGHTS_APART:
             raise ValueError(
-                f"in it, weights differ by a factor of {apart:.3g}, and one of {WEIGHTS_APART:g} is allowed"
+                f"its weights differ by a factor of {apart:.3g}; {WEIGHTS_APART:g} is allowed at most"
             )
-        # weights of one factor draw the same shape, and those of size 1 leave products finite
+        # a common factor of all weights does not change the shape; with weights up to 1 products are finite
         weights = drawn.weights / drawn.weights.max()
         return NurbsSurface(drawn.spaces, drawn.control_points * self.unit_length, weights)
 
@@ -89,7 +91,7 @@ class Patch:
 def _check_size(surface: NurbsSurface) -> None:
     """Raise ValueError unless the patch has a size that a body can have."""
     extent = float(np.ptp(surface.control_points.reshape(-1, 2), axis=0).max())
-    # an extent of zero is that of a point, which is a fold
+    # an extent of zero is a point, which is refused as a fold
     if extent and not SMALLEST <= extent <= LARGEST:
         raise ValueError(
             f"its extent is {extent:.3g} units of the case; it must lie between {SMALLEST:g} and {LARGEST:g}"
@@ -108,8 +110,8 @@ def _check_orientation(surface: NurbsSurface) -> None:
     across = _determinants(surface, surface.spaces[0].breakpoints[[0, -1]], eta)
     if np.all(determinants < 0):
         raise ValueError(
-            "its Jacobian is negative everywhere: let xi run along the lower side and eta to the left of it, "
-            "by swapping or reversing directions"
+            "its Jacobian is negative everywhere: swap or reverse the directions, so that xi runs along the "
+            "lower side and eta to its left"
         )
     _check_positive_inside(determinants, xi, eta)
     _check_positive_inside(*_least_of(surface, determinants, xi, eta))
@@ -132,11 +134,14 @@ def _check_orientation(surface: NurbsSurface) -> None:
 def _least_of(
     surface: NurbsSurface, determinants: FloatArray, xi: FloatArray, eta: FloatArray
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Determinants (9, 9) about the least one, closed in on, with xi and eta: a fold may be a thin line."""
+    """Return determinants (9, 9) around the least one, with their xi and eta, at a fine spacing.
+
+    A fold may be a thin line, which coarser points miss.
+    """
     i, j = np.unravel_index(np.argmin(determinants), determinants.shape)
     places, sizes = (xi[i], eta[j]), [np.diff(line).max(initial=0.0) for line in (xi, eta)]
     for _ in range(ZOOMS):
-        # the corners stay outside
+        # the corners are excluded: the Jacobian may vanish there
         x, y = (
             np.clip(place + size * np.linspace(-1, 1, 9), line[0], line[-1])
             for place, size, line in zip(places, sizes, (xi, eta), strict=True)
@@ -160,12 +165,13 @@ def _points(space: SplineSpace, count: int) -> FloatArray:
 
 
 def _determinants(surface: NurbsSurface, xi: FloatArray, eta: FloatArray) -> FloatArray:
-    """The Jacobian's determinants (n, m) up to a positive factor at all of xi (n,) with all of eta (m,).
+    """Return determinants (n, m) of the Jacobian, times a positive factor, for all of xi (n,) and eta (m,).
 
-    Those of a rational map A/w are det(A_xi, A_eta, A) / w^3 with its homogeneous points A.
+    That of a rational map A/w is det(A_xi, A_eta, A) / w^3 with its homogeneous points A.
     """
-    centred = surface.control_points - surface.control_points[0, 0]  # a far origin costs no digits
-    # sizes of 1, whose products stay finite
+    # relative to one point, so that a far origin costs no digits
+    centred = surface.control_points - surface.control_points[0, 0]
+    # scaled to a size of 1, so that products stay finite
     centred, weights = centred / (np.abs(centred).max() or 1.0), surface.weights / surface.weights.max()
     homogeneous = NurbsSurface(surface.spaces, centred, weights).homogeneous_points
     along, across = surface.spaces

@@ -14,9 +14,9 @@ from isopeel.splines.nurbs import NurbsSurface, Side
 class QuarterCylinder:
     """Quarter disc of a `radius`: the right half of the half cylinder, with the line of symmetry as "left".
 
-    The sides "bottom", from the lowest point at the origin, and "right" are arcs of 45 degrees. Where they
-    meet the outline has no corner, so that the Jacobian vanishes there, and only there. Raises InputError
-    unless the radius is positive.
+    The sides "bottom", from the lowest point at the origin, and "right" are arcs of 45 degrees. The outline
+    has no corner where they meet. So the Jacobian vanishes there, and only there. Raises InputError unless
+    the radius is positive.
     """
 
     name: ClassVar[str] = "quarter-cylinder"
@@ -29,7 +29,7 @@ class QuarterCylinder:
         check_positive(radius=self.radius)
 
     def surface(self) -> NurbsSurface:
-        """One biquadratic patch with exact arcs."""
+        """Return one biquadratic patch with exact arcs."""
         return blended(
             left=line((0.0, 0.0), (0.0, self.radius)),
             right=arc(self.radius, pi / 4, pi / 2),
@@ -38,5 +38,5 @@ class QuarterCylinder:
         )
 
     def adhering_part(self, length: float) -> tuple[float, float]:
-        """The parameters of a length of the lower side from its left end; InputError beyond the right one."""
+        """Return the parameters of a length from the left end; raises InputError beyond the right end."""
         return 0.0, parameter_at_length(self.surface().boundary("bottom"), length)

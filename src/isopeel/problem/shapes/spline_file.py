@@ -1,4 +1,4 @@
-"""Reading one surface from a file in splinepy's JSON format, which may come from anywhere."""
+"""Reads one surface from a file in splinepy's JSON format; the content of the file is not trusted."""
 
 import base64
 from pathlib import Path
@@ -12,9 +12,9 @@ from isopeel.splines.space import HIGHEST_DEGREE, SplineSpace
 
 LARGEST_FILE = 20_000_000  # bytes
 MOST_POINTS = 100_000
-LARGEST_COORDINATE = 1e12  # products of a few of them stay finite
+LARGEST_COORDINATE = 1e12  # products of several coordinates stay finite
 
-#: What each type of spline has besides degrees and control points.
+#: The keys that each type of spline has besides degrees and control points.
 PARTS = {
     "NURBS": {"knot_vectors", "weights"},
     "BSpline": {"knot_vectors"},
@@ -38,7 +38,7 @@ def _decoded_points(written: object) -> object:
 
 
 def _decoded_weights(written: object) -> object:
-    """Make encoded weights one list, and also lists of one weight each, as splinepy writes them."""
+    """Return weights as one list, from their encoded form or from a list of lists of one weight each."""
     if isinstance(written, str):
         return _numbers(written)
     if isinstance(written, list) and all(isinstance(row, list) and len(row) == 1 for row in written):
@@ -56,7 +56,7 @@ class _Part(BaseModel):
 
 
 class _Spline(_Part):
-    """The keys of a spline, named as in the file; descriptions say what each needs."""
+    """The keys of a spline, with their names in the file; each description states the allowed values."""
 
     SplineType: Literal["NURBS", "BSpline", "RationalBezier", "Bezier"] = Field(
         description=f"it is one of {', '.join(PARTS)}"
@@ -70,44 +70,44 @@ class _Spline(_Part):
         default=None, description="two lists of finite numbers are needed"
     )
     control_points: Annotated[list[_Point], BeforeValidator(_decoded_points)] = Field(
-        description=f"pairs of finite numbers are needed, {LARGEST_COORDINATE:g} at most in magnitude, as "
-        "lists or, of 8 bytes each, in base64"
+        description=f"pairs of finite numbers are needed, of magnitude {LARGEST_COORDINATE:g} at most, as "
+        "lists or as base64 of 8 bytes each"
     )
     weights: Annotated[list[float], BeforeValidator(_decoded_weights)] | None = Field(
-        default=None, description="finite numbers are needed, as a list or, of 8 bytes each, in base64"
+        default=None, description="finite numbers are needed, as a list or as base64 of 8 bytes each"
     )
 
 
 class _File(_Part):
     SplineList: list[_Spline] = Field(
-        description="a list of one spline is needed", min_length=1, max_length=1
+        description="a list with exactly one spline is needed", min_length=1, max_length=1
     )
 
 
 def read_surface(path: Path) -> NurbsSurface:
-    """Return the one surface of a file, over the unit square. Raises ValueError that says why it cannot."""
+    """Return the one surface of a file, over the unit square. Raises ValueError with the reason."""
     spline = _read(path)
     for part in ("knot_vectors", "weights"):
         needed = part in PARTS[spline.SplineType]
         if needed != (getattr(spline, part) is not None):
-            raise ValueError(f"in it, a {spline.SplineType} {'needs' if needed else 'has no'} {part}")
+            raise ValueError(f"in the file, a {spline.SplineType} {'needs' if needed else 'has no'} {part}")
     knots = spline.knot_vectors or tuple([0.0] * (p + 1) + [1.0] * (p + 1) for p in spline.degrees)
     along, across = map(_on_unit_interval, spline.degrees, knots)
     sizes, count = (along.size, across.size), len(spline.control_points)
     if count != sizes[0] * sizes[1] or count > MOST_POINTS:
         limit = f"; at most {MOST_POINTS} can be read" if count > MOST_POINTS else ""
         raise ValueError(
-            f"in it, degrees and knots go with {sizes[0]} x {sizes[1]} control points, not {count}{limit}"
+            f"its degrees and knots need {sizes[0]} x {sizes[1]} control points, not {count}{limit}"
         )
     weights = [1.0] * count if spline.weights is None else spline.weights
     if len(weights) != count:
-        raise ValueError(f"in it, there are {len(weights)} weights for {count} control points")
+        raise ValueError(f"it has {len(weights)} weights for {count} control points")
     points = np.array(spline.control_points).reshape(*sizes[::-1], 2).swapaxes(0, 1)
     return NurbsSurface((along, across), points, np.array(weights).reshape(sizes[::-1]).T)
 
 
 def _read(path: Path) -> _Spline:
-    """Return the one spline of a file, its keys checked one by one."""
+    """Return the one spline of a file, after a check of each key."""
     try:
         if not path.is_file():
             raise ValueError("there is no such file")
@@ -124,7 +124,7 @@ def _read(path: Path) -> _Spline:
 
 
 def _first(error: ValidationError) -> str:
-    """Say where in the file pydantic's first complaint is, and what is needed there."""
+    """Return the place of pydantic's first error in the file, and what is needed there."""
     details = error.errors(include_url=False, include_input=False)[0]
     match details["loc"]:
         case ():
@@ -133,10 +133,10 @@ def _first(error: ValidationError) -> str:
             needed = _Spline.model_fields[key].description
         case _:
             key, needed = "SplineList", _File.model_fields["SplineList"].description
-    return f"in it, {key}{' is missing' if details['type'] == 'missing' else ''}: {needed}"
+    return f"in the file, {key}{' is missing' if details['type'] == 'missing' else ''}: {needed}"
 
 
 def _on_unit_interval(degree: int, knots: list[float]) -> SplineSpace:
     written = SplineSpace(degree, np.array(knots)).knot_vector
-    with np.errstate(all="ignore"):  # what does not stay finite is refused
+    with np.errstate(all="ignore"):  # numbers that become infinite are refused below
         return SplineSpace(degree, (written - written[0]) / (written[-1] - written[0]))

@@ -23,10 +23,10 @@ class Strip:
         check_positive(length=self.length, height=self.height)
 
     def surface(self) -> NurbsSurface:
-        """One bilinear patch."""
+        """Return one bilinear patch."""
         return rectangle(self.length, self.height)
 
     def adhering_part(self, length: float) -> tuple[float, float]:
-        """The parameters of a length of the lower side from its left end; InputError beyond the right one."""
+        """Return the parameters of a length from the left end; raises InputError beyond the right end."""
         check_length(length, self.length)
         return 0.0, length / self.length

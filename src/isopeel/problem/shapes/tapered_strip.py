@@ -30,12 +30,12 @@ class TaperedStrip:
         check_positive(length=self.length, height=self.height, end_height=self.end_height)
 
     def surface(self) -> NurbsSurface:
-        """One bilinear patch."""
+        """Return one bilinear patch."""
         linear = SplineSpace.uniform(1, 0, 1)
         left, right = [[0.0, 0.0], [0.0, self.height]], [[self.length, 0.0], [self.length, self.end_height]]
         return NurbsSurface((linear, linear), np.array([left, right]), np.ones((2, 2)))
 
     def adhering_part(self, length: float) -> tuple[float, float]:
-        """The parameters of a length of the lower side from its left end; InputError beyond the right one."""
+        """Return the parameters of a length from the left end; raises InputError beyond the right end."""
         check_length(length, self.length)
         return 0.0, length / self.length
