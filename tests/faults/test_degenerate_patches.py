@@ -38,7 +38,7 @@ def test_weights_are_of_one_size(weight: float, tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("weight", [0, -1, -1e-300])
 def test_weights_are_positive(weight: float, tmp_path: Path) -> None:
-    with pytest.raises(InputError, match=r"body\.file: .*weights are positive and finite"):
+    with pytest.raises(InputError, match=r"body\.file: .*weights must be positive and finite"):
         patch_of(tmp_path, SQUARE, weights=[1, weight, 1, 1])
 
 

@@ -79,7 +79,7 @@ def test_spaces_on_breakpoints() -> None:
     assert space.knot_vector.tolist() == [-2, -2, -2, -2, 0, 0, 5, 5, 5, 5]
     assert space.continuities.tolist() == [1]
     for breakpoints in ([0.0], [0.0, 0.5, 0.5, 1.0], [1.0, 0.0], [0.0, np.nan], [[0.0, 1.0]]):
-        with pytest.raises(InputError, match=r"breakpoints: .* they increase"):
+        with pytest.raises(InputError, match=r"breakpoints: .* in increasing order"):
             SplineSpace.on(2, 0, breakpoints)
     with pytest.raises(InputError, match=r"continuity: 2 .* 0 to 1"):
         SplineSpace.on(2, 2, [0.0, 1.0])

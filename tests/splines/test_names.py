@@ -89,7 +89,7 @@ def test_families_and_rows_that_contradict_are_refused() -> None:
     linear, cubic = SplineFamily(1, 0), SplineFamily(3, 1)
     with pytest.raises(InputError, match="contact_rows: 2 cannot be used; with one family"):
         SpaceName(linear, linear, 2)
-    with pytest.raises(InputError, match="at least one row"):
+    with pytest.raises(InputError, match="it must be 1 or more"):
         SpaceName(linear, cubic, 0)
     with pytest.raises(InputError, match="continuity: 3"):
         SplineFamily(3, 3)

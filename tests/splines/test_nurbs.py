@@ -264,14 +264,14 @@ def test_arrays_broadcast() -> None:
 def test_bad_input_is_refused() -> None:
     line, square = SplineSpace.uniform(1, 0, 1), (SplineSpace.uniform(1, 0, 1),) * 2
     for weight in (0.0, -1.0, np.nan, np.inf):
-        with pytest.raises(InputError, match="weights are positive"):
+        with pytest.raises(InputError, match="weights must be positive"):
             NurbsCurve(line, np.zeros((2, 2)), np.array([1, weight]))
-    with pytest.raises(InputError, match="one per control point, \\(2, 2\\)"):
+    with pytest.raises(InputError, match="one per control point is needed, \\(2, 2\\)"):
         NurbsSurface(square, np.zeros((2, 2, 2)), np.ones(4))
     for points in (np.zeros((3, 2)), np.zeros((2, 4)), np.array([[0, 0], [0, np.nan]])):
         with pytest.raises(InputError, match="control_points"):
             NurbsCurve(line, points, np.ones(2))
-    with pytest.raises(InputError, match="plane"):
+    with pytest.raises(InputError, match="needed for an area"):
         NurbsSurface(square, np.zeros((2, 2, 3)), np.ones((2, 2))).area()
     with pytest.raises(InputError, match="left, right, bottom, top"):
         rectangle(1, 1).boundary("lower")  # type: ignore[arg-type]

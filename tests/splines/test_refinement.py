@@ -103,11 +103,11 @@ def test_bad_arguments_are_refused() -> None:
     for knot in (0.0, 1.0, -1.0, np.nan):
         with pytest.raises(InputError, match="inside \\(0, 1\\)"):
             insert_knots(space, np.ones(4), [0.3, knot])
-    with pytest.raises(InputError, match="repeated 2 times at most"):
+    with pytest.raises(InputError, match="occur 2 times at most"):
         insert_knots(space, np.ones(4), [0.5, 0.5])
     with pytest.raises(InputError, match="times: -1"):
         elevate(space, np.ones(4), -1)
-    with pytest.raises(InputError, match="holds the 4 functions"):
+    with pytest.raises(InputError, match="must have the 4 functions"):
         k_refine(space, np.ones(3), 1, 0.3)
-    with pytest.raises(InputError, match="holds the 4 functions"):
+    with pytest.raises(InputError, match="must have the 4 functions"):
         insert_knots(space, np.ones(3), 0.3)

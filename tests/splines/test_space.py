@@ -133,7 +133,7 @@ def test_the_knot_vector_is_a_read_only_copy() -> None:
 @pytest.mark.parametrize(
     ("degree", "knots", "message"),
     [
-        (0, [0, 1], "degree: 0 cannot be used; a degree is 1 to 30"),
+        (0, [0, 1], "degree: 0 cannot be used; it must be 1 to 30"),
         (31, [0] * 32 + [1] * 32, "degree: 31"),
         (1, [0, 0, 1], "at least 4 knots"),
         (1, [[0, 0, 1, 1]], "shape \\(1, 4\\)"),
@@ -141,13 +141,13 @@ def test_the_knot_vector_is_a_read_only_copy() -> None:
         (1, [0, 0, np.nan, 1, 1], "finite"),
         (1, [0, 0, np.inf, np.inf], "finite"),
         (1, [0, 0, 0.3, 0.1 + 0.2, 1, 1], "round-off"),
-        (2, [0, 0, 0.1, 1, 1, 1], "repeated 3 times"),
-        (1, [0, 0, 0, 1, 1], "repeated 2 times"),
-        (1, [0, 0, 0, 0], "repeated 2 times"),
+        (2, [0, 0, 0.1, 1, 1, 1], "occur 3 times"),
+        (1, [0, 0, 0, 1, 1], "occur 2 times"),
+        (1, [0, 0, 0, 0], "occur 2 times"),
         (
             2,
             [0, 0, 0, 0.5, 0.5, 0.5, 1, 1, 1],
-            "0.5 cannot be used; an inner knot is repeated 2 times at most",
+            "0.5 cannot be used; an inner knot may occur 2 times at most",
         ),
     ],
 )
@@ -157,12 +157,12 @@ def test_bad_knot_vectors_are_refused(degree: int, knots: list[float], message: 
 
 
 def test_bad_arguments_are_refused() -> None:
-    with pytest.raises(InputError, match="for degree 2 it is 0 to 1"):
+    with pytest.raises(InputError, match="for degree 2 it must be 0 to 1"):
         SplineSpace.uniform(2, 2, 4)
     with pytest.raises(InputError, match="elements: 0"):
         SplineSpace.uniform(2, 1, 0)
     space = SplineSpace.uniform(2, 1, 4)
-    with pytest.raises(InputError, match="numbered 0 to 5"):
+    with pytest.raises(InputError, match="it must be 0 to 5"):
         space.support(6)
     with pytest.raises(InputError, match="6 in all"):
         space.interpolate(np.ones(5))

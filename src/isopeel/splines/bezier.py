@@ -1,7 +1,7 @@
 """Splines as Bezier cells: Bernstein polynomials on intervals, their products, surfaces of a row-wise space.
 
-A coefficient of degree p on an interval (a, b) belongs to B_k(t) = C(p, k) t^k (1 - t)^(p - k), t from 0 at a
-to 1 at b.
+On an interval (a, b), coefficient k of degree p multiplies B_k(t) = C(p, k) t^k (1 - t)^(p - k), where t = 0
+at a and t = 1 at b.
 """
 
 from math import comb
@@ -23,10 +23,10 @@ def bernstein(degree: int, places: FloatArray) -> FloatArray:
 
 
 def curve_cells(space: SplineSpace, coefficients: FloatArray, ends: FloatArray) -> FloatArray:
-    """Coefficients (cells, degree + 1, ...) between rising `ends` of a spline with coefficients (size, ...).
+    """Return Bezier coefficients (cells, degree + 1, ...) of a spline with coefficients (size, ...).
 
-    Each cell lies in one element. The coefficient k is the polar form with k arguments at the end of the
-    cell and the rest at its start (Ramshaw, Blossoms are polar forms, 1989).
+    The cells are those between the rising `ends`, each in one element. Coefficient k is the polar form with k
+    arguments at the end of the cell and the others at its start (Ramshaw, Blossoms are polar forms, 1989).
     """
     start, end = ends[:-1], ends[1:]
     elements = space.element_of((start + end) / 2)
@@ -43,8 +43,8 @@ def surface_cells(
 ) -> tuple[FloatArray, FloatArray]:
     """Return numerators (n_x, n_y, p + 1, q + 1, c) and denominators (n_x, n_y, p + 1, q + 1) of a field.
 
-    The field has coefficients (size, c); cells are those between the `ends` along xi and eta, each in one
-    element; p is the highest degree along xi, q that along eta. Denominators are 1 without weights.
+    The field has coefficients (size, c). The cells are those between the `ends` along xi and eta, each in one
+    element. The highest degree along xi is p, that along eta is q. Without weights, denominators are 1.
     """
     weights = space.weights or tuple(np.ones(row.size) for row in space.rows)
     curves = []
@@ -57,9 +57,9 @@ def surface_cells(
 
 
 def product(one: FloatArray, other: FloatArray) -> FloatArray:
-    """Coefficients of the products of fields on the same cells: (n_x, n_y, p + 1, q + 1, ...) of `one`.
+    """Return the coefficients of the product of two fields on the same cells, of degrees p + r and q + s.
 
-    The other, (n_x, n_y, r + 1, s + 1), is a number at each place; the result has degrees p + r and q + s.
+    `one` has coefficients (n_x, n_y, p + 1, q + 1, ...); the other field is scalar, (n_x, n_y, r + 1, s + 1).
     Farouki and Rajan, Comput. Aided Geom. Des. 5, 1988, Eq. 44. A factor of ones only raises the degrees.
     """
     (p, q), (r, s) = ([size - 1 for size in array.shape[2:4]] for array in (one, other))
@@ -69,7 +69,7 @@ def product(one: FloatArray, other: FloatArray) -> FloatArray:
 
 
 def _products(degree: int, total: int) -> FloatArray:
-    """Coefficient k (total + 1, ...) of the products of B_i of a degree, and B_j of the rest to the total."""
+    """Return coefficient k (total + 1, ...) of the products B_i B_j, whose degrees add up to the total."""
     rest = total - degree
     table = np.zeros((total + 1, degree + 1, rest + 1))
     for i, j in np.ndindex(degree + 1, rest + 1):

@@ -1,4 +1,4 @@
-"""A finer row-wise space, and a field in it: what a discretization error is measured with."""
+"""A finer row-wise space, and a field in it. They serve to estimate a discretization error."""
 
 import numpy as np
 
@@ -7,19 +7,22 @@ from isopeel.splines.refinement import insert_knots
 from isopeel.splines.rows import RowSpace
 from isopeel.splines.space import SplineSpace
 
-#: Elements along eta: more of them resolve the height, and an exact start then saves most corrections.
+#: Most elements along eta for which the degree along eta is raised. More elements resolve the height already;
+#: without the raised degree the start is exact, which saves most corrections.
 _FEW = 4
-#: Elements along eta that are quartered where they are tall: the stresses of a contact are below it. Pull-off
-#: forces that are 3.5 and 4 % off then change by 3.9 and 4.6 % (cases 188 and 124 of `benchmarks/trial.py`).
+#: Number of lowest elements along eta that are quartered where they are tall, as stresses decay away from the
+#: contact. Pull-off forces with errors of 3.5 and 4 % then change by 3.9 and 4.6 % (cases 188 and 124 of
+#: `benchmarks/trial.py`).
 _LOWEST = 3
 
 
 def finer(space: RowSpace, *, tall: bool = False) -> RowSpace:
-    """Return the space with each element halved along xi and, of few elements, one degree more along eta.
+    """Return the space with each element halved along xi; with few elements, the degree along eta is raised.
 
-    Where the elements are `tall`, higher than they are long, the lowest are quartered along eta instead.
-    Lines of reduced continuity keep their continuity, new knots have the highest one of their row. The first
-    rows, those of the contact, keep their functions. Weights are left out: `weighted` gives them.
+    Where the elements are `tall`, higher than they are long, the lowest elements are quartered along eta
+    instead. Lines of reduced continuity keep their continuity; new knots have the highest continuity of their
+    row. The first rows, those of the contact, keep their functions. The space has no weights: `weighted` adds
+    them.
     """
     across = space.across
     halved = {row: _halved(row) for row in dict.fromkeys(space.rows)}
@@ -31,17 +34,20 @@ def finer(space: RowSpace, *, tall: bool = False) -> RowSpace:
         return RowSpace(space.name, higher, tuple(halved[space.rows[j]] for j in below))
     if across.elements > _FEW:
         return RowSpace(space.name, across, tuple(halved[row] for row in space.rows))
-    # knots of the highest continuity stay simple, others keep theirs
+    # knots of the highest continuity stay simple, the others keep their continuity
     repeats = np.where(across.multiplicities == 1, 1, across.multiplicities + 1)
     higher = SplineSpace(across.degree + 1, np.repeat(across.breakpoints, repeats))
-    # of the rows below, so that an enriched first row stays one row
+    # each new row has the space of the nearest row at or below it, towards the contact
     below = np.searchsorted(across.greville, higher.greville, side="right") - 1
     rows = tuple(halved[space.rows[j]] for j in below)
     return RowSpace(space.name, higher, rows)
 
 
 def transferred(space: RowSpace, coefficients: FloatArray, other: RowSpace) -> FloatArray:
-    """Coefficients (other size, c) of the field that equals one of a space (size, c) at Greville points."""
+    """Return the coefficients (other size, c) of the field that equals the given one at Greville points.
+
+    The given field has coefficients (size, c) in `space`.
+    """
     parts = np.split(coefficients, space.offsets[1:-1])
     weights = space.weights or tuple(np.ones(row.size) for row in space.rows)
 

@@ -1,4 +1,4 @@
-"""The grammar of space names: which splines the rows of control points use, as in L4, N2.1 or L1+N2@2."""
+"""The grammar of space names, such as L4, N2.1 or L1+N2@2: which splines the rows of control points use."""
 
 import re
 from dataclasses import dataclass
@@ -16,7 +16,7 @@ ALLOWED = (
 
 @dataclass(frozen=True)
 class SplineFamily:
-    """The spline spaces of one degree and one continuity at inner knots, 0 to degree - 1, on whatever mesh.
+    """The spline spaces of one degree and one continuity at inner knots, 0 to degree - 1, on any mesh.
 
     Raises InputError for a degree that is not 1 to 20, or another continuity.
     """
@@ -26,10 +26,10 @@ class SplineFamily:
 
     def __post_init__(self) -> None:
         if not 1 <= self.degree <= HIGHEST_DEGREE:
-            raise InputError("degree", self.degree, f"a degree is 1 to {HIGHEST_DEGREE}")
+            raise InputError("degree", self.degree, f"it must be 1 to {HIGHEST_DEGREE}")
         if not 0 <= self.continuity < self.degree:
             raise InputError(
-                "continuity", self.continuity, f"for degree {self.degree} it is below that degree"
+                "continuity", self.continuity, f"for degree {self.degree} it must be 0 to {self.degree - 1}"
             )
 
     def __str__(self) -> str:
@@ -42,9 +42,10 @@ class SplineFamily:
 
 @dataclass(frozen=True)
 class SpaceName:
-    """The families of the bulk's rows of control points and of the first `contact_rows` rows, at the contact.
+    """The family of the rows of control points in the bulk, and that of the first rows, at the contact.
 
-    `contact_rows` is 0 where both families are one, and at least 1 otherwise. Raises InputError if not.
+    `contact_rows` is the number of the first rows: 0 if both families are the same, and at least 1 otherwise.
+    Raises InputError for other numbers.
     """
 
     bulk: SplineFamily
@@ -53,12 +54,12 @@ class SpaceName:
 
     def __post_init__(self) -> None:
         if self.contact == self.bulk and self.contact_rows != 0:
-            raise InputError("contact_rows", self.contact_rows, "with one family for all rows it is 0")
+            raise InputError("contact_rows", self.contact_rows, "with one family for all rows it must be 0")
         if self.contact != self.bulk and self.contact_rows < 1:
-            raise InputError("contact_rows", self.contact_rows, "a contact family needs at least one row")
+            raise InputError("contact_rows", self.contact_rows, "with a contact family it must be 1 or more")
 
     def __str__(self) -> str:
-        """Return the canonical name, which parses to an equal object: L2, L1+N2.1, N2+N4@2."""
+        """Return the canonical name, which gives an equal object again: L2, L1+N2.1, N2+N4@2."""
         if self.contact_rows == 0:
             return str(self.bulk)
         return f"{self.bulk}+{self.contact}" + (f"@{self.contact_rows}" if self.contact_rows > 1 else "")
@@ -73,7 +74,7 @@ SCHEME = re.compile(rf"Q1(?P<contact>{NURBS}|C{NUMBER}|CH)")
 
 
 def parse_space_name(name: str) -> SpaceName:
-    """Return what a space name means; InputError says what a name may be."""
+    """Return the families of a space name. Raises InputError, which lists the possible names."""
     scheme = SCHEME.fullmatch(name)
     written = "L1+" + scheme["contact"].replace("CH", "H3").replace("C", "L") if scheme else name
     parts = NAME.fullmatch(written)
@@ -94,5 +95,5 @@ def _family(name: str) -> SplineFamily:
     if letter == "N":
         return SplineFamily(base + sum(elevations), base - 1)
     if base % 2 == 0:
-        raise InputError("degree", base, "Hermite splines are of odd degree")
+        raise InputError("degree", base, "the degree of Hermite splines must be odd")
     return SplineFamily(base, (base - 1) // 2)

@@ -69,7 +69,7 @@ class NurbsCurve:
         return self._refined(lambda space, points: refinement.elevate(space, points, times))
 
     def k_refine(self, times: int, knots: ArrayLike) -> Self:
-        """Return the same curve with its degree raised by `times`, and these knots added after."""
+        """Return the same curve with its degree raised by `times`, and these knots added after that."""
         return self._refined(lambda space, points: refinement.k_refine(space, points, times, knots))
 
     def length(self, end: float | None = None) -> float:
@@ -98,8 +98,8 @@ class NurbsCurve:
 class NurbsSurface:
     """A NURBS surface in the plane or in space over the parameters xi and eta, Eq. 4.11.
 
-    `spaces` are those along xi and eta, of sizes n and m, `control_points` are (n, m, 2) or (n, m, 3),
-    `weights` (n, m) and positive. Raises InputError otherwise. Methods broadcast xi and eta, to (...).
+    `spaces` are the spaces along xi and eta, with sizes n and m. `control_points` are (n, m, 2) or (n, m, 3),
+    `weights` are (n, m) and positive. Raises InputError otherwise. Methods broadcast xi and eta, to (...).
     """
 
     spaces: tuple[SplineSpace, SplineSpace]
@@ -151,7 +151,7 @@ class NurbsSurface:
         return self._refined(direction, lambda space, points: refinement.elevate(space, points, times))
 
     def k_refine(self, times: int, knots: ArrayLike, direction: Literal[0, 1]) -> Self:
-        """Return the same surface, elevated along xi (0) or eta (1), and with these knots added after."""
+        """Return the same surface, elevated along xi (0) or eta (1), and these knots added after that."""
         return self._refined(
             direction, lambda space, points: refinement.k_refine(space, points, times, knots)
         )
@@ -169,7 +169,7 @@ class NurbsSurface:
     def area(self) -> float:
         """Return the area of a planar surface, by Green's theorem. Raises InputError for one in space."""
         if self.dimension != 2:
-            raise InputError("control_points", f"{self.dimension} coordinates", "areas are of plane shapes")
+            raise InputError("control_points", f"{self.dimension} coordinates", "2 are needed for an area")
         points, extent = _centred(self.control_points)
         centred = NurbsSurface(self.spaces, points, self.weights)
 
@@ -186,7 +186,7 @@ class NurbsSurface:
         return abs(circulation("bottom") + circulation("right") - circulation("top") - circulation("left"))
 
     def _homogeneous_derivatives(self, xi: ArrayLike, eta: ArrayLike, order: int) -> FloatArray:
-        """Return derivatives to the order in each direction, (order + 1, order + 1, ..., dimension + 1)."""
+        """Return derivatives up to an order in each direction, (order + 1, order + 1, ..., dimension + 1)."""
         along_xi, rows = _functions(self.spaces[0], xi, order)
         along_eta, columns = _functions(self.spaces[1], eta, order)
         active = self.homogeneous_points[rows[..., :, None], columns[..., None, :]]
@@ -196,7 +196,7 @@ class NurbsSurface:
 
     def _refined(self, direction: Literal[0, 1], refine: Refine) -> Self:
         if direction not in (0, 1):
-            raise InputError("direction", direction, "it is 0 (along xi) or 1 (along eta)")
+            raise InputError("direction", direction, "it must be 0 (along xi) or 1 (along eta)")
         space, points = refine(self.spaces[direction], np.moveaxis(self.homogeneous_points, direction, 0))
         points = np.moveaxis(points, 0, direction)
         spaces = (space, self.spaces[1]) if direction == 0 else (self.spaces[0], space)
@@ -206,11 +206,11 @@ class NurbsSurface:
 def check_side(field: str, side: str) -> None:
     """Raise InputError unless a side is one of the four."""
     if side not in get_args(Side):
-        raise InputError(field, side, f"a side is one of {', '.join(get_args(Side))}")
+        raise InputError(field, side, f"it must be one of {', '.join(get_args(Side))}")
 
 
 def rectangle(length: float, height: float) -> NurbsSurface:
-    """Return the rectangle with its lower left corner at the origin, xi along its length; one element."""
+    """Return a rectangle of one element: its lower left corner is the origin, and xi is along its length."""
     for field, value in (("length", length), ("height", height)):
         if not 0 < value < np.inf:
             raise InputError(field, value, "it must be positive")
@@ -220,17 +220,17 @@ def rectangle(length: float, height: float) -> NurbsSurface:
 
 
 def annulus_sector(inner_radius: float, outer_radius: float, angle: float) -> NurbsSurface:
-    """Return the part of an annulus about the origin between the x axis and an angle below pi; one element.
+    """Return a sector of an annulus about the origin, of one element, from the x axis to an angle below pi.
 
-    xi runs along the arcs, clockwise down to the x axis, and eta outwards from the inner arc, so that the
-    Jacobian is positive. The arcs are exact: quadratic, with weights 1, cos(angle/2), 1 (section 7.3).
+    xi runs clockwise along the arcs, to the x axis, and eta outwards from the inner arc. So the Jacobian is
+    positive. The arcs are exact: quadratic, with weights 1, cos(angle/2), 1 (Sec. 7.3).
     """
     if not 0 < inner_radius < np.inf:
         raise InputError("inner_radius", inner_radius, "it must be positive")
     if not inner_radius < outer_radius < np.inf:
-        raise InputError("outer_radius", outer_radius, f"it must be above the inner radius, {inner_radius:g}")
+        raise InputError("outer_radius", outer_radius, f"it must exceed the inner radius, {inner_radius:g}")
     if not 0 < angle < pi:
-        raise InputError("angle", angle, "it is above 0 and below pi")
+        raise InputError("angle", angle, "it must be above 0 and below pi")
     # The tangents at both ends of an arc meet at half its angle, at radius / cos(angle/2).
     middle = cos(angle / 2)
     arc = np.array([[cos(angle), sin(angle)], [1.0, sin(angle / 2) / middle], [1.0, 0.0]])
@@ -241,13 +241,13 @@ def annulus_sector(inner_radius: float, outer_radius: float, angle: float) -> Nu
 
 def _check(control_points: FloatArray, weights: FloatArray, sizes: tuple[int, ...]) -> None:
     if control_points.shape not in ((*sizes, 2), (*sizes, 3)) or not np.all(np.isfinite(control_points)):
-        allowed = f"they are finite and of shape {(*sizes, 2)} or {(*sizes, 3)}"
+        allowed = f"they must be finite and of shape {(*sizes, 2)} or {(*sizes, 3)}"
         raise InputError("control_points", f"shape {control_points.shape}", allowed)
     if weights.shape != sizes:
-        raise InputError("weights", f"shape {weights.shape}", f"there is one per control point, {sizes}")
+        raise InputError("weights", f"shape {weights.shape}", f"one per control point is needed, {sizes}")
     refused = ~((weights > 0) & np.isfinite(weights))
     if np.any(refused):
-        raise InputError("weights", float(weights[refused][0]), "weights are positive and finite")
+        raise InputError("weights", float(weights[refused][0]), "weights must be positive and finite")
 
 
 def _homogeneous(control_points: FloatArray, weights: FloatArray) -> FloatArray:
@@ -255,7 +255,7 @@ def _homogeneous(control_points: FloatArray, weights: FloatArray) -> FloatArray:
 
 
 def _centred(control_points: FloatArray) -> tuple[FloatArray, float]:
-    """Return the points seen from the first one, so that a far origin costs no digits, and their extent."""
+    """Return the points relative to the first one, so that a far origin costs no digits, and their extent."""
     points = control_points.reshape(-1, control_points.shape[-1])
     return control_points - points[0], float(np.linalg.norm(np.ptp(points, axis=0)))
 
@@ -285,7 +285,10 @@ def _quotients(homogeneous: FloatArray) -> FloatArray:
 def _integral(
     function: Callable[[FloatArray], FloatArray], breakpoints: FloatArray, accuracy: float
 ) -> float:
-    """Integrate a function over all elements by Gauss's rule, halving until halves agree with their whole."""
+    """Return the integral of a function over all elements, by Gauss's rule.
+
+    Each interval is halved until the sum over both halves agrees with that over the interval.
+    """
     nodes, gauss_weights = np.polynomial.legendre.leggauss(16)
 
     def gauss(start: FloatArray, end: FloatArray) -> FloatArray:

@@ -2,9 +2,10 @@
 
 Coefficients are (size, ...). Those of a NURBS are homogeneous, control points times weights and the weights.
 
-A coefficient over a knot vector is the polar form of the spline at degree successive knots. Seen from the
-element that holds the knot before these, its weights are sums and products of nonnegative numbers (the Oslo
-algorithm: Cohen, Lyche and Riesenfeld, 1980), so nothing cancels and refinement is exact to round-off.
+The coefficient of a B-spline of degree p is the polar form of the spline at p successive knots. It is
+evaluated in the element that contains the knot before these. There its weights are sums and products of
+nonnegative numbers (the Oslo algorithm: Cohen, Lyche and Riesenfeld, 1980). So nothing cancels, and the
+refinement is exact to round-off.
 """
 
 import numpy as np
@@ -36,14 +37,14 @@ def insert_knots(
 def elevate(space: SplineSpace, coefficients: ArrayLike, times: int) -> tuple[SplineSpace, FloatArray]:
     """Return the space with its degree raised and its continuities kept, and the coefficients in it."""
     if times < 0:
-        raise InputError("times", times, "the degree can be elevated 0 times or more")
+        raise InputError("times", times, "it must be 0 or more")
     elevated, result = space, _checked(space, coefficients)
     for _ in range(times):
         lower, degree = elevated, elevated.degree + 1
         elevated = SplineSpace(degree, np.repeat(lower.breakpoints, lower.multiplicities + 1))
         windows = _windows(elevated, degree + 1)
         elements = lower.element_of(windows[:, 0])
-        # The polar form of the higher degree is the mean of the lower one, each argument left out in turn.
+        # The polar form of the higher degree is the mean of those of the lower degree without one argument.
         left_out = np.stack([np.delete(windows[:, 1:], argument, axis=1) for argument in range(degree)])
         result = _combine(lower, lower.polar_weights(left_out, elements).mean(axis=0), elements, result)
     return elevated, result
@@ -52,16 +53,16 @@ def elevate(space: SplineSpace, coefficients: ArrayLike, times: int) -> tuple[Sp
 def k_refine(
     space: SplineSpace, coefficients: ArrayLike, times: int, knots: ArrayLike
 ) -> tuple[SplineSpace, FloatArray]:
-    """Elevate the degree, then insert knots: k-refinement (Hughes, Cottrell and Bazilevs, 2005).
+    """Return the space and coefficients after k-refinement (Hughes, Cottrell and Bazilevs, 2005).
 
-    In this order the space of degree p has p + times - 1 continuous derivatives at the new knots; in the
-    other order elevation would keep them at p - 1.
+    The degree is elevated first, then knots are inserted. In this order a space of degree p has p + times - 1
+    continuous derivatives at the new knots; in the other order it would have p - 1.
     """
     return insert_knots(*elevate(space, coefficients, times), knots)
 
 
 def _windows(space: SplineSpace, length: int) -> FloatArray:
-    """Return the knots from each function's first on, (size, length)."""
+    """Return the knots from each function's first knot on, (size, length)."""
     return np.lib.stride_tricks.sliding_window_view(space.knot_vector, length)[: space.size]
 
 
@@ -77,6 +78,6 @@ def _checked(space: SplineSpace, coefficients: ArrayLike) -> FloatArray:
     array = np.array(coefficients, dtype=np.float64)
     if array.shape[:1] != (space.size,):
         raise InputError(
-            "coefficients", f"shape {array.shape}", f"the first axis holds the {space.size} functions"
+            "coefficients", f"shape {array.shape}", f"the first axis must have the {space.size} functions"
         )
     return array

@@ -13,12 +13,14 @@ from isopeel.splines.names import parse_space_name
 from isopeel.splines.nurbs import NurbsSurface, Side
 from isopeel.splines.space import SplineSpace
 
-#: Finest mesh, in elements along xi and along eta: beyond it tables and factor leave a workstation's memory.
+#: Finest mesh, in elements along xi and along eta. Tables and factor of a finer one exceed a workstation's
+#: memory.
 FINEST_MESH = (100_000, 1_000)
-#: Largest ratio of the sizes of the first and the last element: beyond it the finest mesh meets round-off.
+#: Largest ratio of the sizes of the first and the last element. With a larger one, breakpoints of the finest
+#: mesh differ by round-off only.
 STRONGEST_GRADING = 1e6
-#: Of its extent, what a shape may lie outside of a space that turns it rigidly: round-off, amplified by
-#: interpolation. A strain of this size makes no stress that an adhesion of use would notice.
+#: Share of its extent by which a shape may be outside of a space that still counts as exact for rotations:
+#: round-off, amplified by interpolation. The stress of a strain of this size is negligible beside adhesion.
 RIGID = 1e-9
 
 
@@ -27,7 +29,7 @@ SurfaceFunction = Callable[[FloatArray, FloatArray], FloatArray]
 
 
 class Basis(NamedTuple):
-    """Functions that do not vanish at n points, m of them at each."""
+    """The functions that do not vanish at n points, m of them at each point."""
 
     functions: IntArray  # (n, m) numbers of the functions
     values: FloatArray  # (n, m)
@@ -84,7 +86,7 @@ class RowSpace:
 
     @cached_property
     def greville(self) -> FloatArray:
-        """Greville points of all functions, (size, 2): where on the square each function sits."""
+        """Greville points of all functions, (size, 2): the place of each function on the square."""
         points = [
             np.stack([row.greville, np.full(row.size, eta)], axis=1)
             for row, eta in zip(self.rows, self.across.greville, strict=True)
@@ -92,10 +94,10 @@ class RowSpace:
         return np.concatenate(points)
 
     def weighted(self, shape: NurbsSurface) -> "RowSpace":
-        """Return the space that takes over the weights of a shape on the same square.
+        """Return the space with the weights of a shape on the same square.
 
-        Each row interpolates the shape's weight function. Where the rows contain that function the result
-        is the shape's own refined NURBS space, so that rigid motions are exact; constants always are.
+        Each row interpolates the shape's weight function. If the rows contain that function, the result is
+        the refined NURBS space of the shape, and rigid motions are exact. Translations are always exact.
         """
         if np.ptp(shape.weights) == 0:
             return replace(self, weights=None)
@@ -103,12 +105,12 @@ class RowSpace:
         return replace(self, weights=tuple(np.split(weights, self.offsets[1:-1])))
 
     def misfit(self, shape: NurbsSurface) -> tuple[float, float]:
-        """How far the space is from containing a shape on the same square: along xi, and along eta.
+        """Return the errors with which the space interpolates a shape on the same square, along xi and eta.
 
-        Both are zero, to round-off, where it contains the shape, and with it all rigid motions of the shape,
-        which are linear in the position. Errors of the shape's interpolation at Gauss points of the elements,
-        relative to the extent of its control points. What is interpolated are the homogeneous coordinates:
-        curves along eta through the shape's control points, and along xi what each row has to be then.
+        Both are zero, to round-off, if the space contains the shape. Then it also contains all rigid motions
+        of the shape, which are linear in the position. The errors are the largest ones at Gauss points of the
+        elements, relative to the extent of the control points. The homogeneous coordinates are interpolated:
+        first the curves along eta through the shape's control points, then each row along xi.
         """
         points = shape.control_points - shape.control_points[0, 0]
         extent = float(np.abs(points).max())
@@ -133,7 +135,7 @@ class RowSpace:
     def interpolate(self, function: SurfaceFunction) -> FloatArray:
         """Return the coefficients (size, ...) of the field that equals a function at the Greville points.
 
-        The function takes xi (n,) and eta (n,) to values (n, ...). Exact where the space contains it.
+        The function maps xi (n,) and eta (n,) to values (n, ...). It is reproduced if the space contains it.
         """
         if self.weights is None:
             return self._interpolate(function)
@@ -149,7 +151,7 @@ class RowSpace:
         return quotient
 
     def _interpolate(self, function: SurfaceFunction) -> FloatArray:
-        """The same for polynomial rows: across first, at the Greville points of each row, then along it."""
+        """Return the same for polynomial rows: first across, at the Greville points of a row, then along."""
         curves: dict[SplineSpace, FloatArray] = {}  # by space, since most rows share one
         for row in self.rows:
             if row not in curves:
@@ -161,7 +163,7 @@ class RowSpace:
         return np.concatenate([row.interpolate(curves[row][j]) for j, row in enumerate(self.rows)])
 
     def _denominator(self, xi: FloatArray, eta: FloatArray) -> FloatArray:
-        """sum_kl w_kl M_l(eta) N_k^(l)(xi) at points (n,)."""
+        """Return sum_kl w_kl M_l(eta) N_k^(l)(xi) at points (n,)."""
         across = self.across.collocation(eta).toarray()
         rows = zip(self.rows, self.weights or (), strict=True)
         along = np.stack([row.collocation(xi) @ weights for row, weights in rows], axis=1)
@@ -185,7 +187,7 @@ class RowSpace:
     ) -> Basis:
         """Evaluate the functions at points (n,) of one row of elements, 0 at eta = 0.
 
-        With `elements` (n,) along xi, each point is seen from that element, as in `SplineSpace.basis`.
+        With `elements` (n,) along xi, each point is evaluated in that element, as in `SplineSpace.basis`.
         """
         first_row = self.across.first_functions[element_row]
         across, _ = self.across.basis(eta, 1, elements=np.full(len(eta), element_row))
@@ -221,12 +223,12 @@ def row_space(
 ) -> RowSpace:
     """Build the space of a name (see `splines.names`) on a mesh (elements along xi, along eta).
 
-    `across_degree` is the degree along eta: here 1, as in the published study, in case files 2 by default.
-    `grading` is, along xi and eta, the size of the last element over that of the first, with a constant
-    ratio of neighbours in between; 1 is uniform. Where the space cannot turn a `shape` on the same square
-    rigidly, it takes over the shape's lines of reduced continuity, along the direction that needs it:
-    breakpoints move to them where they are near, and are added where they are not.
-    Raises InputError for a name or a mesh that makes no sense.
+    `across_degree` is the degree along eta: here 1, as in the published study; in case files 2 by default.
+    `grading` is, along xi and eta, the ratio of the sizes of the last and the first element; the ratio of
+    neighbours is constant, and 1 is a uniform mesh. If the space cannot rotate a `shape` on the same square
+    rigidly, it gets the shape's lines of reduced continuity, along the direction that needs them. The nearest
+    breakpoint is moved to such a line if it is near; otherwise a breakpoint is added.
+    Raises InputError for a name or a mesh that is not possible.
     """
     parsed = parse_space_name(name)
     for count, finest, direction in zip(elements, FINEST_MESH, ("length", "height"), strict=True):
@@ -239,7 +241,7 @@ def row_space(
     along, upwards = (_graded(int(count), ratio) for count, ratio in zip(elements, grading, strict=True))
     across = SplineSpace.on(across_degree, across_degree - 1, upwards)
     if parsed.contact_rows > across.size:
-        raise InputError("space", name, f"this mesh has {across.size} rows, so at most @{across.size}")
+        raise InputError("space", name, f"@ROWS must be at most {across.size}, the rows of this mesh")
     bulk = SplineSpace.on(parsed.bulk.degree, parsed.bulk.continuity, along)
     contact = SplineSpace.on(parsed.contact.degree, parsed.contact.continuity, along)
 
@@ -248,7 +250,7 @@ def row_space(
         return RowSpace(str(parsed), across, (contact,) * parsed.contact_rows + (bulk,) * upper)
 
     space = rows(across, contact, bulk)
-    # where there are no lines, there is nothing to take over
+    # a shape without such lines changes nothing
     if shape is None or max(own.elements for own in shape.spaces) == 1:
         return space
     misfits = space.misfit(shape)
@@ -262,8 +264,9 @@ def row_space(
 def with_lines_of(space: SplineSpace, other: SplineSpace) -> SplineSpace:
     """Return a space that is nowhere smoother than another one on the same interval.
 
-    A knot of the other space becomes a breakpoint: the nearest one is moved to it where that is no further
-    than a third of the elements beside it, so that no element becomes a sliver, and otherwise it is added.
+    Each knot of the other space becomes a breakpoint. The nearest breakpoint is moved to it if the distance
+    is at most a third of the elements beside it, so that no element becomes too small; otherwise a breakpoint
+    is added.
     """
     places, repeats = space.breakpoints.copy(), space.multiplicities.copy()
     taken = np.zeros(places.size, dtype=bool)
@@ -283,7 +286,7 @@ def with_lines_of(space: SplineSpace, other: SplineSpace) -> SplineSpace:
 
 
 def _principal(columns: FloatArray) -> FloatArray:
-    """As few columns (n, m) that span the same, with which those given are combined by factors below 1."""
+    """Return at most n columns (n,) that span the same; the given ones combine them by factors <= 1."""
     if columns.shape[1] <= columns.shape[0]:
         return columns
     basis, sizes, _ = np.linalg.svd(columns, full_matrices=False)
@@ -292,7 +295,7 @@ def _principal(columns: FloatArray) -> FloatArray:
 
 
 def _error(space: SplineSpace, coefficients: FloatArray, other: SplineSpace, wanted: FloatArray) -> float:
-    """Largest difference of splines (size, n) of two spaces, at Gauss points of the first one's elements."""
+    """Return the largest difference of splines (size, n) of two spaces, at Gauss points of the first one."""
     nodes, _ = np.polynomial.legendre.leggauss(space.degree + 1)
     starts, sizes = space.breakpoints[:-1, None], np.diff(space.breakpoints)[:, None]
     points = (starts + sizes * (nodes + 1) / 2).ravel()
@@ -311,5 +314,5 @@ def _graded(elements: int, grading: float) -> FloatArray:
 
 
 def _like(factors: FloatArray, values: FloatArray) -> FloatArray:
-    """Return factors (n,) shaped to multiply values (n, ...)."""
+    """Return factors (n,) in a shape that multiplies values (n, ...)."""
     return factors.reshape(-1, *[1] * (values.ndim - 1))

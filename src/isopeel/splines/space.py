@@ -32,7 +32,7 @@ class SplineSpace:
 
     def __post_init__(self) -> None:
         if not 1 <= self.degree <= HIGHEST_DEGREE:
-            raise InputError("degree", self.degree, f"a degree is 1 to {HIGHEST_DEGREE}")
+            raise InputError("degree", self.degree, f"it must be 1 to {HIGHEST_DEGREE}")
         knots = frozen(self.knot_vector)
         object.__setattr__(self, "knot_vector", knots)
         if knots.ndim != 1 or knots.size < 2 * self.degree + 2:
@@ -49,11 +49,11 @@ class SplineSpace:
             if np.any(refused):
                 raise InputError("knot_vector", knots[np.argmax(refused) :][:2].tolist(), allowed)
         if self.elements < 1 or np.any(self.multiplicities[[0, -1]] != self.degree + 1):
-            allowed = f"for degree {self.degree} the first and last knot are repeated {self.degree + 1} times"
+            allowed = f"for degree {self.degree} the first and last knot must occur {self.degree + 1} times"
             raise InputError("knot_vector", knots[[0, -1]].tolist(), allowed)
         if np.any(self.multiplicities[1:-1] > self.degree):
             worst = self.breakpoints[np.argmax(self.multiplicities[1:-1]) + 1]
-            allowed = f"an inner knot is repeated {self.degree} times at most"
+            allowed = f"an inner knot may occur {self.degree} times at most"
             raise InputError("knot_vector", float(worst), allowed)
 
     @classmethod
@@ -68,10 +68,10 @@ class SplineSpace:
     def on(cls, degree: int, continuity: int, breakpoints: ArrayLike) -> Self:
         """Return the elements between increasing breakpoints with one continuity, 0 to degree - 1."""
         if not 0 <= continuity < degree:
-            raise InputError("continuity", continuity, f"for degree {degree} it is 0 to {degree - 1}")
+            raise InputError("continuity", continuity, f"for degree {degree} it must be 0 to {degree - 1}")
         places = np.asarray(breakpoints, dtype=np.float64)
         if places.ndim != 1 or places.size < 2 or not np.all(np.diff(places) > 0):
-            raise InputError("breakpoints", breakpoints, "at least two are needed, and they increase")
+            raise InputError("breakpoints", breakpoints, "at least two are needed, in increasing order")
         repeats = np.full(places.size, degree - continuity)
         repeats[[0, -1]] = degree + 1
         return cls(degree, np.repeat(places, repeats))
@@ -83,7 +83,7 @@ class SplineSpace:
 
     @cached_property
     def multiplicities(self) -> IntArray:
-        """How often each breakpoint occurs in the knot vector, (elements + 1,)."""
+        """The number of times that each breakpoint occurs in the knot vector, (elements + 1,)."""
         return _read_only(np.unique(self.knot_vector, return_counts=True)[1].astype(np.int64))
 
     @property
@@ -105,7 +105,7 @@ class SplineSpace:
     def greville(self) -> FloatArray:
         """The Greville points, means of degree successive knots, (size,)."""
         knots = np.lib.stride_tricks.sliding_window_view(self.knot_vector[1:-1], self.degree)
-        # Seen from its first knot, the mean of equal knots is that knot to the last bit.
+        # Relative to its first knot, the mean of equal knots is that knot to the last bit.
         return _read_only(knots[:, 0] + (knots - knots[:, :1]).mean(axis=1))
 
     @cached_property
@@ -114,7 +114,7 @@ class SplineSpace:
         return _read_only(np.cumsum(self.multiplicities[:-1]) - 1 - self.degree)
 
     def element_of(self, points: ArrayLike) -> IntArray:
-        """Return the element that holds each point, in the shape of the points.
+        """Return the element that contains each point, in the shape of the points.
 
         Elements are half open, the last one is closed. Raises InputError for a point outside the interval.
         """
@@ -131,9 +131,9 @@ class SplineSpace:
     ) -> tuple[FloatArray, IntArray]:
         """Return the functions that do not vanish at points (m,), with their derivatives.
 
-        The first array, (derivatives + 1, m, degree + 1), holds the values and derivatives, the second, (m,),
-        the index of the first function. With `elements` (m,), each point is seen from that element, whose
-        polynomials are continued where it lies outside: so one-sided values at breakpoints.
+        The first array, (derivatives + 1, m, degree + 1), has the values and derivatives; the second, (m,),
+        has the index of the first function. With `elements` (m,), each point is evaluated with the
+        polynomials of its element, also if it is outside of that: this gives one-sided values at breakpoints.
         Raises InputError for a point outside the interval. The NURBS Book (Piegl, Tiller), Eqs. 2.5 and 2.7.
         """
         places = np.atleast_1d(np.asarray(points, dtype=np.float64))
@@ -177,10 +177,10 @@ class SplineSpace:
         return csr_array((values[derivative].ravel(), columns.ravel(), rows), shape=(first.size, self.size))
 
     def interpolate(self, values: ArrayLike) -> FloatArray:
-        """Return the coefficients (size, ...) of the spline with such values (size, ...) at `greville`."""
+        """Return the coefficients (size, ...) of the spline with these values (size, ...) at `greville`."""
         wanted = np.asarray(values, dtype=np.float64)
         if wanted.shape[:1] != (self.size,):
-            raise InputError("values", wanted.shape, f"give one value per Greville point, {self.size} in all")
+            raise InputError("values", wanted.shape, f"one per Greville point is needed, {self.size} in all")
         functions, first = self.basis(self.greville)
         columns = first[:, None] + np.arange(self.degree + 1)
         bands = np.zeros((2 * self.degree + 1, self.size))
@@ -191,7 +191,7 @@ class SplineSpace:
     def support(self, function: int) -> tuple[float, float]:
         """Return the ends of the interval on which a function, 0 to size - 1, does not vanish."""
         if not 0 <= function < self.size:
-            raise InputError("function", function, f"functions are numbered 0 to {self.size - 1}")
+            raise InputError("function", function, f"it must be 0 to {self.size - 1}")
         return float(self.knot_vector[function]), float(self.knot_vector[function + self.degree + 1])
 
 
