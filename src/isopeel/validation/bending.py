@@ -19,7 +19,7 @@ from isopeel.report.document import Picture
 from isopeel.splines.rows import row_space
 from isopeel.validation.check import Check, Result, Row, traced
 
-#: Bending strain up to which the closed form is to hold, and how closely.
+#: Bending strain up to which the closed form must hold, and the largest deviation that is allowed.
 SMALL_STRAIN, ALLOWED = 0.05, 0.005
 _POISSONS_RATIO = 0.2
 _MODULUS_FACTOR = 1 / (1 - _POISSONS_RATIO**2)
@@ -43,7 +43,7 @@ class Strip:
 
 @dataclass(frozen=True)
 class Plateau:
-    """The mean moment over whole periods of the mesh, and how far it moves from the first to the last."""
+    """The mean moment over whole periods of the mesh, and its change from the first period to the last."""
 
     strip: Strip
     moment: float
@@ -53,7 +53,7 @@ class Plateau:
 
 
 def peel(case: Strip) -> Plateau:
-    """Peel a strip so far that the law's tail is spent at the end of the joint, and read the moment."""
+    """Peel a strip until the attraction at the end of the joint has vanished, and return the moment."""
     problem, held = _problem(case)
     closed_form = beam_peeling(problem)
     assert closed_form is not None
@@ -74,12 +74,12 @@ def peel(case: Strip) -> Plateau:
 
 
 def _peeled(case: Strip) -> float:
-    """Length to peel: it has opened by 40 r0 at its end, where 1/1600 of the attraction is left at most."""
+    """The length to peel: its end has opened by 40 r0, where at most 1/1600 of the attraction is left."""
     return sqrt(40 * case.distance * case.height / case.bending_strain)
 
 
 def _problem(case: Strip) -> tuple[Problem, float]:
-    """Return the problem, and the length over which a beam held by springs of the law's stiffness decays."""
+    """Return the problem, and the decay length of a beam on springs of the law's stiffness."""
     law = VanDerWaals.like(0.0, case.work, case.distance / 15 ** (1 / 6))
     modulus = _MODULUS_FACTOR * case.modulus
     held = float((modulus * case.height**3 / (3 * law_character(law).stiffness)) ** 0.25)
@@ -95,7 +95,7 @@ def _problem(case: Strip) -> tuple[Problem, float]:
 
 
 def judge(outcomes: Sequence[Plateau]) -> Result:
-    """Compare plateaus with the closed form; above its range of strains they are for information."""
+    """Compare plateaus with the closed form; rows above its range of strains are for information."""
     rows = tuple(
         Row(
             found.moment,
@@ -113,16 +113,18 @@ def judge(outcomes: Sequence[Plateau]) -> Result:
     )
     whole = [found for found in outcomes if not found.failure]
     text = (
-        "A strip whose end is turned by a pure moment peels at M = sqrt(2 E' I W), E' = E/(1 - nu^2) and"
-        " I = h^3/12, where its bending strain h/(2 rho) is small. The moment is the mean over the last"
-        f" {_PERIODS} periods of the mesh, one element peeled each, when the joint's end has opened by"
-        " 40 r0; the column drift is how far the mean moves from the first of these periods to the last."
+        "A pure moment rotates the end of a strip. The strip peels at M = sqrt(2 E' I W) if its bending"
+        " strain h/(2 rho) is small, where E' = E/(1 - nu^2) and I = h^3/12. The moment is the mean over the"
+        f" last {_PERIODS} periods of the mesh, when the end of the joint has opened by 40 r0. In one period"
+        " one element peels. The column drift is the change of the mean from the first of these periods to"
+        " the last."
     )
     if len(whole) > 1:
         text += (
-            f" The deviation follows {_fitted(whole)[0]:.3f} (h/(2 rho))^2 {100 * _fitted(whole)[1]:+.3f} %,"
-            " fitted to all rows, {bending-drift}: the square of the bending strain, which beam theory leaves"
-            " out, beside what the tail of the law still holds at the end of the joint."
+            f" The deviation is {_fitted(whole)[0]:.3f} (h/(2 rho))^2 {100 * _fitted(whole)[1]:+.3f} %,"
+            " fitted to all rows: {bending-drift}. The first term is the square of the bending strain,"
+            " which beam theory neglects. The second one is the attraction that is left at the end of the"
+            " joint."
         )
     return Result(
         quantity="moment M / E0 L0^2",
@@ -138,7 +140,7 @@ def judge(outcomes: Sequence[Plateau]) -> Result:
         pictures=(
             Picture(
                 "bending-drift",
-                "Deviation from M = sqrt(2 E' I W) over the bending strain; dashed, what is allowed.",
+                "Deviation from M = sqrt(2 E' I W) over the bending strain; dashed: the allowed deviation.",
                 partial(_draw, tuple(whole)),
             ),
         ),
@@ -147,7 +149,7 @@ def judge(outcomes: Sequence[Plateau]) -> Result:
 
 
 def _fitted(outcomes: Sequence[Plateau]) -> tuple[float, float]:
-    """Factor of the square of the bending strain in the deviation, and what is left without strain."""
+    """Return the factor of the squared bending strain in the deviation, and the deviation without strain."""
     square = [found.strip.bending_strain**2 for found in outcomes]
     factor, rest = np.polyfit(square, [found.moment / found.expected - 1 for found in outcomes], 1)
     return float(factor), float(rest)
@@ -181,7 +183,7 @@ def _draw(outcomes: Sequence[Plateau]) -> Figure:
 
 
 def _combinations() -> tuple[Strip, ...]:
-    """Ten strips of small strains, and five above, over a hundredfold of E and an eightfold of h."""
+    """Return ten strips of small strains and five above, with factors of 100 in E and of 8 in h."""
     small = (
         (1.0, 10.0, 0.005, 0.3),
         (0.1, 10.0, 0.01, 0.4),

@@ -32,16 +32,16 @@ _STRENGTH = 0.003
 _CURVATURE = sqrt(_ENERGY / _BENDING)  # of an arm at the crack tip
 _ELEMENTS = (200, 2)
 _STEPS = 150
-#: Crack lengths by beam theory, in heights of an arm, at which a path is read.
+#: Crack lengths by beam theory, in heights of an arm, at which a path is compared.
 _READ_AT = (10.0, 12.0, 14.0, 16.0, 18.0, 20.0)
 
 
 @dataclass(frozen=True)
 class Loading:
-    """How the end of each arm is driven, up to which parameter, and what beam theory says.
+    """The drive of the end of each arm, its last parameter, and the solution of beam theory.
 
-    `beam` takes parameters (n,) to lengths of the crack and reactions, (n,) each; in figures the parameter
-    is multiplied by `factor`.
+    `beam` maps parameters (n,) to lengths of the crack and reactions, (n,) each. In figures the parameter is
+    multiplied by `factor`.
     """
 
     name: str
@@ -81,7 +81,7 @@ MOMENT = Loading(
 
 @dataclass(frozen=True, eq=False)
 class Opened:
-    """A path: what drives an arm, over the crack's length by beam theory."""
+    """A path: parameter and reaction of an arm, over the crack's length by beam theory."""
 
     loading: Loading
     crack: FloatArray  # (steps,)
@@ -92,7 +92,7 @@ class Opened:
 
 
 def pull(loading: Loading, elements: tuple[int, int] = _ELEMENTS, steps: int = _STEPS) -> Opened:
-    """Open one arm from its mirror plane, with the joint between both."""
+    """Trace one arm as it opens from its mirror plane, with the joint between both."""
     law = Mirrored(Exponential(_STRENGTH, _ENERGY))
     body = Body(rectangle(_LENGTH, _HEIGHT), NeoHooke(_MODULUS, _POISSONS_RATIO))
     joint = body.side("bottom", end=1 - _CRACK / _LENGTH)
@@ -110,7 +110,7 @@ def pull(loading: Loading, elements: tuple[int, int] = _ELEMENTS, steps: int = _
 
 
 def judge(outcomes: Sequence[Opened]) -> Result:
-    """Read the paths at some crack lengths."""
+    """Compare the paths with beam theory at some crack lengths."""
     rows = []
     for found in outcomes:
         for crack in _READ_AT:
@@ -123,14 +123,14 @@ def judge(outcomes: Sequence[Opened]) -> Result:
     return Result(
         quantity="P / E0 L0, M / E0 L0^2",
         text=(
-            "One arm is modelled, and the law of the joint acts between it and its mirror image. Pulled apart"
-            " by forces, arms open by D = 2 d at P = sqrt(2/3) G^(3/4) (E'I)^(1/4) D^(-1/2); by moments, at"
-            " M = sqrt(G E'I) whatever the crack's length: {double-cantilever}. A rotation of the arm's root"
-            " lengthens the crack, which drops out where D is prescribed. The reaction is read where beam"
-            " theory has the crack at a. The force is a dead traction with an unknown size on the end of the"
-            " arm, which is free to turn and to deform: an end whose points all move by one displacement"
-            " cannot turn without being stretched across, by half of the square of its rotation, and takes a"
-            " moment."
+            "One arm is modelled, and the law of the joint acts between it and its mirror image. Forces"
+            " open the arms by D = 2 d at P = sqrt(2/3) G^(3/4) (E'I)^(1/4) D^(-1/2). Moments open them at M"
+            " = sqrt(G E'I), for any length of the crack: {double-cantilever}. A rotation of the arm's"
+            " root lengthens the crack; this has no effect on the force at a given D. The reaction is read"
+            " where beam theory has the crack length a. The force is a dead traction of unknown size on the"
+            " end of the arm, which can rotate and deform. An end whose points all move by one displacement"
+            " could not rotate without being stretched across, by half of the square of its rotation, and"
+            " would take a moment."
         ),
         settings=(
             ("arm, joint", f"height {_HEIGHT:g}, length {_LENGTH:g}, crack {_CRACK:g} at first"),

@@ -1,4 +1,4 @@
-"""What a check is, and what it finds."""
+"""A check and its result."""
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
@@ -21,10 +21,11 @@ O = TypeVar("O")  # noqa: E741 (an outcome)
 
 @dataclass(frozen=True)
 class Row:
-    """A number that was computed, beside the one that is expected.
+    """A computed number, and the expected one.
 
-    `allowed` is the largest relative deviation, None where the closed form is not valid for the row;
-    `details` are cells for the columns that the check adds. Raises InputError unless it is positive.
+    `allowed` is the largest relative deviation; it is None for a row that is for information, where the
+    closed form is not valid. `details` are cells for the columns that the check adds. Raises InputError if
+    `allowed` is not positive.
     """
 
     computed: float  # nan where there is no equilibrium
@@ -33,9 +34,9 @@ class Row:
     details: tuple[str, ...]
 
     def __post_init__(self) -> None:
-        """Check what is allowed."""
+        """Check the allowed deviation."""
         if self.allowed is not None and not self.allowed > 0:
-            raise InputError("allowed", self.allowed, "a deviation that is allowed is positive")
+            raise InputError("allowed", self.allowed, "it must be positive")
 
     @property
     def deviation(self) -> float:
@@ -44,12 +45,12 @@ class Row:
 
     @property
     def passed(self) -> bool:
-        """Whether the deviation is not larger than allowed; a number that is missing is never."""
+        """Whether the deviation is at most the allowed one; a missing number does not pass."""
         return self.share_of_allowed <= 1
 
     @property
     def share_of_allowed(self) -> float:
-        """Deviation over the allowed one: zero where none is judged, infinite where a number is missing."""
+        """Deviation over the allowed one: zero for a row for information, infinite for a missing number."""
         if self.allowed is None:
             return 0.0
         return abs(self.deviation) / self.allowed if np.isfinite(self.computed) else np.inf
@@ -57,11 +58,11 @@ class Row:
 
 @dataclass(frozen=True)
 class Result:
-    """What a check found: its rows, what made them, and figures.
+    """The result of a check: its rows, its settings, and its figures.
 
-    `text` says in Markdown what is compared and how it is read; `settings` are names and values;
-    `columns` head the details of the rows, the first `named_by` of which name the rows; `problems` say
-    why numbers are missing.
+    `text` describes in Markdown what is compared and how it is computed; `settings` are names and values;
+    `columns` are the titles of the details of the rows, the first `named_by` of which name the rows;
+    `problems` are the reasons of missing numbers.
     """
 
     quantity: str
@@ -81,7 +82,7 @@ class Result:
 
 @dataclass(frozen=True)
 class Check(Generic[C, O]):
-    """Cases that can be computed one by one, in processes of their own, and how outcomes are judged."""
+    """Cases that can be computed one by one, each in its own process, and the function that judges them."""
 
     title: str
     cases: tuple[C, ...]
@@ -91,12 +92,12 @@ class Check(Generic[C, O]):
 
 @dataclass(frozen=True, eq=False)
 class EquilibriumPath:
-    """Equilibria from the first parameter of a path to the last that was found."""
+    """Equilibria from the first parameter of a path to the last one that was found."""
 
     parameter: FloatArray
     reaction: FloatArray
     displacement: FloatArray | None  # coefficients of the last step, None where there is none
-    failure: str  # why it ended early, empty where it did not
+    failure: str  # the reason of an early end, empty if there is none
 
 
 def traced(
@@ -106,7 +107,7 @@ def traced(
     settings: NewtonSettings | None = None,
     until: Callable[[Sequence[Step]], bool] = lambda _: False,
 ) -> EquilibriumPath:
-    """Trace a path to its end, or until a condition on its steps holds."""
+    """Return a path, traced to its end or until a condition on its steps holds."""
     steps: list[Step] = []
     failure = ""
     try:

@@ -15,17 +15,17 @@ from isopeel.report.document import Picture
 from isopeel.validation.check import Check, Result, Row
 
 ALLOWED, ALLOWED_HOLLOW = 1e-6, 0.002
-#: The powers with which repulsion and attraction of a flat substrate fall with the gap.
+#: The powers of the gap in the repulsion and the attraction of a flat substrate.
 POWERS = (9, 3)
 _GAP = 1.0
 _RADII = (100.0, 20.0, 10.0, 5.0, 2.0, 1.0, -100.0, -20.0, -10.0, -5.0)
-#: The smallest radius, in gaps, at which the law is to hold in a hollow substrate.
+#: The smallest radius of a hollow substrate, in gaps, at which the law must hold.
 _HOLLOW_LIMIT = -10.0
 
 
 @dataclass(frozen=True)
 class Factors:
-    """f1 and f2 at a ratio R/r, as the law has them and as integrals give them."""
+    """f1 and f2 at a ratio R/r, by the law and by integrals."""
 
     radius: float  # in units of the gap; negative where the substrate is hollow
     by_law: tuple[float, float]
@@ -33,13 +33,13 @@ class Factors:
 
 
 def curvature_factors(radius: float) -> Factors:
-    """Read f1 and f2 off the tractions of two laws, and integrate them, at R/r = `radius`."""
+    """Return f1 and f2 at R/r = `radius`, from the tractions of two laws and from integrals."""
     integrated = tuple(_layers(radius, power) / _layers(np.inf, power) for power in POWERS)
     return Factors(radius, law_factors(1 / radius), (integrated[0], integrated[1]))
 
 
 def law_factors(curvature: float) -> tuple[float, float]:
-    """f1 and f2 that the tractions of two laws of different r0 amount to, at the gap 1."""
+    """Return the f1 and f2 that follow from the tractions of two laws of different r0, at the gap 1."""
     terms, tractions = [], []
     for distance in (0.2, 1.4):
         law = VanDerWaals(2 * np.pi * distance**3, distance)  # whose factor A_H/(2 pi r0^3) is 1
@@ -51,7 +51,10 @@ def law_factors(curvature: float) -> tuple[float, float]:
 
 
 def _layers(radius: float, power: int) -> float:
-    """Pair forces of a half space on the layers of a body around a sphere, up to its centre if hollow."""
+    """Return the sum of the forces of a half space on the layers of a body around a sphere.
+
+    In a hollow sphere, the layers end at its centre.
+    """
     end = -radius if radius < 0 else np.inf
 
     def layer(depth: float) -> float:
@@ -63,9 +66,10 @@ def _layers(radius: float, power: int) -> float:
 
 
 def half_space(gap: float, power: int) -> float:
-    """Force of a half space on a point, by pairs of energy d^-power: rings about the point's normal.
+    """Return the force of a half space on a point, where pairs of points have the energy d^-power.
 
-    Points at a height q = gap t above, in rings of radius q tan(b), are at the distance q/cos(b).
+    The integral is over rings about the point's normal. Points at a height q = gap t, in rings of radius
+    q tan(b), are at the distance q/cos(b).
     """
 
     def ring(angle: float) -> float:
@@ -90,13 +94,13 @@ def judge(outcomes: Sequence[Factors]) -> Result:
     return Result(
         quantity="factor",
         text=(
-            "The van der Waals law multiplies repulsion by f1 and attraction by f2 where the substrate is"
-            " curved. They are held against the sum of the forces on all layers of a body around a *sphere*"
-            " of radius R, each point of which a half space at its own gap attracts, by quadrature over"
-            " pairs of points: {curvature-factors}. That is what the factors are; they are not those of a"
-            " cylinder in plane strain. In a hollow substrate (R < 0) the layers end at the centre, while the"
-            " law counts them beyond it: a share of about (r/R)^3 of the attraction, which is allowed for"
-            " down to a radius of ten gaps, and reported below."
+            "On a curved substrate, the van der Waals law multiplies repulsion by f1 and attraction by f2."
+            " Here they are compared with sums of forces on the layers of a body around a *sphere* of radius"
+            " R. A half space at its own gap attracts each point of a layer; the sum is a quadrature over"
+            " pairs of points: {curvature-factors}. So the factors are those of a sphere, not of a"
+            " cylinder in plane strain. In a hollow substrate (R < 0) the layers end at the centre, but the"
+            " law also counts layers beyond it. Their share of the attraction is about (r/R)^3. Rows with a"
+            " radius of ten gaps or more must pass; those with a smaller radius are for information."
         ),
         settings=(("laws", "r0 = 0.2 r and 1.4 r; f1 and f2 follow from two tractions"),),
         columns=("substrate", "R/r", "factor"),

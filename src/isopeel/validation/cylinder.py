@@ -1,4 +1,4 @@
-"""A cylinder pulled off a flat substrate: Johnson, Kendall and Roberts' limit, and that of rigid bodies."""
+"""A cylinder pulled off a flat substrate: the limits of Johnson, Kendall and Roberts, and of rigid bodies."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -65,7 +65,7 @@ def tabor_parameter(strength: float) -> float:
 
 
 def cylinder(law: AdhesionLaw, end: float) -> Problem:
-    """Quarter of a cylinder over a flat substrate, moved by its flat top."""
+    """Return the problem of a quarter of a cylinder over a flat substrate, moved by its flat top."""
     body = Body(QuarterCylinder(RADIUS).surface(), NeoHooke(MODULUS, POISSONS_RATIO))
     return Problem(
         "cylinder",
@@ -77,7 +77,7 @@ def cylinder(law: AdhesionLaw, end: float) -> Problem:
 
 
 def pull_off(strength: float, elements: tuple[int, int] = _ELEMENTS) -> PulledOff:
-    """Pull the cylinder off, from where it snaps on, until the load has fallen by a fifth of its largest."""
+    """Return the path of a pull-off, from the snap-on until the load is below four fifths of its maximum."""
     law = Exponential(strength, _WORK)
     reach = 14 * law.characteristic_length  # where the attraction is 3e-5 of its peak
     end = min(0.8, max(0.2, sqrt(2 * RADIUS * reach) / (pi / 4 * RADIUS)))
@@ -106,7 +106,7 @@ def _fallen(steps: Sequence[Step]) -> bool:
 
 
 def judge(outcomes: Sequence[PulledOff]) -> Result:
-    """Hold pull-off forces against the theory of each one's Tabor parameter."""
+    """Compare each pull-off force with the theory for its Tabor parameter."""
     rows = []
     for found in outcomes:
         tabor = found.tabor_parameter
@@ -130,15 +130,15 @@ def judge(outcomes: Sequence[PulledOff]) -> Result:
     return Result(
         quantity="pull-off force / E0 L0",
         text=(
-            "A cylinder is pulled off a flat substrate by its flat middle plane: {pull-off}. Where its Tabor"
-            f" parameter, (R W^2/(E\\*^2 delta^3))^(1/3) with delta = W/strength, is above {CRACK_LIKE:g},"
-            " the theory of Johnson, Kendall and Roberts in a plane is to hold,"
-            f" F = 3 (pi E\\* W^2 R/16)^(1/3); below {RIGID_LIKE:g} the cylinder is as if rigid, and the law"
-            " is summed over its parabola."
-            " In between rows tell of the theory of Maugis for a constant attraction of the same strength and"
-            " work; the law of the runs, exponential, falls off otherwise, and reaches further, so that both"
-            " differ there. All theories are for half spaces. The path follows the displacement of the plane;"
-            " where the edge passes a node it may jump to the next stable equilibrium."
+            "A cylinder is pulled off a flat substrate by its flat middle plane: {pull-off}. The theory"
+            " depends on its Tabor parameter (R W^2/(E\\*^2 delta^3))^(1/3), where delta = W/strength. Above"
+            f" {CRACK_LIKE:g} the plane theory of Johnson, Kendall and Roberts must hold, F = 3 (pi E\\* W^2"
+            f" R/16)^(1/3). Below {RIGID_LIKE:g} the cylinder is practically rigid, and the law is integrated"
+            " over its parabola. Rows in between are for information. They are compared with the theory of"
+            " Maugis, for a constant attraction of the same strength and work. The runs use an exponential"
+            " law, which has a longer range; so both differ there. All theories are for half spaces. The"
+            " path follows the displacement of the plane. When the edge passes a node, it may jump to the"
+            " next stable equilibrium."
         ),
         settings=(
             ("cylinder", f"R = {RADIUS:g}, E = {MODULUS:g}, Poisson's ratio {POISSONS_RATIO:g}; a quarter"),
@@ -168,7 +168,7 @@ def judge(outcomes: Sequence[PulledOff]) -> Result:
 
 
 def _theory(found: PulledOff) -> tuple[str, float, float | None]:
-    """Return the theory that a row is held against, its pull-off force, and what is allowed."""
+    """Return the theory that a row is compared with, its pull-off force, and the allowed deviation."""
     if found.tabor_parameter > CRACK_LIKE:
         return "JKR", found.jkr, ALLOWED
     if found.tabor_parameter < RIGID_LIKE:
@@ -183,7 +183,7 @@ def _draw(outcomes: Sequence[PulledOff]) -> Figure:
         strengths = np.geomspace(0.7 * min(_STRENGTHS), 1.4 * max(_STRENGTHS), 30)
         tabor = np.array([tabor_parameter(s) for s in strengths])
         jkr = outcomes[0].jkr
-        # laws of one shape and work: their strength over their length, and so the square of the pull
+        # laws of one shape and work: the strength over the length, and so the square of the pull-off force
         weakest = rigid_cylinder_pull_off(Exponential(strengths[0], _WORK), RADIUS)
         rigid = weakest * np.sqrt(strengths / strengths[0])
         maugis = [maugis_cylinder_pull_off(s, _WORK, REDUCED_MODULUS, RADIUS) for s in strengths]

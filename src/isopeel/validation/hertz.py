@@ -1,4 +1,4 @@
-"""A cylinder pressed on a flat substrate without adhesion: Hertz's line contact."""
+"""A cylinder pressed onto a flat substrate without adhesion: Hertz's line contact."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -28,13 +28,13 @@ from isopeel.validation.cylinder import (
 )
 
 ALLOWED = 0.01
-#: A law of next to no work, of this stiffness in compression: k = (e strength)^2/W.
+#: A law of very little work, with this stiffness in compression: k = (e strength)^2/W.
 _WORK, _STIFFNESS = 1e-10, 300.0
-_END = 0.2  # of the side that is in touch
-_FITTED = 0.9  # of the half-width by Hertz, short of the edge, where the mesh rounds p off
+_END = 0.2  # share of the side that is in contact
+_FITTED = 0.9  # share of the half-width by Hertz: at the edge, where p has a root, the mesh smooths it
 _DISPLACEMENTS = (0.05, 0.08, 0.12)
 _STEPS = 12
-#: Finer than for the pull-off, where the attraction rounds the edge off.
+#: Finer than for the pull-off, where the attraction smooths the edge.
 _ELEMENTS, _GRADING = (200, 24), (100.0, 200.0)
 
 
@@ -52,7 +52,7 @@ class Pressed:
 
 
 def press(displacement: float, elements: tuple[int, int] = _ELEMENTS) -> Pressed:
-    """Press the cylinder on the substrate, and fit Hertz's p^2 = p_0^2 (1 - x^2/a^2) to what it bears."""
+    """Press the cylinder onto the substrate, and fit Hertz's p^2 = p_0^2 (1 - x^2/a^2) to the pressure."""
     law = Exponential(sqrt(_STIFFNESS * _WORK) / np.e, _WORK)
     problem, space = cylinder(law, _END), row_space("N2", elements, 2, _GRADING)
     path = -np.geomspace(displacement / 400, displacement, _STEPS)
@@ -94,11 +94,11 @@ def judge(outcomes: Sequence[Pressed]) -> Result:
     return Result(
         quantity="half-width a, peak pressure p_0",
         text=(
-            "The same cylinder is pressed on the substrate by its middle plane, with a law that only repels,"
-            " for all that matters. Pressures are those of the law at the gaps of the Gauss points, and"
-            f" p^2 = p_0^2 (1 - x^2/a^2), a line over x^2, is fitted to those with x < {_FITTED:g} a:"
-            " {hertz-pressure}. They are held against a = sqrt(4 P R/(pi E\\*)) and p_0 = 2 P/(pi a) at the"
-            " load P of the run. Beyond, the mesh rounds the edge off, where the pressure has a root."
+            "The same cylinder is pressed onto the substrate by its middle plane. The law practically only"
+            " repels. Pressures are those of the law at the gaps of the Gauss points. The line p^2 = p_0^2"
+            f" (1 - x^2/a^2) over x^2 is fitted to those with x < {_FITTED:g} a: {{hertz-pressure}}. Its a"
+            " and p_0 are compared with a = sqrt(4 P R/(pi E\\*)) and p_0 = 2 P/(pi a) at the load P of the"
+            " run. Nearer to the edge, where the pressure has a root, the mesh smooths it."
         ),
         settings=(
             ("cylinder", f"R = {RADIUS:g}, E = {MODULUS:g}, Poisson's ratio {POISSONS_RATIO:g}; a quarter"),
@@ -115,8 +115,8 @@ def judge(outcomes: Sequence[Pressed]) -> Result:
         pictures=(
             Picture(
                 "hertz-pressure",
-                "Pressure in the contact, and its square over the square of the place, in Hertz's units: runs"
-                " at three loads and closed form.",
+                "Pressure in the contact over x, and its square over x^2, in Hertz's units: runs at three"
+                " loads, and the closed form.",
                 partial(_draw, tuple(found for found in outcomes if not found.failure)),
             ),
         ),

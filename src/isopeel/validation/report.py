@@ -1,4 +1,4 @@
-"""The validation table: which checks there are, computing them, and the report on them."""
+"""The validation: the list of checks, their computation, and the report on them."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -17,7 +17,7 @@ from isopeel.results.provenance import Provenance
 from isopeel.validation import bending, cantilever, curvature, cylinder, hertz, tapes
 from isopeel.validation.check import Check, Result, Row
 
-#: By the name that the command line knows them by, in the order of the report.
+#: The checks by their names on the command line, in the order of the report.
 CHECKS: dict[str, Check[Any, Any]] = {
     "tapes": tapes.CHECK,
     "cantilever": cantilever.CHECK,
@@ -28,10 +28,10 @@ CHECKS: dict[str, Check[Any, Any]] = {
 }
 
 _ABSTRACT = """
-Each check below runs problems whose answers are known in closed form, and holds what comes out against
-them. A row passes where its deviation is not larger than what is allowed; rows without an allowance tell how
-a closed form fares beyond its reach. Forces are per unit width; lengths are in L0, stresses in E0. {summary}
-sums up; the sections tell how each number was read.
+Each check below runs problems that have a solution in closed form, and compares the results with it. A row
+passes if its deviation is at most the allowed one. Rows without an allowed deviation are for information:
+there the closed form is not valid. Forces are per unit width; lengths are in L0, stresses in E0. {summary} is
+the summary. The sections describe how each number is computed.
 """
 
 
@@ -41,19 +41,19 @@ _NUMBERS = ("computed", "closed form", "deviation / %", "allowed / %", "verdict"
 
 @dataclass(frozen=True)
 class Validation:
-    """What was found, by the names of checks, and where it is written."""
+    """The results by the names of checks, and the folder that they are written to."""
 
     results: Mapping[str, Result]
     page: Path
 
     @property
     def failed(self) -> int:
-        """How many rows do not pass."""
+        """The number of rows that do not pass."""
         return sum(not row.passed for result in self.results.values() for row in result.rows)
 
 
 def chosen_checks(names: Sequence[str]) -> list[str]:
-    """Names of checks in the order of the report, by default all. Raises InputError for an unknown one."""
+    """Return names of checks in the order of the report, by default all; InputError for an unknown one."""
     for name in names:
         if name not in CHECKS:
             raise InputError("--only", name, f"the checks are {', '.join(CHECKS)}")
@@ -63,8 +63,9 @@ def chosen_checks(names: Sequence[str]) -> list[str]:
 def validate(names: Sequence[str], out: Path, console: Console, *, force: bool = False) -> Validation:
     """Run checks, print their tables, and write the report on them with its figures and tables.
 
-    A report on less than all checks has a folder of its own in `out`. Raises InputError where the folder
-    cannot be written, or holds what is of no report, unless with `force`; OSError where a file cannot be.
+    A report on some of the checks has its own folder in `out`. Raises InputError if the folder cannot be
+    written, or if it contains files that are not of a report, unless with `force`. Raises OSError if a file
+    cannot be written.
     """
     part = "" if len(names) == len(CHECKS) else "-".join(names)
     folder = take_folder(out, part, lambda name: set(name.split("-")) <= set(CHECKS), force=force)
@@ -83,7 +84,7 @@ def validate(names: Sequence[str], out: Path, console: Console, *, force: bool =
 
 
 def _computed(names: Sequence[str], console: Console) -> dict[str, list[Done]]:
-    """Outcomes of all cases of checks, which share the cores."""
+    """Return the outcomes of all cases of checks, which are computed in parallel."""
     owners = [name for name in names for _ in CHECKS[name].cases]
     tasks = [partial(CHECKS[name].compute, case) for name in names for case in CHECKS[name].cases]
     bar = Progress(
@@ -110,7 +111,7 @@ def _computed(names: Sequence[str], console: Console) -> dict[str, list[Done]]:
 def make_document(
     results: Mapping[str, Result], seconds: Mapping[str, float], provenance: Provenance
 ) -> Document:
-    """Put the report together; its figures are drawn when it is written."""
+    """Return the report; its figures are drawn when it is written."""
     sections = [
         Section("Summary", (_summary(results, seconds),)),
         *(
@@ -119,7 +120,7 @@ def make_document(
         ),
         Section("Where the numbers come from", (_provenance(provenance),)),
     ]
-    return Document("Runs held against closed forms", Text(_ABSTRACT), tuple(sections))
+    return Document("Runs compared with closed forms", Text(_ABSTRACT), tuple(sections))
 
 
 def _summary(results: Mapping[str, Result], seconds: Mapping[str, float]) -> Table:
@@ -139,7 +140,7 @@ def _summary(results: Mapping[str, Result], seconds: Mapping[str, float]) -> Tab
         )
     return Table(
         "summary",
-        "The checks: rows that pass, and the deviation that comes nearest to what is allowed.",
+        "The checks: rows that pass, and the deviation that is nearest to the allowed one.",
         ("check", "rows that pass", "deviation / %", "allowed / %", "seconds of one core", "verdict"),
         tuple(rows),
     )
@@ -159,7 +160,7 @@ def _blocks(name: str, result: Result) -> Iterator[Block]:
 
 
 def _brief(name: str, result: Result) -> Table:
-    """Return the table without what fills a console: a row's name in one column, no further details."""
+    """Return a narrower table for a console: the name of a row in one column, and no further details."""
     named = slice(result.named_by)
     rows = []
     for row in result.rows:
@@ -194,6 +195,6 @@ def _provenance(provenance: Provenance) -> Text:
     versions = ", ".join(f"{name} {version}" for name, version in provenance.versions.items())
     revision = f", source revision {provenance.git_revision}" if provenance.git_revision else ""
     return Text(
-        f"Computed by {versions}, on {provenance.platform}{revision}, from {provenance.started} on, in"
-        " as many processes as there are cores."
+        f"Computed by {versions}, on {provenance.platform}{revision}, from {provenance.started} on, with one"
+        " process for each core."
     )

@@ -46,7 +46,7 @@ _PERIODS, _STEPS_PER_PERIOD = 4, 8
 class Tape:
     """A tape pulled at an angle until its free arm is `arm` elastica lengths sqrt(E'I/F) long.
 
-    It slides on the substrate where it is not `held`; `stretch` is that with which it was laid.
+    It is `held` along the substrate, or slides on it. It was laid with the given `stretch`.
     """
 
     angle_deg: float
@@ -63,7 +63,7 @@ class Tape:
 
     @cached_property
     def problem(self) -> Problem:
-        """The shipped strip's material and law, in a thinner strip pulled at its right end."""
+        """The problem: a thinner strip of the shipped strip's material and law, pulled at its right end."""
         soft = NeoHooke(youngs_modulus=1.0, poissons_ratio=0.2)
         material: Material = soft if self.stretch == 1 else Prestretched(soft, self.stretch)
         made = strip(length=_LENGTH, height=_HEIGHT, adhering_length=_ADHERING, material=material)
@@ -74,7 +74,7 @@ class Tape:
 
     @cached_property
     def as_laid(self) -> tuple[float, float]:
-        """Tension P_0 of the tape as it is laid, and its stiffness E' h there, free of stress across."""
+        """Tension P_0 of the tape as laid, and its stiffness E' h in that state, without stress across."""
         material = self.problem.body.material
         _, stress, tangent = evaluate_material(material.kernel, material.parameters, np.eye(2)[None])
         A = tangent[0]
@@ -83,13 +83,13 @@ class Tape:
 
     @property
     def kendall(self) -> float:
-        """The force of a tape that is held."""
+        """The closed form of the force of a tape that is held."""
         tension, stiffness = self.as_laid
         return kendall_force(self._work, stiffness, radians(self.angle_deg), tension)
 
     @property
     def sliding(self) -> float:
-        """The force of a tape that slides."""
+        """The closed form of the force of a tape that slides."""
         return sliding_tape_force(self._work, self.as_laid[1], radians(self.angle_deg))
 
     @property
@@ -99,13 +99,13 @@ class Tape:
 
     @property
     def rate(self) -> float:
-        """Displacement of the force along itself by unit length that peels."""
+        """Displacement of the force along its direction, per length that peels."""
         tension, stiffness = self.as_laid
         return 1 - cos(radians(self.angle_deg)) + (self.expected - tension) / stiffness
 
     @property
     def elastica_length(self) -> float:
-        """sqrt(E'I/F), over which the free arm's bending dies out."""
+        """sqrt(E'I/F), the decay length of the bending of the free arm."""
         return sqrt(self.as_laid[1] * _HEIGHT**2 / 12 / self.expected)
 
     @property
@@ -121,12 +121,12 @@ class Pulled:
     displacement: FloatArray
     force: FloatArray
     steady: float
-    drift: float  # from the first of the periods that it is read over to the last
+    drift: float  # from the first period of the mean to the last
     failure: str
 
 
 def peel(tape: Tape, elements: tuple[int, int] = _ELEMENTS) -> Pulled:
-    """Pull a tape, and read the mean force over the last periods of the mesh."""
+    """Pull a tape, and return the mean force over the last periods of the mesh."""
     end = tape.arm * tape.elastica_length * tape.rate
     start = end - _PERIODS * tape.rate * _LENGTH / elements[0]
     path = [
@@ -141,7 +141,7 @@ def peel(tape: Tape, elements: tuple[int, int] = _ELEMENTS) -> Pulled:
 
 
 def judge(outcomes: Sequence[Pulled]) -> Result:
-    """Hold steady forces against the closed form of each tape."""
+    """Compare steady forces with the closed form of each tape."""
     rows = tuple(
         Row(
             found.steady,
@@ -159,22 +159,22 @@ def judge(outcomes: Sequence[Pulled]) -> Result:
     )
     text = (
         "A tape is pulled by a force at an angle to the substrate: {tape-forces}. A tape that is held along"
-        " the substrate peels at Kendall's force, (F - P_0)^2/(2 E' h) + F (1 - cos angle) = W, with tension"
-        " P_0 and the stiffness E' h of the tape as it was laid. The force is the unknown, under control of"
-        " the displacement along it. It comes to its steady value as the free arm grows to several elastica"
-        " lengths sqrt(E'I/F): a shorter arm does not point along the force yet. The table has the length at"
-        " which it is read, by the closed form and in these lengths. The force is the mean over the last"
-        f" {_PERIODS} periods of the mesh, one element peeled each; the column drift is how far the mean"
-        " moves from the first of these periods to the last."
+        " the substrate peels at Kendall's force, (F - P_0)^2/(2 E' h) + F (1 - cos angle) = W, with the"
+        " tension P_0 and the stiffness E' h of the tape as it was laid. The displacement along the force is"
+        " prescribed, and the force is an unknown. It reaches its steady value when the free arm is several"
+        " elastica lengths sqrt(E'I/F) long; a shorter arm does not point along the force yet. The table has"
+        " the length of the arm at which the force is read, by the closed form and in elastica lengths. The"
+        f" force is the mean over the last {_PERIODS} periods of the mesh. In one period one element peels."
+        " The column drift is the change of the mean from the first of these periods to the last."
     )
     free = [found for found in outcomes if not found.tape.held and not found.failure]
     if free:
         steep = min(free, key=lambda found: found.tape.angle_deg)
         text += (
-            "\n\nA tape on a substrate without friction slides, and does not peel at Kendall's force: at"
+            "\n\nA tape on a substrate without friction slides, and does not peel at Kendall's force. At"
             f" {steep.tape.angle_deg:g} degrees its force is {steep.steady / steep.tape.kendall:.3f} times"
-            f" Kendall's, and {steep.steady / steep.tape.expected:.4f} times F of"
-            " F (1 - cos angle) + F^2 sin^2(angle)/(2 E' h) = W, as its adhering part is stretched as well."
+            f" Kendall's. It is {steep.steady / steep.tape.expected:.4f} times the solution F of"
+            " F (1 - cos angle) + F^2 sin^2(angle)/(2 E' h) = W, since the adhering part is stretched too."
         )
     return Result(
         quantity="force F / E0 L0",
@@ -194,9 +194,9 @@ def judge(outcomes: Sequence[Pulled]) -> Result:
         pictures=(
             Picture(
                 "tape-forces",
-                "Steady force over the angle, by runs (marks) and closed forms (lines); and the way to it of"
-                " tapes that are held, over the displacement d in elastica lengths, with v that of the steady"
-                " state for a unit length peeled.",
+                "Steady force over the angle, of runs (marks) and closed forms (lines); and the force of"
+                " tapes that are held over the displacement d, in elastica lengths, where v is the"
+                " displacement per peeled length in the steady state.",
                 partial(_draw, tuple(outcomes)),
             ),
         ),
@@ -214,7 +214,7 @@ def _draw(outcomes: Sequence[Pulled]) -> Figure:
 
 
 def _draw_forces(axes: Axes, outcomes: Sequence[Pulled]) -> None:
-    """Steady forces over that of Kendall for a tape laid without stretch, so that a per cent is seen."""
+    """Draw steady forces over Kendall's for a tape laid without stretch: so one per cent is visible."""
     angle = np.linspace(20.0, 160.0, 141)
     plain = np.array([Tape(value, 1.0).kendall for value in angle])
     kinds: dict[str, list[Pulled]] = {}
