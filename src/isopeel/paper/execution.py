@@ -1,4 +1,4 @@
-"""Compute the runs of the study on all cores; finished runs are kept in files and not computed again."""
+"""Compute the runs of the study on all cores; finished runs are stored and not computed again."""
 
 import time
 from collections.abc import Iterable
@@ -45,7 +45,7 @@ class Watcher(Protocol):
         """Receive a finished run."""
 
     def skipped(self, run: Run) -> None:
-        """Receive a variant that is not computed, as it has no state to start from."""
+        """Receive a variant that is not computed, since it has no state to start from."""
 
 
 @dataclass(frozen=True)
@@ -59,7 +59,7 @@ class Store:
         return self.folder / f"{run.name}.h5"
 
     def finished(self, run: Run) -> StoredRun | None:
-        """Return a finished run; None where it is not finished, or was computed by other code."""
+        """Return a finished run; None if it is not finished, or was computed by other code."""
         try:
             stored = read_run(self.path(run))
         except InputError:
@@ -68,7 +68,7 @@ class Store:
         return stored if done and stored.attributes.get("key") == run.key else None
 
     def read(self, run: Run) -> StoredRun:
-        """Return a run that is finished; InputError where it is not."""
+        """Return a run that is finished; raises InputError if it is not."""
         stored = self.finished(run)
         if stored is None:
             raise InputError("run", run.name, "it is not finished")
@@ -78,9 +78,9 @@ class Store:
 def execute(runs: Iterable[Run], store: Store, workers: int, watcher: Watcher) -> None:
     """Compute the runs that are not finished, and their bases, in other processes.
 
-    A path that ends early counts as finished; a variant is not computed where its base ended before its
-    start. The processes end at once when this one ends. Raises InputError where another process computes runs
-    in the same folder, WorkerLostError where one of its processes is ended.
+    A path that ends early counts as finished. A variant is not computed if its base ended before its start.
+    The processes end at once when this one ends. Raises InputError if another process computes runs in the
+    same folder, and WorkerLostError if one of the processes is ended from outside.
     """
     waiting = [run for run in with_bases(runs) if store.finished(run) is None]
     if not waiting:
@@ -88,7 +88,7 @@ def execute(runs: Iterable[Run], store: Store, workers: int, watcher: Watcher) -
     try:
         with FileLock(store.folder / ".lock", blocking=False):
             _execute([run for run in waiting if not run.timed], store, workers, watcher)
-            # one after the other, so that they do not disturb each other
+            # one after the other, so that they do not slow each other down
             _execute([run for run in waiting if run.timed], store, 1, watcher)
     except Timeout as error:
         raise InputError("--out", str(store.folder), "another process computes runs in it") from error
@@ -134,12 +134,12 @@ _reports: "SimpleQueue[Report] | None" = None
 
 
 def _report_to(reports: "SimpleQueue[Report]") -> None:
-    global _reports  # a worker has no other place for the arguments of its start
+    global _reports  # the only way to pass arguments to a worker at its start
     _reports = reports
 
 
 def _compute(run: Run, key: str, store: Store) -> None:
-    """Trace a run and write its file, with the key that the main process uses for it."""
+    """Trace a run and write its file, under the key that the main process uses for it."""
     case, angles = run.case, run.angles_deg
     problem, space = case.problem(), case.space()
     start: list[State] = []

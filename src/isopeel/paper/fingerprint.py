@@ -8,15 +8,15 @@ from pathlib import Path
 import isopeel
 from isopeel.common.layers import left_of
 
-#: What turns the text of a case into converged steps.
+#: The layers that compute converged steps from the text of a case.
 _SOURCES = sorted({"case", "solve"} | left_of("case") | left_of("solve"))
 
 
 @cache
 def code_fingerprint() -> str:
-    """Return the hash of the layers that compute a path; their comments, docstrings and layout do not count.
+    """Return the hash of the layers that compute a path, without their comments, docstrings and layout.
 
-    It differs between versions of Python, whose syntax trees do.
+    It differs between versions of Python, as their syntax trees differ.
     """
     root = Path(isopeel.__file__).parent
     digest = hashlib.sha256()

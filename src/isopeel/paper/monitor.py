@@ -11,11 +11,11 @@ from isopeel.paper.execution import Report
 from isopeel.paper.study import Run
 from isopeel.results.run_file import StoredRun
 
-_SPEED_SECONDS = 120.0  # last seconds that the time left is estimated from: paths are slower on the plateau
+_SPEED_SECONDS = 120.0  # the time left is estimated from the last seconds: paths are slower on the plateau
 
 
 class Monitor:
-    """Shows the progress of runs on a console; finished runs only where the console is not a terminal."""
+    """Shows the progress of runs on a console; if the console is no terminal, finished runs only."""
 
     def __init__(self, console: Console, runs: Sequence[Run]) -> None:
         self._console = console
@@ -64,7 +64,7 @@ class Monitor:
 
     def skipped(self, run: Run) -> None:
         """Write a line about a variant that cannot be computed, and count it."""
-        self._write(run, "not computed: what it starts from ended before")
+        self._write(run, "not computed: the run that it starts from ended before")
 
     def _write(self, run: Run, text: str) -> None:
         line = self._lines.pop(run, None)

@@ -1,4 +1,4 @@
-"""The tables of the published study as data, and the entries that cannot be as they are printed."""
+"""The tables of the published study as data, and their misprints."""
 
 import csv
 from collections.abc import Iterable
@@ -27,7 +27,7 @@ class Figures(NamedTuple):
 
 @dataclass(frozen=True)
 class Published:
-    """A row of the published Table 2, as printed; no figures where it is printed as not converging."""
+    """A row of the published Table 2, as printed; without figures if the study calls it not converging."""
 
     space: str
     mesh: str
@@ -38,7 +38,7 @@ class Published:
 
 @dataclass(frozen=True)
 class Quoted:
-    """An amplitude in 1e-3 E0 L0^3 that the study quotes, and the degrees of freedom of its space."""
+    """An amplitude in 1e-3 E0 L0^3 quoted by the study, and the degrees of freedom of its space."""
 
     space: str
     mesh: str
@@ -48,7 +48,7 @@ class Quoted:
 
 @dataclass(frozen=True)
 class Misprint:
-    """An entry of Table 2 or 3 that cannot be as printed, in units of that table, and how one can tell."""
+    """A wrong entry of Table 2 or 3, in units of that table, and the evidence that it is wrong."""
 
     table: int
     space: str
@@ -102,12 +102,12 @@ def _rows(name: str) -> list[dict[str, str]]:
 
 
 def _last_digit(space: str, quantity: Quantity, printed: float, meant: float, quotient: str) -> Misprint:
-    reason = f"Table 2 gives {quotient}, its own rounding included"
+    reason = f"Table 2 gives {quotient}, which includes its own rounding"
     return Misprint(3, space, "m2", quantity, printed, meant, reason)
 
 
 _DOFS = "it must be 2 (n_y + 1) ((n_x - 1)(p - c) + p + 1)"
-#: Those that the tables show by themselves, for n_x by n_y elements, degree p and continuity c.
+#: Misprints that follow from the tables alone, for n_x by n_y elements, degree p and continuity c.
 MISPRINTS = (
     Misprint(2, "N2", "m1", "DOFs", 2900, 2916, f"{_DOFS} = 2 x 9 x 162, and 2900 is no multiple of 18"),
     Misprint(
@@ -117,8 +117,8 @@ MISPRINTS = (
         "DOFs",
         6722,
         8822,
-        f"{_DOFS} = 2 x 11 x 401, and 6722 is no multiple of 22. Against it N8 has 32 % fewer, which is 48 % "
-        "against 8822, as on m1 and m3",
+        f"{_DOFS} = 2 x 11 x 401, and 6722 is no multiple of 22. N8 would have 32 % less than 6722; it has "
+        "48 % less than 8822, as on m1 and m3",
     ),
     Misprint(
         2,
@@ -127,11 +127,11 @@ MISPRINTS = (
         "fall",
         -0.0992,
         -0.992,
-        "probably its point is misplaced: all other figures become smaller on finer meshes, it would grow to "
-        "-0.3519 on m2. And in a period of the oscillation, 1.35 degrees, dM = 0.2944 cannot rise by at most "
-        "0.3188 per degree and fall again by less than 0.69 per degree",
+        "its decimal point is probably misplaced. All other figures become smaller on finer meshes, but "
+        "this one would grow to -0.3519 on m2. And if the moment rises by dM = 0.2944 at 0.3188 per degree "
+        "at most, it must fall by 0.69 per degree or more in the rest of the period of 1.35 degrees",
     ),
-    # five of them cut off where they should be rounded
+    # five of them are truncated, not rounded
     _last_digit("L2", "amplitude", 26.74, 26.75, "26.7489 +- 0.0011"),
     _last_digit("L4", "fall", 3.23, 3.24, "3.2370 +- 0.0001"),
     _last_digit("N2", "amplitude", 76.79, 76.80, "76.7982 +- 0.0016"),
@@ -142,12 +142,12 @@ MISPRINTS = (
 
 
 def meant(row: Published) -> Figures | None:
-    """Return the figures of a row with its misprints mended."""
+    """Return the figures of a row with its misprints corrected."""
     if row.figures is None:
         return None
-    mended = {
+    corrected = {
         m.quantity: m.meant
         for m in MISPRINTS
         if m.table == 2 and (m.space, m.mesh) == (row.space, row.mesh) and m.quantity != "DOFs"
     }
-    return row.figures._replace(**mended)
+    return row.figures._replace(**corrected)

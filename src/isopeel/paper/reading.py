@@ -1,4 +1,4 @@
-"""Ways to read dM and the steepest slopes off a curve, as the published definition is not known."""
+"""Definitions of dM and the steepest slopes of a curve: several, as the published one is not known."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
@@ -17,12 +17,12 @@ from isopeel.post.plateau import read_window, running_mean
 from isopeel.problem import Traction, strip
 
 Window = tuple[float, float]
-#: The window that this report reads in where it does not say otherwise, in degrees.
+#: The default window of this report, in degrees.
 WINDOW: Window = (98.0, 101.4)
 
 
 class Reading(Enum):
-    """What is done about the drift of the plateau before dM and the slopes are read."""
+    """How the drift of the plateau is removed before dM and the slopes are read."""
 
     MEAN = "drift of the mean over one period taken out"
     LINE = "line through the window taken out of dM"
@@ -30,17 +30,17 @@ class Reading(Enum):
 
 
 class Rows(Enum):
-    """Which rows of control points have the space that a row of the published table names."""
+    """The rows of control points that have the space named by a row of the published table."""
 
     ALL = "all rows"
     CONTACT = "contact row only, over L1"
     ELEVATED = "elevated in the contact row only"
 
     def enriched(self, space: str) -> str:
-        """Return the space that a published name is taken for.
+        """Return the space that a published name stands for.
 
-        L2 and L4 are elevations of L1, and Np.q is one of Np: ELEVATED has them in the contact row over what
-        they are elevations of. L1 and Np are no elevations.
+        L2 and L4 are elevations of L1, and Np.q is an elevation of Np: ELEVATED has them in the contact row,
+        and the space that they elevate in the other rows. L1 and Np are no elevations.
         """
         if self is Rows.ALL or space == "L1":
             return space
@@ -81,7 +81,7 @@ def period_deg(mesh: str) -> float:
 
 
 class Readable:
-    """A record whose running mean is made once, however many windows of it are read."""
+    """A record whose running mean is computed once for all windows."""
 
     def __init__(self, record: Record) -> None:
         self._angles, self._moments = record.angles_deg, record.moments
@@ -91,7 +91,7 @@ class Readable:
     def read(self, window: Window, reading: Reading = Reading.MEAN) -> Figures | None:
         """Return the figures in a window, in 1e-3 E0 L0^3 (per degree); None where the run does not cover it.
 
-        A run covers a window when it reached half a period beyond it, whatever the reading.
+        A run covers a window if it reached half a period beyond it, for all readings.
         """
         margin = self._period / 2
         if not len(self._angles) or self._angles[-1] < window[1] + margin - STEP / 2:
@@ -121,7 +121,7 @@ def plateau_mean(record: Record, window: Window = WINDOW) -> float | None:
 
 @dataclass(frozen=True)
 class Recipe:
-    """A way to come from our curves to the figures of the published table."""
+    """A definition of the figures of the published table, by which they are computed from our curves."""
 
     rows: Rows
     reading: Reading = Reading.MEAN
@@ -145,12 +145,12 @@ class Fit:
 
     @property
     def deviation(self) -> float:
-        """Mean magnitude of the logarithms of the ratios: squares would let one misfit choose the recipe."""
+        """Mean magnitude of the logarithms of the ratios; with squares, one misfit could decide."""
         return sum(abs(log(ratio)) for ratio in self.ratios.values()) / len(self.ratios)
 
 
 def fits(readables: Mapping[Run, Readable], meshes: Iterable[str], recipes: Iterable[Recipe]) -> list[Fit]:
-    """Compare each recipe with the published table: first those that read the most entries, then the closest.
+    """Return the fits of recipes to the published table: first the most comparable entries, then the closest.
 
     Entries that are known to be misprinted do not count.
     """
@@ -171,7 +171,7 @@ def fits(readables: Mapping[Run, Readable], meshes: Iterable[str], recipes: Iter
             run = recipe.run(space, mesh)
             key = run, recipe.reading, recipe.window
             if key not in known:
-                readable = readables.get(run)  # a variant of a run that ended early is not there
+                readable = readables.get(run)  # None for a variant of a run that ended early
                 known[key] = readable.read(recipe.window, recipe.reading) if readable else None
             figures = known[key]
             ratio = 0.0 if figures is None else getattr(figures, name) / value

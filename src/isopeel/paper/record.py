@@ -22,9 +22,10 @@ from isopeel.solve.trace import trace
 _FORMAT = "isopeel paper 2"
 
 
-#: The angle at which the tractions at the front are evaluated, in degrees: on the plateau, and stored.
+#: The angle at which the tractions at the front are evaluated, in degrees: on the plateau, with stored
+#: fields.
 FRONT_DEG = 100.0
-_NEAR = 10.0  # L0: length on both sides of the peak on which the traction is kept
+_NEAR = 10.0  # L0: the traction is stored up to this distance on both sides of the peak
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,7 +40,7 @@ class Front:
 
     @classmethod
     def of(cls, run: Run, stored: StoredRun) -> "Front | None":
-        """Return the front at FRONT_DEG; None where the run did not get there, or is not compared."""
+        """Return the front at FRONT_DEG; None if the run ended before, or is not compared."""
         if run.base is not None or run.space not in SPACES or run.mesh != VARIANT_MESH:
             return None
         found = [u for angle, u in stored.fields.items() if abs(angle - FRONT_DEG) < STEP / 2]
@@ -67,7 +68,7 @@ class Front:
 
 
 def _zeros(x: FloatArray, y: FloatArray) -> FloatArray:
-    """Return the places where a curve crosses zero, by linear interpolation."""
+    """Return the places at which a curve crosses zero, by linear interpolation."""
     k = np.flatnonzero(y[:-1] * y[1:] < 0)
     zeros: FloatArray = x[k] - y[k] * (x[k + 1] - x[k]) / (y[k + 1] - y[k])
     return zeros
@@ -86,16 +87,16 @@ class Record:
     dofs: int
     corrections: int  # of Newton's method, in all
     seconds: float  # wall time of all steps
-    step_seconds: float  # of the median step, which other programs disturb less than the mean; nan without
-    step_corrections: float  # mean of the steps; nan without
-    failed_at_deg: float | None  # where no equilibrium was found, if so
-    reason: str  # why not; empty where the run is complete
+    step_seconds: float  # median of the steps, which other programs disturb less than the mean; nan if none
+    step_corrections: float  # mean of the steps; nan if none
+    failed_at_deg: float | None  # the angle at which no equilibrium was found
+    reason: str  # of the failure; empty if the run is complete
     started: str  # UTC, ISO 8601
     software: str  # versions
     platform: str
     revision: str  # of the source; empty outside of a checkout
     front: Front | None
-    continues: bool | None  # where it failed: is the same angle reached from the last state alone?
+    continues: bool | None  # after a failure: whether the same step converges from the last state alone
 
     @classmethod
     def of(cls, run: Run, stored: StoredRun) -> "Record":
@@ -124,19 +125,19 @@ class Record:
 
     @property
     def ended(self) -> str | None:
-        """Place and reason of an early end, in one line; None where the run is complete."""
+        """Place and reason of an early end, in one line; None if the run is complete."""
         if self.failed_at_deg is None:
             return None
         return f"no equilibrium was found at {self.failed_at_deg:.1f} degrees: {self.reason}"
 
     @property
     def reached_deg(self) -> float:
-        """The last angle; where there is no step, the one before the first."""
+        """The last angle; if there is no step, the angle before the first one."""
         return float(self.angles_deg[-1]) if len(self.angles_deg) else self.run.range_deg[0]
 
 
 def _continues(run: Run, stored: StoredRun) -> bool | None:
-    """Try the step that failed from the last state, without the prediction by the states before."""
+    """Return whether the failed step converges from the last state, without an extrapolation."""
     if stored.failure is None or not stored.fields:
         return None
     case, last = run.case, max(stored.fields)
@@ -187,7 +188,7 @@ def read_records(path: Path) -> dict[Run, Record]:
     try:
         with h5py.File(path, "r") as file:
             if file.attrs.get("format") != _FORMAT:
-                raise InputError("FILE", str(path), "it does not hold the runs of a report")
+                raise InputError("FILE", str(path), "it has no runs of a report")
             records = [_record(group) for group in file.values()]
     except (OSError, KeyError) as error:
         raise InputError("FILE", str(path), f"the runs of a report are needed: {error}") from error

@@ -33,14 +33,14 @@ from isopeel.running.folder import first_names, make_folder
 
 @dataclass(frozen=True)
 class Part:
-    """A section of the report: the runs that it needs on some meshes, and what it says about them."""
+    """A section of the report: the runs that it needs on some meshes, and its content."""
 
     title: str
     runs: Callable[[Sequence[str]], list[Run]]
     blocks: Callable[[Results, Sequence[str]], Iterator[Block]]
 
 
-#: By the name that the command line knows them by, in the order of the report.
+#: The sections by their names on the command line, in the order of the report.
 PARTS: dict[str, Part] = {
     name: Part(module.TITLE, module.runs, module.blocks)
     for name, module in (
@@ -58,7 +58,7 @@ PARTS: dict[str, Part] = {
 
 
 def chosen_parts(names: Sequence[str]) -> list[str]:
-    """Names of parts in the order of the report, by default all. Raises InputError for an unknown one."""
+    """Return names of parts in the order of the report, by default all; InputError for an unknown one."""
     for name in names:
         if name not in PARTS:
             raise InputError("--only", name, f"the parts are {', '.join(PARTS)}")
@@ -66,7 +66,7 @@ def chosen_parts(names: Sequence[str]) -> list[str]:
 
 
 def chosen_meshes(names: Sequence[str]) -> list[str]:
-    """Return names of meshes from the coarsest on, by default all. Raises InputError for an unknown one."""
+    """Return names of meshes from the coarsest on, by default all; InputError for an unknown one."""
     for name in names:
         if name not in MESHES:
             raise InputError("--mesh", name, f"the published meshes are {', '.join(MESHES)}")
@@ -82,11 +82,11 @@ def make_report(
     *,
     force: bool = False,
 ) -> Path:
-    """Compute what is not there yet, and write the report on the parts and meshes; returns its HTML page.
+    """Compute the missing runs, and write the report on the parts and meshes; returns its HTML page.
 
-    Finished runs are in `runs` of the folder and are not computed again, whenever an earlier study ended.
-    Raises InputError where the folder cannot be written, or holds what is of no report, unless with `force`;
-    OSError where a file cannot be written.
+    Finished runs are in `runs` of the folder and are not computed again. So a study can be interrupted.
+    Raises InputError if the folder cannot be written, or if it contains files that are not of a report,
+    unless with `force`. Raises OSError if a file cannot be written.
     """
     folder = take_folder(out, _folder(parts, meshes), _is_folder, force=force)
     store = Store(out / RUNS)
@@ -94,7 +94,7 @@ def make_report(
     runs = needed_runs(parts, meshes)
     missing = [run for run in runs if store.finished(run) is None]
     if runs:
-        console.print(f"{len(runs)} runs, {len(runs) - len(missing)} of them are there already")
+        console.print(f"{len(runs)} runs, {len(runs) - len(missing)} of them are finished already")
     outdated = [str(path) for run in missing if (path := store.path(run)).exists()]
     if outdated:
         what = f"replaces {first_names(outdated)}: not finished, or computed by other code"
@@ -117,24 +117,24 @@ def make_report(
 
 
 def _folder(parts: Sequence[str], meshes: Sequence[str]) -> str:
-    """Where a report goes, in the folder of all: one on less than everything has a folder of its own."""
+    """Return the folder of a report: one on a selection has its own folder in that of the full report."""
     named = [] if len(parts) == len(PARTS) else [*parts]
     named += [] if len(meshes) == len(MESHES) else [*meshes]
     return "-".join(named)
 
 
 def _is_folder(name: str) -> bool:
-    """Return whether a report on less than everything could have a folder of this name."""
+    """Return whether the folder of a report on a selection could have this name."""
     return set(name.split("-")) <= {*PARTS, *MESHES}
 
 
 def needed_runs(parts: Sequence[str], meshes: Sequence[str]) -> list[Run]:
-    """Return all runs of some parts of the report, and those they start from."""
+    """Return all runs of some parts of the report, and the runs that they start from."""
     return with_bases(run for name in parts for run in PARTS[name].runs(meshes))
 
 
 def make_document(results: Results, parts: Sequence[str], meshes: Sequence[str]) -> Document:
-    """Put the report together; its figures are drawn when it is written."""
+    """Return the report; its figures are drawn when it is written."""
     options = [f"--mesh {mesh}" for mesh in meshes] if len(meshes) < len(MESHES) else []
     sections = [Section(model.TITLE, tuple(model.blocks()))]
     for name in parts:

@@ -13,7 +13,7 @@ from isopeel.results.run_file import StoredRun
 
 @dataclass(frozen=True, eq=False)
 class Results:
-    """Records of runs, what can be read off them, and the store with their fields, for figures."""
+    """Records of runs, their figures, and the store with their fields, for pictures."""
 
     records: Mapping[Run, Record]
     store: Store
@@ -25,7 +25,7 @@ class Results:
         object.__setattr__(self, "readables", readables)
 
     def figures(self, run: Run, window: Window = WINDOW, reading: Reading = Reading.MEAN) -> Figures | None:
-        """Return the figures of a run in a window; None where it was not run, or ended before."""
+        """Return the figures of a run in a window; None if it was not run, or ended before."""
         return self.readables[run].read(window, reading) if run in self.readables else None
 
     def amplitude(self, run: Run) -> float | None:
@@ -34,5 +34,5 @@ class Results:
         return None if figures is None else figures.amplitude / 1e3
 
     def stored(self, run: Run) -> StoredRun:
-        """Return the whole run, with its fields. Raises InputError where it is not in the store."""
+        """Return the whole run, with its fields. Raises InputError if it is not in the store."""
         return self.store.read(run)

@@ -1,4 +1,4 @@
-"""The published study, and further runs that show what its figures depend on."""
+"""The runs of the published study, and further runs that show what its figures depend on."""
 
 import hashlib
 import json
@@ -20,9 +20,9 @@ LENGTH = 200.0
 MESHES = {"m1": (160, 8), "m2": (200, 10), "m3": (240, 12)}
 #: The published discretizations, in the order of the published table.
 SPACES = ("L1", "L2", "L4", "N2", "N4", "N6", "N8", "N2.1", "N4.1")
-#: The same with the contact row alone enriched over linear rows, as in enriched contact elements.
+#: The same spaces in the contact row only, over linear rows, as in enriched contact elements.
 CONTACT_ROW = tuple(f"L1+{space}" for space in SPACES[1:])
-#: The elevated spaces with only the contact row elevated, over the space that they elevate.
+#: The elevated spaces in the contact row only, over the space that they elevate.
 ELEVATED_ROW = ("N2+N2.1", "N4+N4.1")
 #: Further spaces of the literature: Hermite of degree 5 and 7, varying order, and hybrid with Lagrange.
 LITERATURE = ("L1+N3.2", "L1+N4.3", "N2+N4", "N2+N4@2", "N2+N4@3", "L2+N2@2")
@@ -30,10 +30,10 @@ LITERATURE = ("L1+N3.2", "L1+N4.3", "N2+N4", "N2+N4@2", "N2+N4@3", "L2+N2@2")
 VARIANT_MESH = "m2"
 
 STEP = 0.1  # degree, as published
-_PUBLISHED_END, _PLATEAU_END = 150.0, 112.0  # degrees; the second is enough for reading the plateau
+_PUBLISHED_END, _PLATEAU_END = 150.0, 112.0  # degrees; the second one suffices to read the plateau
 _VARIANT_RANGE = (90.0, 102.5)  # degrees
 _TIMED_RANGE = (100.0, 102.0)  # degrees
-_PLAIN_RANGE = (60.0, _PUBLISHED_END)  # degrees: the front moves from here on
+_PLAIN_RANGE = (60.0, _PUBLISHED_END)  # degrees: the front moves from the first one on
 #: The spaces of the variants: every interpretation of the published names.
 VARIED_SPACES = (*SPACES, *CONTACT_ROW, *ELEVATED_ROW)
 
@@ -44,8 +44,8 @@ class Run:
 
     The published discretizations are traced to the published end, others until the plateau can be read. A
     variant of the adhesive force, projected or with another number of Gauss points, starts on the plateau,
-    from the state of the run without it. So does a timed run, of few steps without other processes. A plain
-    run makes a new tangent for every correction, as the published study did, and starts before the plateau.
+    from a state of the usual run. So does a timed run: it has few steps, and no other processes run. A plain
+    run makes a new tangent for every correction, like the published study, and starts before the plateau.
     """
 
     space: str
@@ -66,7 +66,7 @@ class Run:
 
     @property
     def base(self) -> "Run | None":
-        """The run that a variant starts from; None where it is not a variant."""
+        """The run that a variant starts from; None if it is not a variant."""
         base = replace(self, traction="reference", contact_points=None, timed=False, plain=False)
         return None if base == self else base
 
@@ -108,7 +108,7 @@ class Run:
 
     @property
     def cost(self) -> float:
-        """Estimate of its time: columns of functions x functions of an element^2 x steps."""
+        """Estimate of its time, in no unit: columns of functions x (functions of an element)^2 x steps."""
         name = parse_space_name(self.space)
         across = MESHES[self.mesh][1]
         bulk, contact = (
@@ -125,7 +125,7 @@ def table_runs(meshes: Iterable[str]) -> list[Run]:
 
 
 def contact_row_runs(meshes: Iterable[str]) -> list[Run]:
-    """Return the published discretizations with the contact row alone enriched or elevated."""
+    """Return the published discretizations with only the contact row enriched or elevated."""
     return [Run(space, mesh) for mesh in meshes for space in (*CONTACT_ROW, *ELEVATED_ROW)]
 
 
@@ -135,7 +135,7 @@ def literature_runs(meshes: Iterable[str]) -> list[Run]:
 
 
 def traction_runs() -> list[Run]:
-    """Return all published discretizations and their contact rows, with the force on the projected area."""
+    """Return all published spaces, in all rows or the contact row, with the force on the projected area."""
     return [Run(space, VARIANT_MESH, "projected") for space in VARIED_SPACES]
 
 
@@ -153,7 +153,7 @@ def quadrature_runs() -> list[Run]:
 
 
 def timed_runs(runs: Iterable[Run]) -> list[Run]:
-    """Return the same runs, timed."""
+    """Return timed runs of the same discretizations."""
     return [replace(run, timed=True) for run in runs]
 
 
@@ -165,7 +165,7 @@ def default_points(space: str) -> int:
 
 
 def with_bases(runs: Iterable[Run]) -> list[Run]:
-    """Return the runs, each after the one that it starts from, none twice; the costliest first."""
+    """Return each run once, after the run that it starts from; the costliest first."""
     found: dict[Run, None] = {}
     for run in runs:
         if run.base is not None:

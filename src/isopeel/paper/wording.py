@@ -1,4 +1,4 @@
-"""How the study's figures and runs are written in its report."""
+"""Texts of the study's figures and runs in its report."""
 
 from collections.abc import Iterable, Sequence
 
@@ -16,12 +16,12 @@ def triple(figures: Sequence[float] | None) -> str:
 
 
 def deviations(ours: Figures | None, theirs: Figures | None) -> str:
-    """By how many percent our amplitude, rise and fall are above theirs, in one cell."""
+    """Return the deviations of our amplitude, rise and fall from theirs in percent, in one cell."""
     if ours is None or theirs is None:
         return ABSENT
     return " / ".join(f"{100 * (a / b - 1):+.0f}" for a, b in zip(ours, theirs, strict=True)) + " %"
 
 
 def endings(records: Iterable[Record]) -> tuple[str, ...]:
-    """Return a note for each run that ended early, where and why."""
+    """Return a note on each run that ended early: its angle and its reason."""
     return tuple(f"{record.run.name}: {record.ended}." for record in records if record.ended is not None)

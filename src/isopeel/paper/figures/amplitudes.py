@@ -1,4 +1,4 @@
-"""What the figures of the oscillation's amplitude share."""
+"""Functions for the figures of the oscillation's amplitude."""
 
 from collections.abc import Iterable
 
@@ -11,13 +11,13 @@ _ALL, _CONTACT, _OTHER = "all rows alike", "contact row alone, over L1", "elevat
 
 
 def in_table_order(spaces: Iterable[str]) -> list[str]:
-    """Spaces without repetition: the published ones in the order of their table, then others as they come."""
+    """Return each space once: the published ones in the order of their table, then the others as given."""
     found = list(dict.fromkeys(spaces))
     return sorted(found, key=lambda space: SPACES.index(space) if space in SPACES else len(SPACES))
 
 
 def by_rows(spaces: Iterable[str]) -> dict[str, list[str]]:
-    """Sort spaces by which of their rows are enriched, under the title of each kind."""
+    """Return the spaces by kinds, each with a title: by the rows that are enriched."""
     kinds: dict[str, list[str]] = {_ALL: [], _CONTACT: [], _OTHER: []}
     for space in spaces:
         if parse_space_name(space).contact_rows == 0:

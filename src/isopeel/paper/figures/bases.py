@@ -13,7 +13,7 @@ SHOWN = (("L2", "N2", "N2.1"), ("L4", "N4", "N4.1"))
 
 
 def bases_figure() -> Figure:
-    """Draw the B-splines of spaces over the same elements; in each, one stands out with its support."""
+    """Draw the B-splines of spaces over the same elements, one of them highlighted with its support."""
     with style():
         figure = Figure(figsize=(TWO_COLUMNS, 4.4), layout="constrained")
         panels = figure.subplots(len(SHOWN), len(SHOWN[0]))

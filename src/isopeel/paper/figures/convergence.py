@@ -1,4 +1,4 @@
-"""How the amplitude of the oscillation falls with the length of the elements, beside the published one."""
+"""The amplitude of the oscillation over the length of the elements, beside the published amplitude."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -40,8 +40,9 @@ _ELEVATED: dict[str, Any] = {
 class Amplitude:
     """dM of a space on a mesh, in E0 L0^3.
 
-    With the space in all rows; in the contact row alone, over L1; elevated there alone; and as published.
-    None where there is no such number. Raises InputError for an unknown mesh, or what is not positive.
+    With the space in all rows; in the contact row only, over L1; elevated in the contact row only; and as
+    published. None if there is no such number. Raises InputError for an unknown mesh, or a number that is not
+    positive.
     """
 
     space: str
@@ -60,7 +61,7 @@ class Amplitude:
 
     @property
     def values(self) -> tuple[float | None, ...]:
-        """All four."""
+        """All four amplitudes."""
         return self.ours, self.contact_row, self.elevated, self.published
 
     @property
@@ -72,7 +73,7 @@ class Amplitude:
 def convergence_figure(entries: Sequence[Amplitude]) -> Figure:
     """Draw the amplitudes over the length of the elements, in one panel for each space that has any.
 
-    Panels of a row share a scale. Raises InputError where there is no amplitude at all.
+    Panels of a row share a scale. Raises InputError if there is no amplitude.
     """
     with_values = [entry for entry in entries if any(entry.values)]
     if not with_values:
@@ -110,7 +111,7 @@ def _draw(axes: Axes, entries: Sequence[Amplitude]) -> None:
     lengths = [entry.element_length for entry in entries]
     ours, contact_row, elevated, published = np.array([entry.values for entry in entries], dtype=np.float64).T
     space = entries[0].space
-    # so wide that it is seen around what is drawn over it
+    # so wide that it is visible around the lines that are drawn over it
     axes.plot(lengths, contact_row, **space_style(f"L1+{space}").marked | {"markersize": 7.5})
     axes.plot(lengths, ours, **space_style(space).marked | {"markersize": 4})
     axes.plot(lengths, elevated, **_ELEVATED)

@@ -1,4 +1,4 @@
-"""What a small amplitude costs, in unknowns and in time."""
+"""The cost of a small amplitude, in unknowns and in time."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -26,7 +26,7 @@ class Cost:
 def cost_figure(entries: Sequence[Cost]) -> Figure:
     """Draw dM over degrees of freedom and over seconds; the meshes of a space are joined.
 
-    Raises InputError where there are no entries.
+    Raises InputError if there are no entries.
     """
     if not entries:
         raise InputError("entries", [], "give one at least")

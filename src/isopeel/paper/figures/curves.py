@@ -1,4 +1,4 @@
-"""Moment over rotation: what the figures of whole and of enlarged curves share."""
+"""Moment over rotation: functions for figures of whole and of enlarged curves."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
@@ -17,7 +17,7 @@ from isopeel.post.style import DASHES, DOTS, LineStyle, space_style
 
 ROTATION = "rotation / degree"
 MOMENT = "moment $M$ / $E_0 L_0^3$"
-#: Where the curves of the study are to end, in degrees.
+#: The last angle of complete curves of the study, in degrees.
 END_DEG = 150.0
 
 _MESH_LINES: dict[str, tuple[LineStyle, float]] = {"m1": (DOTS, 1.4), "m2": (DASHES, 1.0), "m3": ("-", 1.4)}
@@ -46,31 +46,31 @@ class Trace:
         return float(self.angles_deg[-1])
 
     def reaches(self, angle_deg: float) -> bool:
-        """Return whether the run got to an angle."""
+        """Return whether the run reached an angle."""
         return self.end_deg >= angle_deg - _SAME
 
     def within(self, part: tuple[float, float]) -> tuple[FloatArray, FloatArray]:
-        """Return angles and moments in a part of the curve; none where the curve ends before it."""
+        """Return angles and moments in an interval of the angle; none if the curve ends before it."""
         inside = (self.angles_deg >= part[0] - _SAME) & (self.angles_deg <= part[1] + _SAME)
         return self.angles_deg[inside], self.moments[inside]
 
     def deviation(
         self, window: tuple[float, float], part: tuple[float, float]
     ) -> tuple[FloatArray, FloatArray]:
-        """Return angles and moments in a part; the moments minus a straight line fitted in a window."""
+        """Return angles and moments in an interval, minus a straight line fitted to them in a window."""
         line = np.polynomial.Polynomial.fit(*self.within(window), 1)
         angles, moments = self.within(part)
         return angles, moments - line(angles)
 
 
 def around(window: tuple[float, float]) -> tuple[float, float]:
-    """Return the part of a curve to be shown for a window: the window and a margin."""
+    """Return the interval to draw for a window: the window and a margin."""
     margin = 0.15 * (window[1] - window[0])
     return window[0] - margin, window[1] + margin
 
 
 def mesh_line(space: str, mesh: str) -> dict[str, Any]:
-    """Look of a space on a mesh, where a figure shows several of them: the colour is that of the space."""
+    """Return the style of a space on a mesh, for figures with several meshes: the colour is of the space."""
     if mesh not in _MESH_LINES:
         raise InputError("mesh", mesh, f"the published meshes are {', '.join(MESHES)}")
     linestyle, linewidth = _MESH_LINES[mesh]
@@ -83,7 +83,7 @@ def mesh_handles(meshes: Iterable[str]) -> list[Line2D]:
 
 
 def draw_whole(axes: Axes, curves: Mapping[str, Trace], looks: Mapping[str, dict[str, Any]]) -> None:
-    """Draw curves from 0 to END_DEG. Those that end before it have a cross and their last angle."""
+    """Draw curves from 0 to END_DEG. Curves that end before have a cross at their last angle."""
     crosses = []
     for name, curve in curves.items():
         axes.plot(curve.angles_deg, curve.moments, **looks[name], label=name)
@@ -92,7 +92,7 @@ def draw_whole(axes: Axes, curves: Mapping[str, Trace], looks: Mapping[str, dict
             cross = {"color": looks[name]["color"], "markersize": 7, "markeredgewidth": 1.5, "linestyle": ""}
             crosses += axes.plot(*end, marker="x", **cross, label=f"{name} ends at {curve.end_deg:.1f}°")
     if crosses:
-        # the moment rises from the lower left to its plateau, so that this corner is free
+        # the moment rises from the lower left to its plateau: the lower right corner is free
         axes.legend(handles=crosses, loc="lower right", handlelength=1)
     axes.set_xlim(0, END_DEG)
     axes.set_xticks(np.linspace(0, END_DEG, 6))
@@ -104,7 +104,7 @@ def draw_whole(axes: Axes, curves: Mapping[str, Trace], looks: Mapping[str, dict
 def draw_enlarged(
     axes: Axes, curves: Mapping[str, Trace], looks: Mapping[str, dict[str, Any]], part: tuple[float, float]
 ) -> None:
-    """Draw a part of those curves that get there."""
+    """Draw an interval of all curves that reach it."""
     for name, curve in curves.items():
         if curve.reaches(part[0]):
             axes.plot(*curve.within(part), **looks[name], label=name)
@@ -115,9 +115,9 @@ def draw_enlarged(
 def draw_deviations(
     axes: Axes, curves: Mapping[str, Trace], looks: Mapping[str, dict[str, Any]], window: tuple[float, float]
 ) -> None:
-    """Draw curves around a window, each less the straight line fitted to it inside the window.
+    """Draw curves around a window, each minus the straight line fitted to it inside the window.
 
-    Only those that reach its end. The scale is a power of ten, given at the axis.
+    Curves that do not reach its end are not drawn. The scale is a power of ten, written at the axis.
     """
     part = around(window)
     shown = {

@@ -1,4 +1,4 @@
-"""The adhesive stress at the peeling front, and the stress that the body holds against it."""
+"""The adhesive stress at the peeling front, and the stress in the body, which balances it."""
 
 from collections.abc import Mapping
 from math import ceil, floor
@@ -14,20 +14,20 @@ from isopeel.post.figures.tractions import broken, draw_length, shade_element
 from isopeel.post.front import FrontProfile, ProcessZone, process_zone
 from isopeel.post.style import TWO_COLUMNS, space_style, style
 
-#: What is shown of the side, seen from the peak, in lengths of the process zone.
+#: The interval of the side that is drawn, relative to the peak, in lengths of the process zone.
 SHOWN = (-2.9, 2.4)
-#: Megapascals in E0.
+#: One E0 in megapascals.
 MEGAPASCAL = float(E0) / 1e6
 
 
 def front_figure(profiles: Mapping[str, FrontProfile], element_size: float) -> Figure:
     """Draw the tension at the front, that of the adhesion and that in the body, for several spaces.
 
-    `profiles` of one state, in E0 and L0, by the name of their space, from the coarsest to the finest.
-    Lengths are seen from the peak of the finest, whose process zone is shown beside an element, of
-    `element_size` along the side. Below are the differences: of the adhesion from the finest, without the
-    coarsest, and of the body from the adhesion. Raises InputError for less than three profiles, or where
-    the finest has no front.
+    `profiles` are of one state, in E0 and L0, by the name of their space, from the coarsest to the finest.
+    Distances are relative to the peak of the finest space. Its process zone is drawn beside an element, of
+    `element_size` along the side. The panels below show differences: of the adhesion from that of the finest
+    space, without the coarsest one; and of the body from the adhesion. Raises InputError for less than three
+    profiles, or if the finest space has no front.
     """
     if len(profiles) < 3:
         raise InputError("profiles", list(profiles), "give three or more")
@@ -82,7 +82,7 @@ def _shade_elements(axes: Axes, origin: float, window: tuple[float, float], size
 
 
 def _dimensions(axes: Axes, zone: ProcessZone, element_size: float) -> None:
-    """Draw the length of the process zone at half the peak, and that of the element at the peak below it."""
+    """Draw the length of the process zone at half the peak, and below it the element at the peak."""
     half = MEGAPASCAL * zone.peak / 2
     edge = floor(zone.position / element_size) * element_size - zone.position
     start, end = zone.start - zone.position, zone.end - zone.position

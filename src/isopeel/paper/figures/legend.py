@@ -1,4 +1,4 @@
-"""Legends above all panels, where they hide nothing."""
+"""Legends above all panels, where they cover no curve."""
 
 from collections.abc import Iterable, Sequence
 from math import ceil
@@ -11,12 +11,13 @@ from isopeel.post.style import GREY, SpaceStyle, space_style
 from isopeel.splines.names import parse_space_name
 
 _MOST_COLUMNS = 9
-#: Size of the letters in points; in their size, the width of a mark with its distance, and between columns.
+#: Size of the letters in points; in units of it, the width of a mark with its space, and the space of
+#: columns.
 _SIZE, _HANDLE, _SPACING = 8, 2.8, 1.2
 
 
 def space_handles(spaces: Iterable[str]) -> list[Line2D]:
-    """Return the entries of spaces. L1+X has that of X, and all such hollow ones share one more entry."""
+    """Return the entries of spaces. L1+X has the entry of X, and one more entry for all hollow marks."""
     names = list(spaces)
     styles = {name: space_style(name) for name in names}
     covered_by_others = [
@@ -34,10 +35,10 @@ def space_handles(spaces: Iterable[str]) -> list[Line2D]:
 
 
 def add_legend(figure: Figure, handles: Sequence[Line2D]) -> None:
-    """Put a legend above all panels, to be read row by row, with as many columns as the figure is wide."""
+    """Add a legend above all panels, to be read row by row, with as many columns as fit the figure."""
     room = 72 * figure.get_figwidth() - _SIZE
     most = next((n for n in range(min(_MOST_COLUMNS, len(handles)), 1, -1) if _width(handles, n) < room), 1)
-    # no more than that many rows need
+    # no more columns than this number of rows needs
     columns = ceil(len(handles) / ceil(len(handles) / most))
     # matplotlib fills column by column
     by_column = [handle for column in range(columns) for handle in handles[column::columns]]

@@ -10,14 +10,14 @@ from isopeel.paper.figures.legend import add_legend
 from isopeel.post.style import SHADE, TWO_COLUMNS, style
 
 SPACE = "L1"
-#: The part of the plateau that is enlarged, in degrees.
+#: The interval of the plateau that is enlarged, in degrees.
 ENLARGED = (95.0, 105.0)
 
 
 def linear_figure(curves: Mapping[str, Trace]) -> Figure:
     """Draw the moment of linear elements on each mesh (key), whole and a part of the plateau enlarged.
 
-    Raises InputError where there are no curves.
+    Raises InputError if there are no curves.
     """
     if not curves:
         raise InputError("curves", {}, "give one at least")

@@ -1,4 +1,4 @@
-"""How the oscillation of a space falls from mesh to mesh."""
+"""The oscillation of a space on each mesh."""
 
 from collections.abc import Mapping
 
@@ -13,8 +13,8 @@ from isopeel.post.style import SHADE, TWO_COLUMNS, style
 def meshes_figure(curves: Mapping[tuple[str, str], Trace], window: tuple[float, float]) -> Figure:
     """Draw the plateau of each (space, mesh), in one panel for each space, without its drift.
 
-    The drift is a straight line fitted to each curve in the shaded window. Raises InputError where there are
-    no curves.
+    The drift is a straight line fitted to each curve in the shaded window. Raises InputError if there are no
+    curves.
     """
     if not curves:
         raise InputError("curves", {}, "give one at least")

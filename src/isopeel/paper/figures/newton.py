@@ -1,4 +1,4 @@
-"""Newton's iterations where they converge, and where they do not."""
+"""Energy residuals of Newton's iterations that converge, and of those that do not."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -30,9 +30,9 @@ class NewtonHistory:
 
 
 def newton_figure(histories: Sequence[NewtonHistory]) -> Figure:
-    """Draw each history, in one panel for each space, in the order in which they come.
+    """Draw each history, in one panel for each space, in the given order.
 
-    Raises InputError where there are none.
+    Raises InputError if there are none.
     """
     if not histories:
         raise InputError("histories", [], "give one at least")
@@ -43,7 +43,7 @@ def newton_figure(histories: Sequence[NewtonHistory]) -> Figure:
         for axes, space in zip(panels, spaces, strict=True):
             angles = []
             for history in (history for history in histories if history.space == space):
-                # a residual of zero has no logarithm, and one beyond all numbers no place
+                # residuals of zero or infinity cannot be drawn on a logarithmic axis
                 residuals = np.array(history.energy_residuals)
                 residuals[~np.isfinite(residuals) | (residuals <= 0)] = np.nan
                 look = space_style(space).marked | {"markersize": 4}

@@ -16,10 +16,10 @@ SMOOTHEST = ("L4", "N2.1", "N4.1")
 
 
 def panels_figure(curves: Mapping[str, Trace], window: tuple[float, float]) -> Figure:
-    """Draw the curve of each space (key) on one mesh, whole and around the window where they are read.
+    """Draw the curve of each space (key) on one mesh, whole and around the window in which it is read.
 
-    The window is shaded. In the last panel each curve is shown without its drift, a straight line fitted to
-    it in the window. Raises InputError where there are no curves.
+    The window is shaded. In the last panel each curve is drawn without its drift, a straight line fitted to
+    it in the window. Raises InputError if there are no curves.
     """
     if not curves:
         raise InputError("curves", {}, "give one at least")
@@ -34,7 +34,7 @@ def panels_figure(curves: Mapping[str, Trace], window: tuple[float, float]) -> F
         looks = {space: space_style(space).marked | {"markersize": 4} for space in curves}
         for axes, spaces in zip(panels[1:], (LAGRANGE, SMOOTH, SMOOTHEST), strict=True):
             shown = {space: curves[space] for space in spaces if space in curves}
-            # markers of different curves at different steps
+            # the markers of each curve are at other steps, so that they do not overlap
             sparse = {space: looks[space] | {"markevery": (k, 6)} for k, space in enumerate(shown)}
             if spaces == SMOOTHEST:
                 draw_deviations(axes, shown, sparse, window)

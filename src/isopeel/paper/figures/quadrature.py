@@ -1,4 +1,4 @@
-"""How the amplitude moves with the number of Gauss points of the adhesive force."""
+"""The amplitude over the number of Gauss points of the adhesive force."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -24,8 +24,8 @@ _RING: dict[str, Any] = {
 def quadrature_figure(amplitudes: Mapping[str, Mapping[int, float]], default: Mapping[str, int]) -> Figure:
     """Draw dM of each space, in E0 L0^3, over the Gauss points of the adhesive force per element.
 
-    A ring marks the `default`, the number of points of all other runs. Raises InputError where there are no
-    amplitudes, or a space has no default.
+    A ring marks the `default`, the number of points of all other runs. Raises InputError if there are no
+    amplitudes, or if a space has no default.
     """
     if not any(amplitudes.values()):
         raise InputError("amplitudes", dict(amplitudes), "give one at least")

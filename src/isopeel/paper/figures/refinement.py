@@ -17,9 +17,9 @@ NEW_KNOTS = np.array([0.5, 1.5])
 
 
 def refinement_figure() -> Figure:
-    """Draw a quadratic space and what knot insertion (h), order elevation (p) and both (k) make of it.
+    """Draw a quadratic space, and the spaces after knot insertion (h), order elevation (p), and both (k).
 
-    A dashed line is one function, the same in all of them. Above each inner knot stands the continuity there.
+    The dashed line is the same function in all spaces. The continuity is written above each inner knot.
     """
     elevated = elevate(COARSE, COEFFICIENTS, 1)
     inserted = insert_knots(COARSE, COEFFICIENTS, NEW_KNOTS)

@@ -1,4 +1,4 @@
-"""How the amplitude moves with the window in which it is read."""
+"""The amplitude over the window in which it is read."""
 
 from collections.abc import Mapping
 
@@ -20,11 +20,11 @@ def windows_figure(
     window: tuple[float, float],
     published: Mapping[str, float],
 ) -> Figure:
-    """Draw dM of each space over the start of the window, in degrees; all are as wide as the one used.
+    """Draw dM of each space over the start of the window, in degrees; all windows have the same length.
 
-    `starts` is (n,), and so are the amplitudes in E0 L0^3, nan where they cannot be read. What is published
-    of them stands at the right edge. Raises InputError where an array has another shape, or there is no
-    amplitude.
+    `starts` and the amplitudes in E0 L0^3 are (n,); an amplitude that cannot be read is nan. The published
+    amplitudes are marked at the right edge. Raises InputError if an array has another shape, or if there is
+    no amplitude.
     """
     if not any(np.isfinite(values).any() for values in amplitudes.values()):
         raise InputError("amplitudes", list(amplitudes), "one of them must be read in one window at least")
@@ -57,7 +57,7 @@ def windows_figure(
 
 
 def _draw_published(axes: Axes, published: Mapping[str, float]) -> None:
-    """Draw the published amplitudes, those that are close side by side."""
+    """Draw the published amplitudes; close ones are drawn side by side."""
     for k, (space, amplitude) in enumerate(sorted(published.items(), key=lambda item: item[1])):
         axes.plot([k % 3], [amplitude], **space_style(space).marked)
     axes.set_xlim(-1, 3)

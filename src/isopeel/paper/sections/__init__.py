@@ -1,1 +1,1 @@
-"""The sections of the report, one file each: which runs it needs, and what it says."""
+"""The sections of the report, one file each: the runs that it needs, and its content."""

@@ -21,17 +21,17 @@ def runs(meshes: Sequence[str]) -> list[Run]:
 
 
 def blocks(results: Results, meshes: Sequence[str]) -> Iterator[Block]:
-    """Yield the closed form beside the plateau, then the published Figs. 6 to 8."""
+    """Yield the plateau beside its closed form, then the published Figs. 6 to 8."""
     closed_form = beam_peeling(strip())
     assert closed_form is not None  # it is a strip
     panel_mesh = "m2" if "m2" in meshes else meshes[0]
     finest = Run("L4", meshes[-1])
     yield Text(
-        "A beam that peels off by bending alone holds M = sqrt(2 E' I W) = "
+        "A beam that peels off by bending alone has the constant moment M = sqrt(2 E' I W) = "
         f"{closed_form.moment:.4f} from {closed_form.onset_deg:.1f} degrees on, with a radius of "
-        f"{closed_form.radius:.1f} nm; the mean of {finest.name} in the window is "
-        f"{digits(plateau_mean(results.records[finest]), 7)}. On the plateau the moment oscillates with the "
-        "passage of one element: {periods}."
+        f"{closed_form.radius:.1f} nm. The mean of {finest.name} in the window is "
+        f"{digits(plateau_mean(results.records[finest]), 7)}. On the plateau the moment oscillates once "
+        "while the front passes an element: {periods}."
     )
     yield Table(
         "periods",

@@ -1,4 +1,4 @@
-"""Tractions at the front, and the length over which they act beside the size of an element."""
+"""Tractions at the front, and the length over which they act, compared with the size of an element."""
 
 from collections.abc import Iterator, Sequence
 
@@ -37,13 +37,13 @@ def blocks(results: Results, meshes: Sequence[str]) -> Iterator[Block]:
     assert beam is not None
     yield Text(
         f"The attraction exceeds half its peak over {finest.process_zone:.2f} nm, which is "
-        f"{finest.process_zone / _SIZE:.1f} elements of {_MESH}: {{front}}. While the front passes from one "
-        "element to the next, the functions of a coarse space follow that peak now better, now worse, and "
-        "the moment rises and falls with the period of an element. {front-lengths} shows that spaces whose "
-        f"traction is closer to that of the finest one, {_SHOWN[-1]}, oscillate less, by and large. Behind "
-        f"the front the traction changes its sign every {finest.half_wave:.1f} nm, as that of an elastic "
-        f"layer on springs does ({layer.wavelength / 2:.1f} nm; a beam on springs would do so every "
-        f"{beam.wavelength / 2:.1f} nm)."
+        f"{finest.process_zone / _SIZE:.1f} elements of {_MESH}: {{front}}. A coarse space approximates this "
+        "peak with an error that depends on the place of the front in its element. So the moment rises and "
+        "falls once while the front passes an element. {front-lengths} shows that spaces whose traction is "
+        f"closer to that of the finest one, {_SHOWN[-1]}, mostly oscillate less. Behind the front the "
+        f"traction changes its sign every {finest.half_wave:.1f} nm. This agrees with an elastic layer on "
+        f"springs ({layer.wavelength / 2:.1f} nm); for a beam on springs it would be every "
+        f"{beam.wavelength / 2:.1f} nm."
     )
     rows = []
     for space, front in fronts.items():

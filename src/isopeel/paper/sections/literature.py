@@ -1,4 +1,4 @@
-"""What else the literature tried, and what accuracy costs."""
+"""Further discretizations of the literature, and the cost of accuracy."""
 
 from collections.abc import Iterator, Sequence
 
@@ -18,8 +18,8 @@ from isopeel.paper.wording import endings
 from isopeel.report.document import Block, Picture, Table, Text
 from isopeel.report.wording import ABSENT, deviation, digits
 
-TITLE = "Enriched contact elements, and what accuracy costs"
-#: What the literature calls them.
+TITLE = "Enriched contact elements, and the cost of accuracy"
+#: Their names in the literature.
 _SCHEMES = {
     "L1+L2": "Q1C2, Lagrange-enriched (Sauer, 2011)",
     "L1+L4": "Q1C4, Lagrange-enriched (Sauer, 2011)",
@@ -41,18 +41,18 @@ def runs(meshes: Sequence[str]) -> list[Run]:
 
 
 def blocks(results: Results, meshes: Sequence[str]) -> Iterator[Block]:
-    """Yield a table of the schemes, one of costs, and the picture of both."""
+    """Yield a table of the schemes, a table of costs, and a picture of both."""
     yield Text(
         "Every enrichment is a choice of one spline space per row of control points. The published figures "
-        "of Q1N2.1 are the best of that scheme, as the study quotes them from Corbett and Sauer (2014); the "
-        "percentages are our deviations from them."
+        "of Q1N2.1 are the smallest ones of this scheme, which the study quotes from Corbett and Sauer "
+        "(2014). The percentages are our deviations from them."
     )
     yield _schemes(results, meshes)
     yield Text(
-        "What a user chooses by is the accuracy for the effort. Times and corrections are those of the "
-        "median and the mean of 20 steps on the plateau, which were made one run after the other, on one "
-        "core. A space is marked where no other on these meshes has both a smaller dM and fewer DOFs, or a "
-        "smaller dM in less time."
+        "A user needs a given accuracy at the least cost. The table has the median time and the mean number "
+        "of corrections of 20 steps on the plateau. The runs were made one after the other, on one core. A "
+        "space is marked if no other space on these meshes has both a smaller dM and fewer DOFs, or both a "
+        "smaller dM and a shorter time."
     )
     costs = _costs(results, meshes)
     yield _cost_table(results, costs)
@@ -94,7 +94,7 @@ def _costs(results: Results, meshes: Sequence[str]) -> list[Cost]:
     for mesh in meshes:
         for space in (*VARIED_SPACES, *LITERATURE):
             amplitude = results.amplitude(Run(space, mesh))
-            timed = results.records.get(Run(space, mesh, timed=True))  # not there where the run ended before
+            timed = results.records.get(Run(space, mesh, timed=True))  # None if the run ended before
             if amplitude is not None and timed is not None:
                 costs.append(Cost(space, mesh, timed.dofs, timed.step_seconds, amplitude))
     return costs

@@ -1,4 +1,4 @@
-"""What was computed and how, and what the report refers to."""
+"""The model and the method of the runs, and the references of the report."""
 
 from collections.abc import Iterator
 
@@ -14,13 +14,13 @@ TITLE = "What was computed"
 REFERENCES_TITLE = "References"
 
 ABSTRACT = (
-    "A study in Sadhana 46:3 (2021) turns a strip of 200 nm x 10 nm off a flat surface that holds it by van "
-    "der Waals forces, with nine discretizations on three meshes, and compares by how much the moment "
-    "oscillates. Here are the same runs, its tables with ours beside them, what the enriched contact "
-    "elements of the literature give, and what the published figures depend on. In short: L1 and the smooth "
-    "spaces N2 to N8 are reproduced. The published figures of L2, L4, N2.1 and N4.1 are not those of spaces "
-    "elevated in all rows of control points, which oscillate far less; they are consistent with an elevation "
-    "in the row at the contact only."
+    "In a study in Sadhana 46:3 (2021), a moment peels a strip of 200 nm x 10 nm off a flat surface to which "
+    "it adheres by van der Waals forces. The study compares the oscillation of the moment for nine "
+    "discretizations on three meshes. This report repeats its runs, and shows its tables beside ours. It "
+    "adds the enriched contact elements of the literature, and examines what the published figures depend "
+    "on. In short: the figures of L1 and of the smooth spaces N2 to N8 are reproduced. The published figures "
+    "of L2, L4, N2.1 and N4.1 are not those of spaces elevated in all rows of control points: these "
+    "oscillate far less. The published figures are consistent with an elevation in the contact row only."
 )
 REFERENCES = """\
 - Sadhana 46:3 (2021): the study, by Agrawal and Gautam.
@@ -31,37 +31,39 @@ REFERENCES = """\
 
 
 def blocks() -> Iterator[Block]:
-    """Yield the model, the method, and how the figures are read."""
+    """Yield the model, the method, and the definition of the figures."""
     case = Run("L1", "m2").case
     problem = case.problem()
     settings = NewtonSettings()
     stiffness, law = case.material, case.adhesion
     yield Text(
-        f"A strip of {case.body.length:g} nm x {case.body.height:g} nm in plane strain, compressible "
-        f"neo-Hooke, is held by a flat rigid substrate on its lower face up to {law.length:g} nm, by van der "
-        "Waals forces. The left face keeps u_x = 0; the right one stays straight and is turned about its own "
-        "centre, which is free, so that the only reaction is a moment. In units of E0 = 2 GPa and L0 = 1 nm "
-        f"the material has {_constants(stiffness)}, the adhesion {_constants(law)}; at the start the lower "
-        f"face is at the equilibrium gap of {problem.adhesion.law.equilibrium_gap:.5f}. The adhesive force "
-        "acts per reference area, unless a table says otherwise."
+        f"The body is a strip of {case.body.length:g} nm x {case.body.height:g} nm in plane strain. Its "
+        f"material is compressible neo-Hooke. The lower face adheres from its left end to {law.length:g} nm "
+        "to a flat rigid substrate, by van der Waals forces. The left face has u_x = 0. The right face "
+        "stays straight and is rotated about its own centre. The centre is free, so that the only reaction "
+        f"is a moment. In units of E0 = 2 GPa and L0 = 1 nm the material has {_constants(stiffness)}; the "
+        f"adhesion has {_constants(law)}. At the start the lower face is at the equilibrium gap of "
+        f"{problem.adhesion.law.equilibrium_gap:.5f}. The adhesive force acts per reference area, unless a "
+        "table states the projected area."
     )
     yield Text(
-        f"Steps are of {STEP:g} degree, each started from the polynomial through up to {MOST_STATES} "
-        "states, in the angle or in the adhesive energy, or from what the front did on the element before, "
-        "whichever did best in the last steps. A tangent is "
-        "kept for many of them, and updated from the residuals (BFGS). Where that does not converge well, "
-        "plain Newton's method decides: it starts from the parabola through the last "
-        f"{PARABOLA_POINTS} states, has no line search, and ends when |R . dz|/n is below "
-        f"{settings.tolerance:g} E A, A the strip's area, or after {settings.iteration_limit} corrections. "
-        "Forces have one more Gauss point than the highest degree along the strip, and two across it."
+        f"Steps are of {STEP:g} degree. Each step starts from an extrapolation: a polynomial through up to "
+        f"{MOST_STATES} states, in the angle or in the adhesive energy, or the state one element before, "
+        "translated by one element. The predictor with the smallest errors in the last steps is selected. A "
+        "chord tangent (modified Newton) serves many steps, with L-BFGS updates from the residuals. Where "
+        "this does not converge well, plain Newton's method is used. It starts from the parabola through the "
+        f"last {PARABOLA_POINTS} states and has no line search. It ends when |R . dz|/n is below "
+        f"{settings.tolerance:g} E A, where A is the area of the strip, or after {settings.iteration_limit} "
+        "corrections. Forces have one more Gauss point than the highest degree along the strip, and two "
+        "across it."
     )
     yield Text(
-        "dM is the height of the oscillation of the moment on its plateau, peak to peak, and the slopes are "
-        "the steepest difference quotients from one step to the next, per degree; tables show them times "
-        f"1e3, in {UNIT}. Unless a table says otherwise they are read between {WINDOW[0]:g} and "
-        f"{WINDOW[1]:g} degrees, with the {Reading.MEAN.value}: a parabola fitted to the running mean over "
-        "the passage of one element. The published window and definition are not told. A run that finds no "
-        "equilibrium ends there, and that is its result."
+        "dM is the peak-to-peak amplitude of the oscillation of the moment on its plateau. The slopes are "
+        "the steepest difference quotients from one step to the next, per degree. Tables show both times "
+        f"1e3, in {UNIT}. Unless a table states another window, they are read between {WINDOW[0]:g} and "
+        f"{WINDOW[1]:g} degrees, with the {Reading.MEAN.value}: a parabola is fitted to the running mean "
+        "over the passage of one element, and subtracted. The study does not state its window and "
+        "definition. A run that finds no equilibrium ends there; this is its result."
     )
 
 

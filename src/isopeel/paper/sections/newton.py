@@ -1,4 +1,4 @@
-"""Newton's method where the coarse mesh lets it converge, and where not."""
+"""Newton's method on coarse and fine meshes: where it converges, and where not."""
 
 from collections.abc import Iterator, Sequence
 
@@ -17,28 +17,28 @@ _SPACES = ("L1", "N2", "N4", "N2.1")
 
 
 def runs(meshes: Sequence[str]) -> list[Run]:
-    """Four spaces, by plain Newton's method."""
+    """Return the runs of four spaces by plain Newton's method."""
     return [Run(space, mesh, plain=True) for mesh in meshes for space in _SPACES]
 
 
 def blocks(results: Results, meshes: Sequence[str]) -> Iterator[Block]:
-    """How far plain Newton comes, and the energy residuals of steps that converge and do not."""
+    """Yield how far plain Newton's method converges, and energy residuals of steps that converge or not."""
     shown = [run for run in runs(meshes) if run in results.records]
     yield Text(
-        "The published study makes a new tangent for every correction; so do the runs of this section, from "
-        f"{runs(meshes)[0].range_deg[0]:g} degrees on. The measure is the energy residual per unknown, "
-        "|R . dz|/n, in E0 L0^3 for a width of L0. On a "
-        "coarse mesh the moment drops within a step or two while the front passes an element. Newton's "
-        "method then starts far from the next equilibrium, the more so as it starts from the parabola "
-        "through the last three; and beyond a limit point, where the path turns back, there may be no "
-        "equilibrium nearby. So the angle where a run ends is one of the mesh, the step and the predictor "
-        "together, and where a jump is met by chance, of the last digits too; one column tells whether the "
-        "step that failed can be made from the last state alone, "
-        "the last one where the runs of the tables end, which start from more states and keep their tangents."
+        "The published study makes a new tangent for every correction. The runs of this section do the same, "
+        f"from {runs(meshes)[0].range_deg[0]:g} degrees on. The convergence measure is the energy residual "
+        "per unknown, |R . dz|/n, in E0 L0^3 for a width of L0. On a coarse mesh the moment drops within one "
+        "or two steps while the front passes an element. Then Newton's method starts far from the next "
+        "equilibrium, the more so as it starts from the parabola through the last three states. Beyond a "
+        "limit point, where the path turns back, there may be no equilibrium nearby. So the angle at which a "
+        "run ends depends on the mesh, the step and the predictor together; where the run meets a jump by "
+        "chance, it depends on round-off too. One column shows whether the failed step converges from the "
+        "last state alone. The last column shows where the runs of the tables end: these extrapolate more "
+        "states and use chord tangents."
     )
     yield Table(
         "newton",
-        "How far plain Newton comes in steps of 0.1 degree.",
+        "The last equilibrium that plain Newton's method finds in steps of 0.1 degree.",
         (
             "run",
             "last equilibrium / degree",
@@ -54,7 +54,7 @@ def blocks(results: Results, meshes: Sequence[str]) -> Iterator[Block]:
     yield Picture(
         "residuals-of-newton",
         f"Energy residual of each correction on {meshes[0]}: the last step that converged and the one that "
-        "did not, or the hardest step, where all converged.",
+        "did not. If all steps converged: the step with the most corrections.",
         lambda: newton_figure([history for run in drawn for history in _histories(results, run)]),
     )
 
@@ -77,7 +77,7 @@ def _histories(results: Results, run: Run) -> Iterator[NewtonHistory]:
     stored = results.stored(run)
     step = len(stored.curve) - 1
     if stored.failure is None:
-        # where nothing failed, the hardest step is shown, once there are three states for a parabola
+        # if no step failed: the step with the most corrections, once there are three states for a parabola
         step = PARABOLA_POINTS + int(np.argmax(stored.curve.iterations[PARABOLA_POINTS:]))
     angle, residuals = stored.curve.parameter[step], stored.curve.residuals_of(step)
     yield NewtonHistory(run.space, float(angle), tuple(residuals.tolist()), converged=True)

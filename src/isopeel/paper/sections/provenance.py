@@ -1,4 +1,4 @@
-"""Where each number comes from."""
+"""The origin of each number."""
 
 from collections.abc import Iterator
 
@@ -9,7 +9,7 @@ TITLE = "Where the numbers come from"
 
 
 def blocks(results: Results) -> Iterator[Block]:
-    """One row for each run: how far it went, its effort, its date, and what computed it."""
+    """Yield one row for each run: its last angle, its effort, its date, and its software."""
     records = sorted(results.records.values(), key=lambda record: record.run.name)
     makers = list(dict.fromkeys((r.software, r.platform, r.revision) for r in records))
     if not records:
@@ -20,11 +20,11 @@ def blocks(results: Results) -> Iterator[Block]:
     ]
     yield Text("Computed by\n\n" + "\n".join(items))
     yield Text(
-        "Dates are in UTC; times are of all steps of a run, on a machine that it shared with other runs."
+        "Dates are in UTC. Times are those of all steps of a run, on a machine that other runs shared."
     )
     yield Table(
         "runs",
-        "The runs, in steps of 0.1 degree. Variants, timed and plain runs start from the run without.",
+        "The runs, in steps of 0.1 degree. Variants, timed and plain runs start from the usual run.",
         ("run", "from / degree", "to / degree", "corrections", "seconds", "started", "by", "ending"),
         tuple(
             (

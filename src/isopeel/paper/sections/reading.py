@@ -1,4 +1,4 @@
-"""How the figures move with what the study does not tell: the window, the force, its Gauss points."""
+"""How the figures depend on what the study does not state: the window, the force, its Gauss points."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
@@ -38,18 +38,18 @@ from isopeel.report.wording import ABSENT, digits, listed
 
 TITLE = "How the figures depend on the reading"
 _LENGTH = WINDOW[1] - WINDOW[0]
-#: Entries with a larger deviation are listed one by one.
+#: Entries with a larger relative deviation are listed one by one.
 _FAR = 0.2
 
 
 def runs(meshes: Sequence[str]) -> list[Run]:
-    """Those of Table 2, and their variants on one mesh."""
+    """Return the runs of Table 2, and their variants on one mesh."""
     variants = [*traction_runs(), *quadrature_runs()] if VARIANT_MESH in meshes else []
     return [*table_runs(meshes), *contact_row_runs(meshes), *variants]
 
 
 def blocks(results: Results, meshes: Sequence[str]) -> Iterator[Block]:
-    """Yield the window, the force, the points, then the recipe that fits best and what it leaves."""
+    """Yield the effects of window, force and points, then the closest recipe and its residuals."""
     if VARIANT_MESH in meshes:
         yield from _window(results)
         yield from _traction(results)
@@ -71,7 +71,7 @@ def _window(results: Results) -> Iterator[Block]:
     }
     yield Table(
         "windows",
-        f"dM, times 1e3, as a window of {_LENGTH:.1f} degrees begins at {starts[0]:g} to {starts[-1]:g} "
+        f"dM, times 1e3, in windows of {_LENGTH:.1f} degrees that begin at {starts[0]:g} to {starts[-1]:g} "
         f"degrees; {VARIANT_MESH}.",
         ("space", "smallest", f"from {WINDOW[0]:g}", "largest", "largest / smallest"),
         tuple(
@@ -87,7 +87,7 @@ def _window(results: Results) -> Iterator[Block]:
     )
     yield Picture(
         "windows-figure",
-        f"Amplitude dM as the window of {_LENGTH:.1f} degrees slides along the plateau, {VARIANT_MESH}.",
+        f"Amplitude dM over the start of a window of {_LENGTH:.1f} degrees on the plateau, {VARIANT_MESH}.",
         lambda: windows_figure(
             starts, {space: values / 1e3 for space, values in read.items()}, WINDOW, theirs
         ),
@@ -96,9 +96,9 @@ def _window(results: Results) -> Iterator[Block]:
 
 def _traction(results: Results) -> Iterator[Block]:
     yield Text(
-        "The published contact force, its Eq. (19), is printed with the factor n . F^-T N, which makes it a "
-        "force on the projected area; its tangent, Eq. (27), is that of a force on the reference area. All "
-        "other sections have the latter."
+        "Eq. (19) of the study, the contact force, has the factor n . F^-T N: it is a force on the projected "
+        "area. But Eq. (27), its tangent, is that of a force on the reference area. All other sections use "
+        "the force on the reference area."
     )
     rows = []
     for space in VARIED_SPACES:
@@ -128,8 +128,8 @@ def _quadrature(results: Results) -> Iterator[Block]:
     most = max(default_points(space) for space in spaces) + 1
     yield Table(
         "quadrature",
-        "dM, times 1e3, with so many Gauss points of the force on an element; p + 1 in brackets; "
-        f"{VARIANT_MESH}.",
+        "dM, times 1e3, over the number of Gauss points of the force on an element; the number p + 1 is in "
+        f"brackets; {VARIANT_MESH}.",
         ("space", *(f"{points}" for points in range(2, most + 1))),
         tuple(
             (
@@ -163,7 +163,7 @@ def _points_cell(amplitudes: dict[int, float], points: int, default: int) -> str
 
 
 def _variants(results: Results) -> Table:
-    """How each variant of the force fits in the default window."""
+    """Return the deviation of each variant of the force in the default window."""
     columns = {"projected": Recipe(Rows.ALL, traction="projected")}
     columns |= {f"{points.value} points": Recipe(Rows.ALL, points=points) for points in Points}
     recipes = [replace(recipe, rows=enriched) for recipe in columns.values() for enriched in Rows]
@@ -174,7 +174,7 @@ def _variants(results: Results) -> Table:
         rows.append((enriched.value, *(ABSENT if fit is None else _deviation(fit) for fit in fitted)))
     return Table(
         "variants",
-        f"How far the figures are from the published ones on {VARIANT_MESH}: mean of "
+        f"Deviation of the figures from the published ones on {VARIANT_MESH}: mean of "
         f"|ln(ours/published)|, window {WINDOW[0]:g} to {WINDOW[1]:g} degrees.",
         ("enriched", *columns),
         tuple(rows),
@@ -208,10 +208,10 @@ def _recipes(results: Results, meshes: Sequence[str]) -> Iterator[Block]:
         )
     chosen = found[0]
     yield Text(
-        "A recipe says which rows are enriched, how the drift is treated, and the window. Of "
-        f"{len(recipes)} recipes, each compared with {len(chosen.ratios) + chosen.unread} published entries "
-        f"on {listed(list(meshes))}, {{recipes}} shows the closest of each kind, and {{residuals}} every "
-        "entry of the closest of all. Misprints do not count."
+        "A recipe is a choice of the enriched rows, the treatment of the drift, and the window. "
+        f"{len(recipes)} recipes are compared with {len(chosen.ratios) + chosen.unread} published entries "
+        f"each, on {listed(list(meshes))}. {{recipes}} shows the closest recipe of each kind, and "
+        "{residuals} all entries of the closest one. Misprints do not count."
     )
     yield Table(
         "recipes",
@@ -244,26 +244,24 @@ def _residuals(fit: Fit, meshes: Sequence[str]) -> Table:
     start, end = fit.recipe.window
     return Table(
         "residuals",
-        f"What the closest recipe leaves: ours over published in percent, less 100; {fit.recipe.rows.value}; "
-        f"{fit.recipe.reading.value}; {start:.1f} to {end:.2f} degrees.",
+        "Deviations of the closest recipe: ours over published in percent, minus 100; "
+        f"{fit.recipe.rows.value}; {fit.recipe.reading.value}; {start:.1f} to {end:.2f} degrees.",
         ("space", *meshes),
         tuple(rows),
-        ("An empty cell is printed as not converging, - is a misprint or cannot be compared.",),
+        ("An empty cell: not converging in the study. A dash: a misprint, or not comparable.",),
     )
 
 
 def _unexplained(fit: Fit) -> str:
-    """What is further off than the rest, and what that says."""
+    """Return a list of the entries whose deviation exceeds _FAR."""
     far: dict[str, list[str]] = {}
     for (mesh, space, name), ratio in fit.ratios.items():
         if abs(ratio - 1) > _FAR:
             far.setdefault(space, []).append(f"{name} on {mesh} ({100 * (ratio - 1):+.0f} %)")
     if not far:
-        return f"No entry is further off than {100 * _FAR:.0f} %."
+        return f"No entry deviates by more than {100 * _FAR:.0f} %."
     items = "\n".join(f"- {space}: {listed(entries)}" for space, entries in far.items())
-    return (
-        f"Further off than {100 * _FAR:.0f} % remain, and are not explained by any recipe above:\n\n{items}"
-    )
+    return f"These entries deviate by more than {100 * _FAR:.0f} %; no recipe above explains them:\n\n{items}"
 
 
 def _deviation(fit: Fit) -> str:

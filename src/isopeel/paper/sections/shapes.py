@@ -1,4 +1,4 @@
-"""Deformed shapes along the peeling."""
+"""Deformed shapes during the peeling."""
 
 from collections.abc import Iterator, Sequence
 
@@ -19,7 +19,7 @@ def runs(meshes: Sequence[str]) -> list[Run]:
 
 
 def blocks(results: Results, meshes: Sequence[str]) -> Iterator[Block]:
-    """One picture."""
+    """Yield one picture."""
     run = _shown(meshes)
 
     def draw() -> Figure:

@@ -1,4 +1,4 @@
-"""Table 2: amplitude and steepest slopes of every discretization, ours beside the published."""
+"""Table 2: amplitude and steepest slopes of every discretization, ours beside the published ones."""
 
 from collections.abc import Iterator, Sequence
 from math import log
@@ -13,23 +13,24 @@ from isopeel.report.document import Block, Picture, Table, Text
 from isopeel.report.wording import deviation, digits, listed, number
 
 TITLE = "Oscillation and slopes: the published Table 2"
-#: Spaces whose figures should agree with the published ones, and by how much: those without elevation.
+#: Spaces whose figures should agree with the published ones, those without elevation; and the largest
+#: relative deviation that counts as agreement.
 SMOOTH = ("L1", "N2", "N4", "N6", "N8")
 AGREEMENT = 0.15
-_MISPRINTED = "* misprinted: the figure that was probably meant, see the list of misprints."
+_MISPRINTED = "* misprinted: the table has the figure that was probably meant, see the list of misprints."
 
 
 def runs(meshes: Sequence[str]) -> list[Run]:
-    """The published discretizations, with all rows and with the contact row alone enriched or elevated."""
+    """Return the published discretizations, enriched or elevated in all rows or in the contact row only."""
     return [*table_runs(meshes), *contact_row_runs(meshes)]
 
 
 def blocks(results: Results, meshes: Sequence[str]) -> Iterator[Block]:
-    """Two tables for each mesh, what they tell, the agreement, the misprints and dM over meshes."""
+    """Yield two tables for each mesh, the conclusion, the agreement, the misprints, and dM over meshes."""
     yield Text(
         "Three figures in a cell are dM / steepest rise / steepest fall, times 1e3. Ours are given for three "
-        "meanings of a published name: its space in all rows; in the row at the contact only, over L1; and "
-        "elevated in the contact row only, where L2 and L4 are elevations of L1, N2.1 of N2 and N4.1 of N4."
+        "meanings of a published name: its space in all rows; its space in the contact row only, over L1; "
+        "and elevated in the contact row only. L2 and L4 are elevations of L1, N2.1 of N2, and N4.1 of N4."
     )
     for mesh in meshes:
         yield _figures(results, mesh)
@@ -75,7 +76,7 @@ def _figures(results: Results, mesh: str) -> Table:
 
 
 def _other(results: Results, rows: Rows, space: str, mesh: str) -> str:
-    """Return the figures where other rows than all make another space."""
+    """Return the figures of a space with these rows enriched, or a reference to those of all rows."""
     enriched = rows.enriched(space)
     return "as all rows" if enriched == space else triple(results.figures(Run(enriched, mesh)))
 
@@ -96,16 +97,16 @@ def _deviations(results: Results, mesh: str) -> Table:
         )
     return Table(
         f"table2-{mesh}-deviation",
-        f"Mesh {mesh}: by how many percent our dM / rise / fall are above the published ones; DOFs of the "
+        f"Mesh {mesh}: deviations of our dM / rise / fall from the published ones in percent; DOFs of the "
         "spaces; and the mean moment of the plateau, all rows.",
         ("space", *(meaning.value for meaning in Rows), "DOFs, published", "DOFs, ours", "plateau mean"),
         tuple(rows),
-        ("DOFs of ours: all rows / contact row only / elevated, where they differ; * misprinted.",),
+        ("Our DOFs: all rows / contact row only / elevated, where they differ; * misprinted.",),
     )
 
 
 def _finding(results: Results, meshes: Sequence[str]) -> Iterator[Block]:
-    """Which meaning of the names the published figures follow, by space."""
+    """Yield the meaning of the names that is closest to the published figures, by space."""
     distances = {
         meaning: {space: _distance(results, meshes, meaning, space) for space in SPACES} for meaning in Rows
     }
@@ -120,19 +121,20 @@ def _finding(results: Results, meshes: Sequence[str]) -> Iterator[Block]:
     )
     yield Table(
         "meanings",
-        "How far our figures are from the published ones under each meaning of a name: mean of "
+        "Deviation of our figures from the published ones under each meaning of a name: mean of "
         f"|ln(ours/published)| of dM, rise and fall on {listed(list(meshes))}.",
         ("space", *(meaning.value for meaning in Rows), "closest"),
         (*rows, ("mean", *(number(total.get(meaning)) for meaning in Rows), "")),
-        ("Where two meanings are one space, or differ by less than 0.02, no closest one is named.",),
+        ("No closest meaning is named where two are one space, or differ by less than 0.02.",),
     )
     counts = [f"{_within(results, meshes, meaning)} with {meaning.value}" for meaning in Rows]
     yield Text(
-        f"**What the published figures are of.** Within {100 * AGREEMENT:.0f} % of the published dM are "
-        f"{listed(counts)}. With all rows elevated, L2, L4, N2.1 and N4.1 oscillate far less than published; "
-        "the published figures of these four are consistent with an elevation in the contact row only, "
-        "though the published DOFs are those of all rows. N4.1 tells what lies above that row: N4, since "
-        "over L1 it is far off. Not all rows speak as clearly, nor for the same meaning: see {meanings}."
+        f"**Which spaces the published figures are of.** Our dM are within {100 * AGREEMENT:.0f} % of the "
+        f"published ones for {listed(counts)}. With all rows elevated, L2, L4, N2.1 and N4.1 oscillate far "
+        "less than published. The published figures of these four are consistent with an elevation in the "
+        "contact row only, although the published DOFs are those of all rows. The figures of N4.1 show "
+        "that the other rows are N4: with L1 there, they deviate far more. Not all rows are as clear, and "
+        "not all are closest to the same meaning: see {meanings}."
     )
 
 
@@ -167,7 +169,7 @@ def _within(results: Results, meshes: Sequence[str], meaning: Rows) -> str:
 
 
 def _agreement(results: Results, meshes: Sequence[str]) -> Iterator[Block]:
-    """Row by row, whether the smooth spaces agree with the published dM."""
+    """Yield whether each smooth space agrees with the published dM."""
     rows, outside = [], []
     for mesh in meshes:
         theirs = published(mesh)
@@ -196,7 +198,7 @@ def _agreement(results: Results, meshes: Sequence[str]) -> Iterator[Block]:
         tuple(rows),
     )
     if outside:
-        yield Text(f"Outside are {listed(outside)}; how far other rows move them stands in the tables above.")
+        yield Text(f"Outside are {listed(outside)}. The tables above show the effect of other rows on them.")
 
 
 def _misprints() -> Text:
@@ -205,7 +207,7 @@ def _misprints() -> Text:
         f"meant {m.meant:g}; {m.reason}."
         for m in MISPRINTS
     )
-    return Text("Misprints of the published tables, and how one can tell:\n\n" + "\n".join(items))
+    return Text("Misprints of the published tables, and the evidence for them:\n\n" + "\n".join(items))
 
 
 def _amplitudes(results: Results, meshes: Sequence[str]) -> list[Amplitude]:

@@ -19,7 +19,7 @@ def runs(meshes: Sequence[str]) -> list[Run]:
 
 
 def blocks(results: Results, meshes: Sequence[str]) -> Iterator[Block]:
-    """One table, in percent; nothing without its mesh."""
+    """Yield one table, in percent; nothing without its mesh."""
     if _MESH not in meshes:
         return
     unit = results.figures(Run("L1", _MESH))
@@ -41,7 +41,7 @@ def blocks(results: Results, meshes: Sequence[str]) -> Iterator[Block]:
     )
     yield Table(
         "table3-deviation",
-        "Mesh m2: ours less published, in percentage points of L1.",
+        "Mesh m2: ours minus published, in percentage points of L1.",
         ("space", *meanings),
         tuple((row[0], *row[5:]) for row in rows),
     )
