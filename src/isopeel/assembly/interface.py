@@ -1,4 +1,4 @@
-"""The state of the interface at points of the adhering side, as the assembly has it at its own points."""
+"""The state of an interface at points of its side, as the assembly has it at its own points."""
 
 from dataclasses import dataclass
 from typing import Self
@@ -8,13 +8,13 @@ import numpy as np
 from isopeel.assembly.interface_kernel import Response, projected_areas, read_interface, respond
 from isopeel.assembly.interface_term import interface_data
 from isopeel.assembly.packing import packed
-from isopeel.assembly.tables import element_ends, side_points, table_at
+from isopeel.assembly.spaces import SpaceOfBodies, part_of_body, spaces_by_name
+from isopeel.assembly.tables import element_ends, side_points, table_at, usual_points
 from isopeel.common.arrays import BoolArray, FloatArray
 from isopeel.common.errors import InputError
 from isopeel.physics.adhesion.irreversible import NOT_CLOSED
 from isopeel.physics.batch import evaluate_law, evaluate_substrate
 from isopeel.problem import Problem
-from isopeel.splines.rows import RowSpace
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,19 +39,29 @@ class InterfaceState:
 
 
 class InterfacePoints:
-    """Points of the adhering side of a problem on a space, at which states are evaluated.
+    """Points of the side of an interface, on the spaces of a problem, at which states are evaluated.
 
     `parameters` (n, k) lie in [0, 1] along the side, each row of them on one element; `weights` (n, k) are
-    those of a quadrature over the parameter, by default zero.
+    those of a quadrature over the parameter, by default zero. Of several interfaces one is chosen by its
+    name.
     """
 
     def __init__(
-        self, problem: Problem, space: RowSpace, parameters: FloatArray, weights: FloatArray | None = None
+        self,
+        problem: Problem,
+        space: SpaceOfBodies,
+        parameters: FloatArray,
+        weights: FloatArray | None = None,
+        interface: str = "",
     ) -> None:
         self._problem = problem
-        self._space = space
+        self._spaces = space
+        self._name = interface
         self.parameters: FloatArray = parameters
-        adhesion, shape = problem.adhesion, problem.body.shape
+        adhesion = self._adhesion = problem.interface_of(interface)
+        body = problem.body_of(adhesion.boundary.body)
+        shape = body.shape
+        space = self._space = spaces_by_name(problem, space)[body.name]
         weights = np.zeros(parameters.shape) if weights is None else weights
         table = table_at(shape, space.weighted(shape), adhesion.side, parameters, weights)
         #: Reference length that each point stands for in an integral.
@@ -68,32 +78,33 @@ class InterfacePoints:
         self._contact: InterfacePoints | None = None
 
     @classmethod
-    def of_contact(cls, problem: Problem, space: RowSpace, count: int | None = None) -> Self:
+    def of_contact(
+        cls, problem: Problem, space: SpaceOfBodies, count: int | None = None, interface: str = ""
+    ) -> Self:
         """Return the points at which the assembly evaluates the interface, `count` on each element."""
-        adhesion = problem.adhesion
-        part = adhesion.start, adhesion.end
-        return cls(problem, space, *side_points(space, adhesion.side, part, count))
+        boundary = problem.interface_of(interface).boundary
+        own = spaces_by_name(problem, space)[boundary.body]
+        return cls(problem, space, *side_points(own, boundary.side, boundary.part, count), interface)
 
     def history(self, displacement: FloatArray, openings: FloatArray | None) -> FloatArray:
         """Maximum openings (n, k) of an irreversible joint, `NOT_CLOSED` where it has not closed yet.
 
-        They follow from the largest `openings` (E, Q) so far at the points of the assembly, as a step has
-        them, in a state with coefficients (size, 2). Between these points, what they exceed the present
-        opening by is interpolated linearly along the side; it is constant beyond the first and the last.
-        Whether a point has closed yet is that of the nearest one. Where they are nan, they are not known, and
-        the joint is taken as never opened farther than now. Raises InputError where they are missing, or they
-        or the coefficients are of another space.
+        They follow from the largest `openings` so far at the points of the assembly of all interfaces, as a
+        step has them, in a state with coefficients (size, 2). Between these points, what they exceed the
+        present opening by is interpolated linearly along the side; it is constant beyond the first and the
+        last. Whether a point has closed yet is that of the nearest one. Where they are nan, they are not
+        known, and the joint is taken as never opened farther than now. Raises InputError where they are
+        missing, or they or the coefficients are of another space.
         """
         return self._largest(self._checked(displacement), openings)
 
     def state(self, displacement: FloatArray, openings: FloatArray | None = None) -> InterfaceState:
         """Evaluate a state with coefficients (size, 2).
 
-        An irreversible joint needs its largest `openings` (E, Q) so far, as `history` does, and raises as it
-        does.
+        An irreversible joint needs the largest `openings` so far, as `history` does, and raises as it does.
         """
         u = self._checked(displacement)
-        adhesion, law = self._problem.adhesion, self._problem.adhesion.law
+        adhesion, law = self._adhesion, self._adhesion.law
         history = self._largest(u, openings) if adhesion.irreversible else np.zeros(self.parameters.shape)
         answer = self._respond(u, history, irreversible=adhesion.irreversible)
         area = np.ones(history.size)
@@ -127,11 +138,9 @@ class InterfacePoints:
         )
 
     def _checked(self, displacement: FloatArray) -> FloatArray:
-        """The coefficients as compiled code takes them."""
-        if displacement.shape != (self._space.size, 2):
-            allowed = f"the space has {self._space.size} functions"
-            raise InputError("displacement", displacement.shape, allowed)
-        u = np.ascontiguousarray(displacement, dtype=np.float64).view()
+        """The coefficients of the body as compiled code takes them."""
+        _, own = part_of_body(self._problem, self._spaces, displacement, self._adhesion.boundary.body)
+        u = np.ascontiguousarray(own, dtype=np.float64).view()
         u.setflags(write=False)
         return u
 
@@ -147,11 +156,13 @@ class InterfacePoints:
     def _opening(self, u: FloatArray) -> FloatArray:
         """Present openings (n k,), zero where the joint is closed."""
         gap = self._respond(u, np.zeros(self.parameters.shape), irreversible=False).gap
-        return np.maximum(gap - self._problem.adhesion.law.equilibrium_gap, 0.0)
+        return np.maximum(gap - self._adhesion.law.equilibrium_gap, 0.0)
 
     def _largest(self, u: FloatArray, openings: FloatArray | None) -> FloatArray:
-        adhesion = self._problem.adhesion
+        adhesion = self._adhesion
         here = self._opening(u)
+        if openings is not None and len(self._problem.interfaces) > 1:
+            openings = openings_by_name(self._problem, self._spaces, openings)[self._name]
         if openings is not None and np.isnan(openings).any():
             return here.reshape(self.parameters.shape)
         elements = element_ends(self._space, adhesion.side, (adhesion.start, adhesion.end)).size - 1
@@ -159,7 +170,9 @@ class InterfacePoints:
             allowed = f"an irreversible joint needs its maximum openings, on {elements} elements"
             raise InputError("openings", None if openings is None else openings.shape, allowed)
         if self._contact is None or self._contact.parameters.shape != openings.shape:
-            self._contact = InterfacePoints.of_contact(self._problem, self._space, openings.shape[1])
+            self._contact = InterfacePoints.of_contact(
+                self._problem, self._spaces, openings.shape[1], self._name
+            )
         known = openings.ravel()
         excess = np.where(known < 0, 0.0, np.maximum(known - self._contact._opening(u), 0.0))
         at, places = self.parameters.ravel(), self._contact.parameters.ravel()
@@ -174,3 +187,24 @@ class InterfacePoints:
         change = np.einsum("nkm,nmi->nki", slopes, u[table.functions])
         stretch: FloatArray = np.linalg.norm(tangent + change, axis=-1)
         return stretch
+
+
+def openings_by_name(problem: Problem, space: SpaceOfBodies, openings: FloatArray) -> dict[str, FloatArray]:
+    """Return the largest openings (E, Q) of each interface, by its name, of those of all that a step has.
+
+    Raises InputError where they are of other spaces.
+    """
+    spaces = spaces_by_name(problem, space)
+    boundaries = [interface.boundary for interface in problem.interfaces]
+    elements = [element_ends(spaces[one.body], one.side, one.part).size - 1 for one in boundaries]
+    points = [usual_points(spaces[one.body], one.side) for one in boundaries]
+    if openings.ndim == 2 and len(openings) == sum(elements):
+        # as many on each element, by default or as given for all
+        points = [openings.shape[1]] * len(boundaries)
+    ends = np.cumsum([count * each for count, each in zip(elements, points, strict=True)])
+    if openings.size != ends[-1]:
+        allowed = f"the interfaces have {', '.join(map(str, elements))} elements"
+        raise InputError("openings", openings.shape, allowed)
+    parts = np.split(openings.ravel(), ends[:-1])
+    names = problem.interface_names
+    return {name: part.reshape(-1, each) for name, part, each in zip(names, parts, points, strict=True)}

@@ -16,6 +16,35 @@ from isopeel.splines.rows import RowSpace
 SpaceOfBodies = RowSpace | Mapping[str, RowSpace]
 
 
+def spaces_by_name(problem: Problem, given: SpaceOfBodies) -> dict[str, RowSpace]:
+    """Return the spaces of a problem by names of bodies, in their order.
+
+    Raises InputError where there are not as many as bodies.
+    """
+    if isinstance(given, RowSpace):
+        given = {body.name: given for body in problem.bodies[:1]}
+    names = [body.name for body in problem.bodies]
+    if set(given) != set(names):
+        raise InputError("space", ", ".join(given), f"each body needs one: {', '.join(names)}")
+    return {name: given[name] for name in names}
+
+
+def part_of_body(
+    problem: Problem, space: SpaceOfBodies, displacement: FloatArray, body: str
+) -> tuple[RowSpace, FloatArray]:
+    """Return the space of a body, and its part (functions, 2) of coefficients (size, 2) of all bodies.
+
+    Raises InputError for coefficients of other spaces.
+    """
+    spaces = spaces_by_name(problem, space)
+    sizes = {name: one.size for name, one in spaces.items()}
+    if displacement.shape != (sum(sizes.values()), 2):
+        allowed = f"the space has {sum(sizes.values())} functions"
+        raise InputError("displacement", displacement.shape, allowed)
+    start = sum(sizes[name] for name in list(sizes)[: list(sizes).index(body)])
+    return spaces[body], displacement[start : start + sizes[body]]
+
+
 @dataclass(frozen=True, eq=False)
 class Spaces:
     """Spaces by names of bodies, with the weights of their shapes, and where each has its functions."""
@@ -27,12 +56,9 @@ class Spaces:
     @classmethod
     def on(cls, problem: Problem, given: SpaceOfBodies) -> Self:
         """Take the spaces of a problem. Raises InputError where there are not as many as bodies."""
-        if isinstance(given, RowSpace):
-            given = {body.name: given for body in problem.bodies[:1]}
-        names = [body.name for body in problem.bodies]
-        if set(given) != set(names):
-            raise InputError("space", ", ".join(given), f"each body needs one: {', '.join(names)}")
-        spaces = {body.name: given[body.name].weighted(body.shape) for body in problem.bodies}
+        named = spaces_by_name(problem, given)
+        names = list(named)
+        spaces = {body.name: named[body.name].weighted(body.shape) for body in problem.bodies}
         ends = np.cumsum([space.size for space in spaces.values()]).tolist()
         starts = [0, *ends[:-1]]
         return cls(problem, spaces, dict(zip(names, map(slice, starts, ends), strict=True)))

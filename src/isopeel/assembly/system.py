@@ -113,7 +113,7 @@ class System:
         self.terms: tuple[Term, ...] = *self.bodies, *self.interfaces
         #: Maximum openings at the points of the adhesive force, for irreversible adhesion: the history after
         #: which forces are asked for, of the bodies as they are made unless `after` has given another one.
-        #: They are (E, Q) of one interface, and (n, 1) of several, those of one after another.
+        #: They are (E, Q), elements of one interface after those of another; (n, 1) where these differ in Q.
         self.maximum_openings: FloatArray = self._shaped([term.initial() for term in self.interfaces])
         #: Young's modulus times the area of the bodies: what energies are measured against.
         self.energy_scale: float = sum(
@@ -174,9 +174,11 @@ class System:
 
     def _shaped(self, parts: Sequence[FloatArray]) -> FloatArray:
         """Largest openings of all interfaces, of those (n,) of each."""
+        counts = {term.table.weights.shape[1] for term in self.interfaces}
         if len(parts) == 1:
-            return parts[0].reshape(self.interfaces[0].table.weights.shape)
-        return frozen(np.concatenate([np.zeros(0), *parts])[:, None])
+            return parts[0].reshape(-1, counts.pop())
+        joined = np.concatenate([np.zeros(0), *parts])
+        return frozen(joined.reshape(-1, counts.pop() if len(counts) == 1 else 1))
 
     @property
     def load_is_unknown(self) -> bool:

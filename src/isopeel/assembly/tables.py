@@ -231,8 +231,12 @@ def side_points(
     space: RowSpace, side: Side, part: tuple[float, float], points: int | None = None
 ) -> tuple[FloatArray, FloatArray]:
     """Parameters and weights (E, Q) of the Gauss points of `side_table`; weights are lengths of parameter."""
-    degree = space.across.degree if side in ("left", "right") else space.degree
-    return _gauss_points(element_ends(space, side, part), points or degree + 1)
+    return _gauss_points(element_ends(space, side, part), points or usual_points(space, side))
+
+
+def usual_points(space: RowSpace, side: Side) -> int:
+    """Number of Gauss points on an element of a side by default."""
+    return (space.across.degree if side in ("left", "right") else space.degree) + 1
 
 
 def element_ends(space: RowSpace, side: Side, part: tuple[float, float]) -> FloatArray:

@@ -36,6 +36,11 @@ class Boundary:
         """Its first and last parameter."""
         return self.start, self.end
 
+    @property
+    def is_whole(self) -> bool:
+        """Whether it is all of the side."""
+        return self.part == (0.0, 1.0)
+
 
 @dataclass(frozen=True)
 class Body:
@@ -151,6 +156,22 @@ class Problem:
     def body_of(self, name: str) -> Body:
         """The body of a name."""
         return next(body for body in self.bodies if body.name == name)
+
+    def interface_of(self, name: str = "") -> Interface:
+        """Return the interface of one of the `interface_names`, without a name the only one.
+
+        Raises InputError where there is none of the name, or there are several and no name is given.
+        """
+        if not name:
+            return self.adhesion
+        if name not in self.interface_names:
+            raise InputError("interface", name, f"there is {', '.join(self.interface_names) or 'none'}")
+        return self.interfaces[self.interface_names.index(name)]
+
+    @property
+    def is_single(self) -> bool:
+        """Whether it is one body with one interface."""
+        return len(self.bodies) == len(self.interfaces) == 1
 
     @property
     def body(self) -> Body:
