@@ -79,7 +79,7 @@ def test_a_run_leaves_its_files(capsys: pytest.CaptureFixture[str]) -> None:
     work = trapezoid(curve.reaction, np.radians(curve.parameter))
     assert energy[-1] - energy[0] == pytest.approx(work, rel=1e-3)
     assert isopeel.Case.parse(stored.case_text).discretization.mesh == "20x2"
-    assert stored.fields[3.0].shape == (21 * 3, 2)
+    assert stored.nearest(3.0).displacement.shape == (21 * 3, 2)
     for figure in ("curve.png", "shapes.png"):
         assert (out / figure).read_bytes().startswith(b"\x89PNG")
     shown = capsys.readouterr()

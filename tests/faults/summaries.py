@@ -54,8 +54,7 @@ def told_by(text: str) -> Told:
         settings = NewtonSettings(path_control=stage.path_control)
         for step in trace(stage.problem, space, stage.parameters, settings, base=base):
             steps.append(step)
-            at = stage.problem.drive.parameter_column.shown(step.parameter)
-            kept.take(StoredState(step.number, float(at), step.displacement, step.maximum_openings))
+            kept.take(StoredState.of(step, stage.problem.drive))
         before, base = base, steps[-1].state
     attributes = run_attributes(stage.problem, space, Provenance.of_this_process())
     run = StoredRun(

@@ -18,6 +18,7 @@ from isopeel.html_report.content import stage_content
 from isopeel.physics.batch import evaluate_law
 from isopeel.post.front import front_profile, process_zones
 from isopeel.post.grids import side_grids, side_mesh
+from isopeel.results.fields import StoredState
 from isopeel.running.resume import resume_case
 from isopeel.running.run import run_case
 from isopeel.running.run_reader import StoredStage, read_stages
@@ -179,12 +180,11 @@ def folders(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     return found
 
 
-def integral(stage: StoredStage, at: float) -> FloatArray:
+def integral(stage: StoredStage, state: StoredState) -> FloatArray:
     """The force on the body, of the tractions that are read from the file."""
-    problem, run = stage.stage.problem, stage.run
-    points = InterfacePoints.of_contact(problem, stage.space)
-    state = points.state(run.fields[at], run.maximum_openings[at])
-    force: FloatArray = np.einsum("nk,nkc->c", points.lengths, state.traction)
+    points = InterfacePoints.of_contact(stage.stage.problem, stage.space)
+    found = points.state(state.displacement, state.maximum_openings)
+    force: FloatArray = np.einsum("nk,nkc->c", points.lengths, found.traction)
     return force
 
 
@@ -193,17 +193,17 @@ def test_stored_tractions_integrate_to_the_assembled_force(name: str, folders: d
     for stage in read_stages(folders[name]):
         problem, run = stage.stage.problem, stage.run
         system = System(problem, stage.space, base=run.base)
-        assert len(run.fields) >= 2
+        assert len(run.states) >= 2
         largest = 0.0
-        for at, displacement in run.fields.items():
+        for state in run.states:
             if problem.adhesion.irreversible:
-                system = system.after(run.maximum_openings[at])
-            loose = system.without_joint().equilibrium(displacement).forces
-            forces = loose - system.equilibrium(displacement).forces
+                system = system.after(state.maximum_openings)
+            loose = system.without_joint().equilibrium(state.displacement).forces
+            forces = loose - system.equilibrium(state.displacement).forces
             expected = forces[stage.space.side_functions("bottom")].sum(axis=0)
             # of the sum of sizes, a few times the net force: the round-off of both sums, and of stiff bodies
             size = max(np.abs(forces).sum(), 1e-9 * np.abs(loose).sum())
-            np.testing.assert_allclose(integral(stage, at), expected, atol=1e-12 * size)
+            np.testing.assert_allclose(integral(stage, state), expected, atol=1e-12 * size)
             largest = max(largest, float(np.abs(expected).max()))
         assert largest > 1e-3 * problem.adhesion.law.work_of_adhesion
 
@@ -225,29 +225,25 @@ def test_the_block_carries_force_over_area_in_every_stage_and_output(folders: di
     for number, stage in enumerate(read_stages(folders["block"])):
         problem, run, space = stage.stage.problem, stage.run, stage.space
         content: dict[str, Any] = stage_content(stage, stage.found(), 10_000_000)
-        drawn = {run.curve.parameter[one["step"]]: packed(one["adhesion"]) for one in content["states"]}
-        for at, displacement in run.fields.items():
-            (step,) = np.flatnonzero(run.curve.parameter == at)
-            force = run.curve.reaction[step]
-            opening = displacement[:2, 1].mean()
+        drawn = {one["step"]: packed(one["faces"][0]["adhesion"]) for one in content["states"]}
+        for state in run.states:
+            force = run.curve.reaction[state.step]
+            opening = state.displacement[:2, 1].mean()
             if number and opening > 0:
                 # the block stretches by 1e-5 of its height
                 assert force == pytest.approx(secant * opening, rel=1e-4)
-            maximum_openings = run.maximum_openings[at]
-            (grid,) = side_grids(
-                problem, space, side_mesh(problem, space, 2), [displacement], [maximum_openings]
-            )
+            (grid,) = side_grids(problem, space, side_mesh(problem, space, 2), [state])
             outputs = {
                 "profile": -front_profile(
-                    problem, space, displacement, maximum_openings=maximum_openings
+                    problem, space, state.displacement, maximum_openings=state.maximum_openings
                 ).adhesive_traction,
                 "export": -grid.point_data["normal adhesive traction [E0]"],
-                "page": drawn[at],
+                "page": drawn[state.step],
             }
             for tension in outputs.values():
                 # Newton's tolerance, 4-byte numbers of the page, and tractions that vary by 1e-5 along it
                 np.testing.assert_allclose(tension, force, atol=1e-5 + 1e-4 * abs(force))
-    assert at == pytest.approx(0.4)
+    assert state.parameter == pytest.approx(0.4)
     assert force == pytest.approx(0.447, abs=1e-3)
 
 
@@ -255,11 +251,10 @@ def test_the_cantilever_has_a_front_where_it_was_unloaded(folders: dict[str, Pat
     """Damage stays: while the arm closes, the front stays where it was, and the joint weakens beyond it."""
     opened, closed, _ = read_stages(folders["cantilever"])
     zones = [
-        list(process_zones(one.stage.problem, one.space, one.run.fields, one.run.maximum_openings).values())
-        for one in (opened, closed)
+        list(process_zones(one.stage.problem, one.space, one.run.states).values()) for one in (opened, closed)
     ]
     assert len(zones[0]) >= 3
-    assert len(zones[1]) == len(closed.run.fields)
+    assert len(zones[1]) == len(closed.run.states)
     last = zones[0][-1]
     for zone in zones[1]:
         # it lies between the place where the joint was lost and the front
@@ -272,16 +267,18 @@ def test_a_resumed_run_has_the_history_of_one_that_was_not(folders: dict[str, Pa
     run_case(case.overridden(to="0.5 mm"), tmp_path / "out", QUIET)
     resume_case(tmp_path / "out", QUIET, to="0.9 mm")
     for one, other in zip(read_stages(tmp_path / "out"), read_stages(folders["cantilever"]), strict=True):
-        assert one.run.maximum_openings[list(one.run.fields)[-1]].any()
-        for at in other.run.fields:
-            np.testing.assert_array_equal(one.run.maximum_openings[at], other.run.maximum_openings[at])
-            np.testing.assert_array_equal(integral(one, at), integral(other, at))
+        assert one.run.states[-1].maximum_openings.any()
+        for there in other.run.states:
+            here = one.run.nearest(there.parameter)
+            assert here.parameter == there.parameter
+            np.testing.assert_array_equal(here.maximum_openings, there.maximum_openings)
+            np.testing.assert_array_equal(integral(one, here), integral(other, there))
 
 
 def test_an_irreversible_joint_is_not_shown_as_virgin_in_silence(folders: dict[str, Path]) -> None:
     stage = read_stages(folders["block"])[-1]
     problem, run = stage.stage.problem, stage.run
-    displacement = run.fields[list(run.fields)[-1]]
+    displacement = run.states[-1].displacement
     with pytest.raises(InputError, match="openings"):
         front_profile(problem, stage.space, displacement)
     reversible = problem.changed(adhesion=replace(problem.adhesion, irreversible=False))

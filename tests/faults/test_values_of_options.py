@@ -9,7 +9,7 @@ from rich.console import Console
 from isopeel.case import Case
 from isopeel.cli import main
 from isopeel.common.errors import InputError
-from isopeel.output.selection import shown_stage, stored_parameters
+from isopeel.output.selection import chosen_states, shown_stage
 
 CASE = """
 name = "micro"
@@ -55,7 +55,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.mark.parametrize("written", ["0.05 um", "50 nm", "5e-8 m", "50e-6 mm"])
 def test_a_state_is_chosen_in_any_unit(folder: Path, written: str) -> None:
     console = Console(record=True)
-    (chosen,) = stored_parameters(shown_stage(folder), [written], console)
+    (chosen,) = chosen_states(shown_stage(folder), [written], console)
     assert console.export_text() == ""
     assert chosen == pytest.approx(0.05, rel=1e-12)  # in micrometres
 

@@ -182,13 +182,13 @@ def test_buttons_show_a_part_and_play_the_states(browser: webdriver.Chrome, stri
 def test_the_stress_under_the_pointer_is_that_of_the_run(browser: webdriver.Chrome, strip_page: Path) -> None:
     show(browser, strip_page)
     (stored,) = read_stages(strip_page.parent)
-    displacement = stored.run.fields[30.0]
+    displacement = stored.run.nearest(30.0).displacement
     # the middle of an element, near the front and of a stress that is not small
     fields = sample_fields(stored.stage.problem, stored.space, displacement, (2, 2))
     x, y = fields.position[29, 0, 1, 1]
     axes = """
     const content = JSON.parse(document.getElementById("content").textContent).stages["stage-1"];
-    const [l, r, b, t] = content.states.at(-1).front;
+    const [l, r, b, t] = content.states.at(-1).faces[0].front;
     const canvas = document.querySelector("canvas.front");
     const axes = new Axes(canvas, [l, r], [b, t], { x: "x / L₀", y: "y / L₀" }, { equal: true });
     return [axes.x(arguments[0]), axes.y(arguments[1]), content.scale];
@@ -207,11 +207,11 @@ def test_the_script_unpacks_what_was_packed(browser: webdriver.Chrome, strip_pag
     script = """
     const content = JSON.parse(document.getElementById("content").textContent).stages["stage-1"];
     const state = unpackedState(content.states[1]);
-    return [Array.from(state.nodes), content.states[1].nodes.unit];
+    return [Array.from(state.bodies[0].nodes), content.states[1].bodies[0].nodes.unit];
     """
     nodes, unit = browser.execute_script(script)
     (stored,) = read_stages(strip_page.parent)
-    fields = sample_fields(stored.stage.problem, stored.space, stored.run.fields[10.0], (8, 8))
+    fields = sample_fields(stored.stage.problem, stored.space, stored.run.nearest(10.0).displacement, (8, 8))
     corners = fields.position[[0, -1], [0, -1], [0, -1], [0, -1]]
     found = np.array(nodes).reshape(-1, 2)[[0, -1]]
     # half a unit each way, and the round-off of sums

@@ -15,6 +15,7 @@ from isopeel.common.arrays import FloatArray
 from isopeel.post.fields import fields_at
 from isopeel.post.grids import body_grids, body_mesh, side_grids, side_mesh
 from isopeel.results import vtk
+from isopeel.results.fields import StoredState
 from isopeel.splines.nurbs import Side
 
 PLACES = tuple(product((0.0, 0.13, 0.5, 0.8, 1.0), repeat=2))
@@ -46,7 +47,7 @@ def test_shape_and_displacement_are_exact_in_cells(name: str, tmp_path: Path) ->
     problem, space = body(name)
     u = displacement(problem, space)
     mesh = body_mesh(problem, space, None)
-    (grid,) = body_grids(problem, space, mesh, [u])
+    (grid,) = body_grids(problem, space, mesh, [StoredState(0, 0.0, u)])
     vtk.write_grid(tmp_path / "body.vtu", grid, 1.5, {"L0": "1 nm"})
     read = ReadGrid(tmp_path / "body.vtu")
     n_x, n_y = (ends.size - 1 for ends in mesh.ends)
@@ -72,7 +73,7 @@ def test_other_fields_are_exact_at_gauss_points_and_centres(name: str, tmp_path:
     problem, space = body(name)
     u = displacement(problem, space)
     mesh = body_mesh(problem, space, None)
-    (grid,) = body_grids(problem, space, mesh, [u])
+    (grid,) = body_grids(problem, space, mesh, [StoredState(0, 0.0, u)])
     vtk.write_grid(tmp_path / "body.vtu", grid, 0.0, {})
     read = ReadGrid(tmp_path / "body.vtu")
     n_y = mesh.ends[1].size - 1
@@ -106,7 +107,7 @@ def test_other_fields_are_exact_at_gauss_points_and_centres(name: str, tmp_path:
 def test_curves_along_a_side(name: str, side: Side, tmp_path: Path) -> None:
     problem, space = body(name, side)
     u = displacement(problem, space)
-    (grid,) = side_grids(problem, space, side_mesh(problem, space, None), [u])
+    (grid,) = side_grids(problem, space, side_mesh(problem, space, None), [StoredState(0, 0.0, u)])
     vtk.write_grid(tmp_path / "side.vtu", grid, 0.0, {})
     read = ReadGrid(tmp_path / "side.vtu")
     vertical = side in ("left", "right")
@@ -150,7 +151,10 @@ def test_equal_weights_are_none() -> None:
     shape = problem.body.shape
     heavy = problem.changed(body=replace(problem.body, shape=replace(shape, weights=3 * shape.weights)))
     u = displacement(problem, space)
-    light, grid = (next(body_grids(p, space, body_mesh(p, space, None), [u])) for p in (problem, heavy))
+    light, grid = (
+        next(body_grids(p, space, body_mesh(p, space, None), [StoredState(0, 0.0, u)]))
+        for p in (problem, heavy)
+    )
     assert grid.weights is None
     assert grid.degrees == light.degrees == (3, 1)
     np.testing.assert_array_equal(grid.points, light.points)
@@ -163,7 +167,7 @@ def test_what_has_no_stress_is_nan(tmp_path: Path) -> None:
     bottom = space.side_functions("bottom")
     # a function of the third element goes beyond the fourth
     u[bottom[4]] = (60.0, 0.0)
-    (grid,) = body_grids(problem, space, body_mesh(problem, space, None), [u])
+    (grid,) = body_grids(problem, space, body_mesh(problem, space, None), [StoredState(0, 0.0, u)])
     vtk.write_grid(tmp_path / "body.vtu", grid, 0.0, {})
     read = ReadGrid(tmp_path / "body.vtu")
     stress = read.at_points("Cauchy stress [E0]").reshape(12 * 3, -1)
@@ -174,8 +178,8 @@ def test_what_has_no_stress_is_nan(tmp_path: Path) -> None:
     assert np.isfinite(read.at_points("deformation gradient [1]")).all()
     problem, space = body("half cylinder")
     rest = np.zeros((space.size, 2))
-    (straight,) = body_grids(problem, space, body_mesh(problem, space, 2), [rest])
-    (whole,) = body_grids(problem, space, body_mesh(problem, space, None), [rest])
+    (straight,) = body_grids(problem, space, body_mesh(problem, space, 2), [StoredState(0, 0.0, rest)])
+    (whole,) = body_grids(problem, space, body_mesh(problem, space, None), [StoredState(0, 0.0, rest)])
     at_points, in_cells = (
         np.isnan(data["I1 [1]"]).sum() for data in (straight.point_data, straight.cell_data)
     )

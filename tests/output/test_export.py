@@ -67,7 +67,7 @@ def test_a_series_along_the_parameter(run: Path, capsys: pytest.CaptureFixture[s
     stored = isopeel.read_run(run / "run.h5")
     for name, cells in (("body", 40), ("adhesive-side", 15)):
         states = series(run / "paraview" / f"{name}.pvd")
-        assert [time for time, _ in states] == list(stored.fields) == [0, 10, 20, 25]
+        assert [time for time, _ in states] == [state.parameter for state in stored.states] == [0, 10, 20, 25]
         for time, file in states:
             read = ReadGrid(file)
             assert read.grid.GetNumberOfCells() == cells
@@ -100,7 +100,7 @@ def test_straight_cells_have_exact_values_at_their_corners(run: Path) -> None:
     read = ReadGrid(Path("here/straight/body-0003.vtu"))
     assert (read.grid.GetNumberOfCells(), read.grid.GetCellType(0)) == (40 * 9, 9)
     assert read.grid.GetPointData().GetRationalWeights() is None
-    own = sample_fields(case.problem(), case.space(), stored.fields[25.0], (3, 3))
+    own = sample_fields(case.problem(), case.space(), stored.nearest(25.0).displacement, (3, 3))
     X, u = read.points, read.at_points("displacement [L0]")
     # one subtraction of lengths of up to 200
     assert np.abs(X[:, :2] + u[:, :2] - own.position.reshape(-1, 2)).max() < 1e-13

@@ -13,6 +13,7 @@ from matplotlib.image import imread
 from isopeel.common.arrays import FloatArray
 from isopeel.post.grids import body_grids, body_mesh
 from isopeel.results import vtk
+from isopeel.results.fields import StoredState
 
 GRADIENT = np.array([[0.2, 0.1], [-0.3, 0.1]])
 CENTRE, HALF, REACH = np.array([0.0, 5.0]), 16.0, 4.0
@@ -47,7 +48,7 @@ def test_a_half_cylinder_is_drawn_where_it_is(pieces: int | None, tmp_path: Path
     problem, space = body("half cylinder")
     shape = problem.body.shape
     u = space.weighted(shape).interpolate(lambda xi, eta: shape.evaluate(xi, eta) @ GRADIENT.T)
-    (grid,) = body_grids(problem, space, body_mesh(problem, space, pieces), [u])
+    (grid,) = body_grids(problem, space, body_mesh(problem, space, pieces), [StoredState(0, 0.0, u)])
     vtk.write_grid(tmp_path / "body.vtu", grid, 0.0, {})
     drawn = picture(tmp_path / "body.vtu", tmp_path / "picture.png")
     assert drawn.returncode == 0, drawn.stderr

@@ -152,7 +152,7 @@ def test_an_mp4_has_a_picture_for_each_state(runs: Path) -> None:
 def test_more_states_are_stored_for_an_animation(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     run = ("run", "strip", "--mesh", "20x2", "--space", "L1", "--to", "2", "--step", "0.5")
     assert main([*run, "--fields-every", "0.5", "--out", str(tmp_path)]) == 0
-    assert list(read_run(tmp_path / "run.h5").fields) == [0.0, 0.5, 1.0, 1.5, 2.0]
+    assert [state.parameter for state in read_run(tmp_path / "run.h5").states] == [0.0, 0.5, 1.0, 1.5, 2.0]
     assert main(["animate", str(tmp_path), "--format", "gif", "--size", "400x200"]) == 0
     with Image.open(tmp_path / "figures" / "animation.gif") as image:
         assert image.n_frames == 5  # type: ignore[attr-defined]

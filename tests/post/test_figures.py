@@ -24,6 +24,7 @@ from isopeel.post.figures import reaction_figure, save, shapes_figure, space_fig
 from isopeel.post.laboratory import Laboratory
 from isopeel.post.plateau import PlateauReading
 from isopeel.problem import Column
+from isopeel.results.fields import StoredState
 
 ANGLES = np.arange(0.0, 31.0, 7.5)
 
@@ -86,7 +87,7 @@ def test_a_short_run_has_one_panel_with_its_curve(run: tuple[Problem, RowSpace, 
 def test_a_single_step_can_be_drawn(run: tuple[Problem, RowSpace, list[Step]], tmp_path: Path) -> None:
     problem, space, steps = run
     save(reaction_figure(Curve.of(steps[:1], problem.drive)), tmp_path / "moment.png")
-    save(shapes_figure(problem, space, {0.0: steps[0].displacement}), tmp_path / "shapes.png")
+    save(shapes_figure(problem, space, [StoredState.of(steps[0], problem.drive)]), tmp_path / "shapes.png")
     assert pixels(tmp_path / "moment.png").shape[:2] == (520, 700)  # 2.6 x 3.5 inches at 200 dpi
 
 
@@ -119,8 +120,8 @@ def test_shapes_share_one_scale_and_hold_the_body(
     run: tuple[Problem, RowSpace, list[Step]], tmp_path: Path
 ) -> None:
     problem, space, steps = run
-    fields = {float(angle): step.displacement for angle, step in zip(ANGLES, steps, strict=True)}
-    figure = shapes_figure(problem, space, fields)
+    states = [StoredState.of(step, problem.drive) for step in steps]
+    figure = shapes_figure(problem, space, states)
     upper, lower, bar = figure.axes
     meshes = [mesh for axes in (upper, lower) for mesh in axes.collections if isinstance(mesh, TriMesh)]
     # 7.5 degrees lift the end by 50 sin(7.5)/2 = 3 nm, too little to be distinguished from the next shape: 3
@@ -129,10 +130,11 @@ def test_shapes_share_one_scale_and_hold_the_body(
     assert len(meshes) == 4
     # as many cells per element as the figure takes, so that it meets the same extreme values
     largest = max(
-        np.abs(sample_fields(problem, space, u, (15, 8)).first_invariant).max() for u in fields.values()
+        np.abs(sample_fields(problem, space, one.displacement, (15, 8)).first_invariant).max()
+        for one in states
     )
     assert {mesh.get_clim() for mesh in meshes} == {(-largest, largest)}
-    last = sample_fields(problem, space, fields[30.0]).position.reshape(-1, 2)
+    last = sample_fields(problem, space, states[-1].displacement).position.reshape(-1, 2)
     assert upper.get_xlim()[0] < last[:, 0].min() < last[:, 0].max() < upper.get_xlim()[1]
     assert upper.get_ylim()[0] < last[:, 1].min() < last[:, 1].max() < upper.get_ylim()[1]
     assert [axes.get_aspect() for axes in (upper, lower)] == [1.0, 1.0]
@@ -147,7 +149,7 @@ def test_the_last_shape_is_the_last_of_the_run_where_parameters_fall() -> None:
     # ramps of up to 40 high
     ramp = np.zeros((space.size, 2))
     ramp[:, 1] = np.maximum(200 * space.greville[:, 0] - 100, 0) / 100
-    figure = shapes_figure(problem, space, {float(at): -at * ramp for at in range(0, -41, -1)})
+    figure = shapes_figure(problem, space, [StoredState(at, float(-at), at * ramp) for at in range(41)])
     assert texts(figure) == ["0°", "-8°", "-16°", "-24°", "-32°", "-40°"]
     assert figure.axes[1].get_title("left") == "front at -40°"
 
@@ -157,8 +159,9 @@ def test_the_legend_names_a_mirror_and_the_units(run: tuple[Problem, RowSpace, l
     adhesion = replace(problem.adhesion, law=Mirrored(Exponential(0.06, 0.015, 0.25)))
     mirrored = problem.changed(adhesion=adhesion)
     units = Laboratory(UnitSystem(Fraction(1, 1000), Fraction(10**9)), 200.0)
+    rest = [StoredState.of(steps[0], problem.drive)]
     for one, name in ((problem, "substrate"), (mirrored, "mirror plane")):
-        figure = shapes_figure(one, space, {0.0: steps[0].displacement}, units=units)
+        figure = shapes_figure(one, space, rest, units=units)
         (legend,) = figure.legends
         assert [text.get_text() for text in legend.get_texts()] == [
             "face that adheres",
@@ -166,7 +169,7 @@ def test_the_legend_names_a_mirror_and_the_units(run: tuple[Problem, RowSpace, l
             "enlarged below",
         ]
         assert [axes.get_xlabel() for axes in figure.axes[:2]] == ["$x$ / mm"] * 2
-        assert shapes_figure(one, space, {0.0: steps[0].displacement}).axes[0].get_xlabel() == "$x$ / $L_0$"
+        assert shapes_figure(one, space, rest).axes[0].get_xlabel() == "$x$ / $L_0$"
 
 
 def test_the_front_is_enlarged_where_the_pull_is_strongest() -> None:
@@ -174,7 +177,7 @@ def test_the_front_is_enlarged_where_the_pull_is_strongest() -> None:
     displacement = np.zeros((space.size, 2))
     places = 200 * space.greville[:, 0]
     displacement[:, 1] = np.maximum(places - 100, 0) / 10  # a ramp of slope 1/10 from x = 100
-    figure = shapes_figure(problem, space, {1.0: displacement})
+    figure = shapes_figure(problem, space, [StoredState(1, 1.0, displacement)])
     lower = figure.axes[1]
     # at the gap 0.3059, where the lift is 0.0512, at x = 100.5; points are 0.375 apart
     assert np.mean(lower.get_xlim()) == pytest.approx(100.5, abs=0.4)
@@ -202,7 +205,7 @@ def test_the_users_settings_neither_matter_nor_change(long_curve: Curve, tmp_pat
 
 def test_bad_input_is_named(run: tuple[Problem, RowSpace, list[Step]], tmp_path: Path) -> None:
     problem, space, _ = run
-    with pytest.raises(InputError, match="at least one state"):
-        shapes_figure(problem, space, {})
+    with pytest.raises(InputError, match="one state at least"):
+        shapes_figure(problem, space, [])
     with pytest.raises(InputError, match=r"\.png, \.pdf, \.svg"):
         save(Figure(), tmp_path / "figure.docx")

@@ -36,6 +36,7 @@ from isopeel.post.front import (
 )
 from isopeel.problem import Traction
 from isopeel.problem.shapes.quarter_cylinder import QuarterCylinder
+from isopeel.results.fields import StoredState
 from isopeel.splines.nurbs import Side, annulus_sector
 
 EQUILIBRIUM = 0.4 / 15 ** (1 / 6)
@@ -361,11 +362,11 @@ def test_zones_of_many_states_are_those_of_their_profiles(space: str) -> None:
         lifted = np.zeros((on.size, 2))
         first = on.rows[0].size
         lifted[:first, 1] = 1.5 * np.linspace(0, 1, first) ** 2 + 1e-3 * rng.random(first)
-        fields = {1.0: 0 * lifted, 2.0: lifted}
-        zones = process_zones(problem, on, fields)
-        profiles = {at: process_zone(front_profile(problem, on, fields[at])) for at in fields}
+        states = [StoredState(1, 1.0, 0 * lifted), StoredState(2, 2.0, lifted)]
+        zones = process_zones(problem, on, states)
+        profiles = {one.step: process_zone(front_profile(problem, on, one.displacement)) for one in states}
         assert [at for at, zone in profiles.items() if zone is not None] == list(zones)
-        assert 2.0 in zones
+        assert 2 in zones
         for at, zone in zones.items():
             expected = profiles[at]
             assert expected is not None

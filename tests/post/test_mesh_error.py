@@ -69,10 +69,7 @@ def _changes(text: str) -> tuple[list[MeshChange], Curve]:
         trace(stage.problem, case.space(), stage.parameters, NewtonSettings(path_control=stage.path_control))
     )
     curve = Curve.of(steps, stage.problem.drive)
-    states = [
-        StoredState(step.number, at, step.displacement, step.maximum_openings)
-        for at, step in zip(curve.parameter.tolist(), steps, strict=True)
-    ]
+    states = [StoredState.of(step, stage.problem.drive) for step in steps]
     kept = (*states[:-1:4], states[-1])
     run = StoredRun(case.text, curve, kept, {}, "completed")
     return mesh_changes(stage.problem, case.space(), run), curve

@@ -26,6 +26,7 @@ from isopeel.post.laboratory import Laboratory
 from isopeel.post.plateau import oscillation, read_plateau
 from isopeel.post.style import line_style
 from isopeel.problem import Column
+from isopeel.results.fields import StoredState
 from isopeel.results.run_file import StoredRun
 from isopeel.solve.step import KINDS
 
@@ -137,16 +138,17 @@ def test_a_snap_back_is_dashed_between_its_limit_points() -> None:
 
 
 def test_tractions_are_those_of_the_states(bent: FloatArray) -> None:
-    profiles = {at: front_profile(PROBLEM, SPACE, at / 20 * bent) for at in (0.0, 10.0, 20.0)}
-    figure = tractions_figure(profiles, ANGLE, Laboratory(UnitSystem(), 200.0))
+    states = [StoredState(step, at, at / 20 * bent) for step, at in enumerate((0.0, 10.0, 20.0))]
+    profiles = [front_profile(PROBLEM, SPACE, state.displacement) for state in states]
+    figure = tractions_figure(PROBLEM, SPACE, states, Laboratory(UnitSystem(), 200.0))
     whole, fronts = figure.axes
     _, *lines = whole.lines
     assert [line.get_label() for line in lines] == ["0°", "10°", "20°"]
-    for line, profile in zip(lines, profiles.values(), strict=True):
+    for line, profile in zip(lines, profiles, strict=True):
         tension = [profile.position.ravel(), -profile.adhesive_traction.ravel()]
         np.testing.assert_array_equal(data(line), tension)
     # there is no front at rest; those of the others begin to be seen from their peaks
-    zone = process_zone(profiles[10.0])
+    zone = process_zone(profiles[1])
     assert zone is not None
     assert len(fronts.lines) == 3
     x, tension = data(fronts.lines[1])
@@ -157,17 +159,17 @@ def test_tractions_are_those_of_the_states(bent: FloatArray) -> None:
     # ticks are those of internal values, in E0 = 2 GPa, written in MPa
     assert whole.yaxis.get_major_formatter()(0.05, 0) == "100"
     with pytest.raises(InputError, match="one state at least"):
-        tractions_figure({}, ANGLE)
+        tractions_figure(PROBLEM, SPACE, [])
 
 
 def test_without_a_front_there_is_one_panel() -> None:
-    rest = front_profile(PROBLEM, SPACE, np.zeros((SPACE.size, 2)))
-    (axes,) = tractions_figure({0.0: rest}, ANGLE).axes
+    rest = StoredState(0, 0.0, np.zeros((SPACE.size, 2)))
+    (axes,) = tractions_figure(PROBLEM, SPACE, [rest]).axes
     assert axes.get_ylabel() == "tension $-T$ / $E_0$"
 
 
 def test_the_front_shows_stress_forces_and_tensions(bent: FloatArray) -> None:
-    figure = front_figure(PROBLEM, SPACE, 20.0, bent)
+    figure = front_figure(PROBLEM, SPACE, StoredState(1, 20.0, bent))
     upper, lower, bar = figure.axes
     profile = front_profile(PROBLEM, SPACE, bent)
     zone = process_zone(profile)
@@ -196,7 +198,7 @@ def test_a_front_that_is_wider_than_a_thin_body_is_seen_whole(bent: FloatArray) 
     assert zone is not None
     # the window is 3.2 heights wide where the front is narrower than that
     assert zone.length > 3.2 * 0.2
-    upper, lower, *_ = front_figure(problem, SPACE, 20.0, bent).axes
+    upper, lower, *_ = front_figure(problem, SPACE, StoredState(1, 20.0, bent)).axes
     assert lower.get_xlim()[0] <= zone.start < zone.end <= lower.get_xlim()[1]
     # the ramp moves points up alone
     assert upper.get_xlim()[0] < zone.start < zone.end < upper.get_xlim()[1]
@@ -204,14 +206,15 @@ def test_a_front_that_is_wider_than_a_thin_body_is_seen_whole(bent: FloatArray) 
 
 
 def test_a_body_at_rest_has_a_front_figure() -> None:
-    figure = front_figure(PROBLEM, SPACE, 0.0, np.zeros((SPACE.size, 2)))
+    figure = front_figure(PROBLEM, SPACE, StoredState(0, 0.0, np.zeros((SPACE.size, 2))))
     assert figure.axes[0].get_title("left").startswith("front at 0°")
     figure.draw_without_rendering()
 
 
 def test_a_front_between_the_points_of_long_elements_can_be_drawn() -> None:
     space = isopeel.row_space("L1", (2, 1))
-    figure = front_figure(isopeel.strip(height=0.5), space, 0.0, np.zeros((space.size, 2)))
+    rest = StoredState(0, 0.0, np.zeros((space.size, 2)))
+    figure = front_figure(isopeel.strip(height=0.5), space, rest)
     lower = figure.axes[1]
     # 1.6 times the height either way, of 150 that adhere: the window lies at their end
     assert lower.get_xlim() == pytest.approx((150 - 0.8, 150), abs=1e-9)
@@ -220,8 +223,8 @@ def test_a_front_between_the_points_of_long_elements_can_be_drawn() -> None:
 
 def test_all_chosen_shapes_are_drawn(bent: FloatArray) -> None:
     # their ends lie closer together than shapes that are not chosen may
-    fields = {float(at): at / 1000 * bent for at in range(10)}
-    figure = shapes_figure(PROBLEM, SPACE, fields, at=[1.0, 2.0, 7.0])
+    states = [StoredState(at, float(at), at / 1000 * bent) for at in (1, 2, 7)]
+    figure = shapes_figure(PROBLEM, SPACE, states, every=True)
     assert [text.get_text() for text in figure.axes[0].texts] == ["1°", "2°", "7°"]
 
 
@@ -293,7 +296,8 @@ def test_powers_of_ten() -> None:
 
 def test_a_moving_figure_moves(bent: FloatArray) -> None:
     curve = curve_of(np.array([0.0, 10.0, 20.0]), np.array([0.0, 1.0, 1.5]))
-    moving = MovingFigure(PROBLEM, SPACE, curve, {0.0: 0 * bent, 20.0: bent}, (500, 240))
+    states = [StoredState(0, 0.0, 0 * bent), StoredState(2, 20.0, bent)]
+    moving = MovingFigure(PROBLEM, SPACE, curve, states, (500, 240))
     assert len(moving) == 2
     first, last, again = (moving.picture(number).astype(int) for number in (0, 1, 0))
     assert first.shape == (240, 500, 3)

@@ -88,13 +88,13 @@ def test_the_journal_of_a_killed_run_holds_the_openings(
         file.append(step)
     run = read_run(tmp_path / "run.h5")
     assert run.journaled == 3
-    for at, maximum_openings in zip(run.fields, history, strict=True):
-        np.testing.assert_array_equal(run.maximum_openings[at], maximum_openings)
+    for state, maximum_openings in zip(run.states, history, strict=True):
+        np.testing.assert_array_equal(state.maximum_openings, maximum_openings)
     file.end("completed")
     file.__exit__(None, None, None)
     whole = read_run(tmp_path / "run.h5")
-    for at, maximum_openings in zip(whole.fields, history, strict=True):
-        np.testing.assert_array_equal(whole.maximum_openings[at], maximum_openings)
+    for state, maximum_openings in zip(whole.states, history, strict=True):
+        np.testing.assert_array_equal(state.maximum_openings, maximum_openings)
 
 
 def columns(curve: Curve) -> list[list[float]]:
@@ -127,9 +127,10 @@ def test_a_run_is_read_back_to_the_last_bit(tmp_path: Path) -> None:
     assert stored.curve.parameter_column == PROBLEM.drive.parameter_column
     assert stored.curve.reaction_column == PROBLEM.drive.reaction_column
     # the first step at or beyond 0, 10 and 20 degrees, and the last one
-    assert list(stored.fields) == [0, 12, 20, 27]
-    for angle, number in ((0, 0), (12, 3), (20, 5), (27, 7)):
-        assert np.array_equal(stored.fields[angle], taken[number].displacement)
+    assert [state.parameter for state in stored.states] == [0, 12, 20, 27]
+    for state, number in zip(stored.states, (0, 3, 5, 7), strict=True):
+        assert state.step == number
+        assert np.array_equal(state.displacement, taken[number].displacement)
     assert (stored.ending, stored.failure, stored.case_text) == ("not converged", failure, 'name = "µ"\n')
     assert stored.attributes == {
         "space": "L1+N2",
@@ -179,7 +180,8 @@ def test_an_exception_leaves_all_steps_before_it(tmp_path: Path) -> None:
         fail_after_three()
     stored = read_run(tmp_path / "run.h5")
     assert columns(stored.curve) == columns(Curve.of(taken, PROBLEM.drive))
-    assert (stored.ending, stored.failure, list(stored.fields)) == ("running", None, [0, 2])
+    assert (stored.ending, stored.failure) == ("running", None)
+    assert [state.parameter for state in stored.states] == [0, 2]
 
 
 def test_a_run_without_steps_is_read_back(tmp_path: Path) -> None:
@@ -189,7 +191,7 @@ def test_a_run_without_steps_is_read_back(tmp_path: Path) -> None:
     with writer(tmp_path / "run.h5") as run:
         run.end("completed")
     stored = read_run(tmp_path / "run.h5")
-    assert (len(stored.curve), dict(stored.fields)) == (0, {})
+    assert (len(stored.curve), stored.states) == (0, ())
 
 
 def test_a_full_disk_leaves_what_was_saved_before(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

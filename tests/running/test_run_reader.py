@@ -30,7 +30,7 @@ def test_stages_come_in_their_order(staged: Path) -> None:
     assert (press.title, peel.title) == ("press-and-peel, stage 1: press", "press-and-peel, stage 2: peel")
     assert peel.run.curve.parameter.tolist() == [0.0, 0.5, 1.0]
     assert press.stage.problem.drive.side == "top"
-    assert {displacement.shape for displacement in peel.run.fields.values()} == {(peel.space.size, 2)}
+    assert {state.displacement.shape for state in peel.run.states} == {(peel.space.size, 2)}
 
 
 def test_the_folder_of_a_stage_holds_that_stage(staged: Path) -> None:

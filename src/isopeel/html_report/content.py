@@ -2,35 +2,39 @@
 
 import json
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from itertools import pairwise
 from math import ceil
 from typing import Any
 
 import numpy as np
 
+from isopeel.assembly.spaces import spaces_by_name
 from isopeel.common.arrays import FloatArray, IntArray
 from isopeel.common.errors import InputError
 from isopeel.html_report.packing import packed, packed_positions, packed_stress
 from isopeel.html_report.region import substrate_region
+from isopeel.post.fields import SampledFields
 from isopeel.post.figures.reaction import is_reached, unstable_pieces, widest_turn
 from isopeel.post.findings import Findings, Shown, in_laboratory
-from isopeel.post.front import front_profile
+from isopeel.post.front import FrontProfile, front_profile
 from isopeel.post.laboratory import Laboratory
 from isopeel.post.law import law_character
 from isopeel.post.states import (
     SMOOTH,
-    BodyState,
+    DrawnState,
+    Face,
     Window,
     adheres_to,
-    body_state,
+    drawn_state,
     front_window,
     stress_scale,
+    substrates,
     whole_window,
 )
 from isopeel.problem import Column, Problem
 from isopeel.results.curve import Curve
-from isopeel.results.run_file import StoredRun
+from isopeel.results.fields import StoredState
 from isopeel.running.run_reader import StoredStage
 from isopeel.solve.step import KINDS
 
@@ -49,17 +53,17 @@ def stage_content(stored: StoredStage, found: Findings, most_bytes: int) -> Cont
     """
     run, problem = stored.run, stored.stage.problem
     shown = in_laboratory(run.curve, found)
-    steps = field_steps(run)
-    numbers = list(steps)
-    last = _state(stored, steps, numbers[-1])
-    most = max(2, most_bytes // _size(stored, last))
-    if len(numbers) > most:
-        chosen = np.unique(np.linspace(0, len(numbers) - 1, most).round().astype(int))
-        numbers = [numbers[k] for k in chosen.tolist()]
-    states = {number: _state(stored, steps, number) for number in numbers[:-1]} | {numbers[-1]: last}
-    scale, window = stress_scale(states.values()), whole_window(states.values())
-    fronts = {number: front_window(problem, state) for number, state in states.items()}
-    rings, surface = substrate_region(problem.adhesion.substrate, _around([window, *fronts.values()]))
+    last = _drawn(stored, run.states[-1])
+    most = max(2, most_bytes // _size(stored, run.states[-1], last))
+    kept: Sequence[StoredState] = run.states
+    if len(kept) > most:
+        chosen = np.unique(np.linspace(0, len(kept) - 1, most).round().astype(int))
+        kept = [kept[k] for k in chosen.tolist()]
+    drawn = [*(_drawn(stored, state) for state in kept[:-1]), last]
+    scale, window = stress_scale(drawn), whole_window(drawn)
+    fronts = [_fronts(problem, state) for state in drawn]
+    around = _around([window, *(front for one in fronts for front in one.values())])
+    regions = [substrate_region(substrate, around) for substrate in substrates(problem)]
     return {
         "title": stored.title,
         "units": _units(found.laboratory, problem),
@@ -68,20 +72,14 @@ def stage_content(stored: StoredStage, found: Findings, most_bytes: int) -> Cont
         "theory": _theory(shown),
         "window": shown.plateau and list(shown.plateau.window),
         "scale": scale,
-        "grid": _grid(last),
+        "grids": [_grid(fields) for fields in last.bodies.values()],
         "whole": [*window.x, *window.y],
-        "substrate": {"words": adheres_to(problem), "rings": rings, "surface": surface},
-        "side": _side(stored, last),
-        "stored": len(steps),
-        "states": [
-            _shown_state(stored, number, state, fronts[number], scale) for number, state in states.items()
-        ],
+        "adheres_to": adheres_to(problem),
+        "substrates": [{"rings": rings, "surface": surface} for rings, surface in regions],
+        "sides": [_side(stored, last, name) for name in problem.interface_names],
+        "stored": len(run.states),
+        "states": [_shown_state(stored, *one, scale) for one in zip(kept, drawn, fronts, strict=True)],
     }
-
-
-def field_steps(run: StoredRun) -> dict[int, float]:
-    """Return the parameters of the stored states by the numbers of their steps."""
-    return {state.step: state.parameter for state in run.states}
 
 
 def plain(text: str) -> str:
@@ -101,31 +99,34 @@ def column_words(column: Column) -> dict[str, str]:
     }
 
 
-def _state(stored: StoredStage, steps: Mapping[int, float], number: int) -> BodyState:
-    parameter = steps[number]
+def _drawn(stored: StoredStage, state: StoredState) -> DrawnState:
     # on a graded mesh small elements have no more cells than large ones, to keep the page small
-    cells = [ceil(smooth / count) for smooth, count in zip(SMOOTH, stored.space.elements, strict=True)]
-    run, problem = stored.run, stored.stage.problem
-    maximum_openings = run.maximum_openings.get(parameter)
-    return body_state(
-        problem, stored.space, parameter, run.fields[parameter], (cells[0], cells[1]), maximum_openings
-    )
+    problem = stored.stage.problem
+    cells = {}
+    for name, space in spaces_by_name(problem, stored.space).items():
+        along, across = (ceil(smooth / count) for smooth, count in zip(SMOOTH, space.elements, strict=True))
+        cells[name] = along, across
+    return drawn_state(problem, stored.space, state, cells)
 
 
-def _size(stored: StoredStage, state: BodyState) -> int:
+def _fronts(problem: Problem, state: DrawnState) -> dict[str, Window]:
+    return {name: front_window(problem, state, name) for name in state.faces}
+
+
+def _size(stored: StoredStage, state: StoredState, drawn: DrawnState) -> int:
     """Return the number of bytes of a state in the page."""
-    front = front_window(stored.stage.problem, state)
-    return len(json.dumps(_shown_state(stored, 0, state, front, 1.0)))
+    fronts = _fronts(stored.stage.problem, drawn)
+    return len(json.dumps(_shown_state(stored, state, drawn, fronts, 1.0)))
 
 
 def _units(laboratory: Laboratory, problem: Problem) -> Content:
-    """Return the units of the drawn quantities of the body, and the factors from values in the page."""
-    law = problem.adhesion.law
+    """Return the units of the drawn quantities of the bodies, and the factors from values in the page."""
     # the adhesion's tension is of the order of W over the opening, or of the strength where it is known
     try:
-        strength = law_character(law).strength
+        strengths = [law_character(interface.law).strength for interface in problem.interfaces]
     except InputError:
-        strength = problem.body.material.youngs_modulus
+        strengths = []
+    strength = max(strengths or [body.material.youngs_modulus for body in problem.bodies])
     found = {"length": laboratory.unit("length"), "stress": laboratory.unit("stress", strength)}
     return {name: {"name": plain(unit.name), "factor": unit.factor} for name, unit in found.items()}
 
@@ -196,45 +197,48 @@ def _around(windows: list[Window]) -> Window:
     return Window(*((float(ends.min()) - more, float(ends.max()) + more) for ends, more in wider))
 
 
-def _grid(state: BodyState) -> list[int]:
+def _grid(fields: SampledFields) -> list[int]:
     """Return the numbers of elements each way, and of cells in each element."""
-    elements_x, elements_y, nodes_x, nodes_y = state.fields.first_invariant.shape
+    elements_x, elements_y, nodes_x, nodes_y = fields.first_invariant.shape
     return [elements_x, elements_y, nodes_x - 1, nodes_y - 1]
 
 
-def _nodes(state: BodyState) -> FloatArray:
+def _nodes(fields: SampledFields) -> FloatArray:
     """Return the positions (m, k, 2) of the nodes of all cells, shared nodes once."""
-    position = state.fields.position
-    elements_x, elements_y, a, b = _grid(state)
+    elements_x, elements_y, a, b = _grid(fields)
     nodes = np.empty((elements_x * a + 1, elements_y * b + 1, 2))
     for k in range(a + 1):
         for m in range(b + 1):
-            nodes[k : k + (elements_x - 1) * a + 1 : a, m : m + (elements_y - 1) * b + 1 : b] = position[
-                :, :, k, m
-            ]
+            nodes[k : k + (elements_x - 1) * a + 1 : a, m : m + (elements_y - 1) * b + 1 : b] = (
+                fields.position[:, :, k, m]
+            )
     return nodes
 
 
-def _traction_points(stored: StoredStage) -> FloatArray:
-    """Return the points along the adhering side at which tractions are evaluated."""
-    adhesion, knots = stored.stage.problem.adhesion, stored.space.rows[0].breakpoints
-    elements = sum(end > adhesion.start and start < adhesion.end for start, end in pairwise(knots))
-    return np.linspace(0.0, 1.0, min(17, max(3, ceil(_TRACTIONS / elements) + 1)))
+def _profile(stored: StoredStage, state: StoredState, name: str) -> FrontProfile:
+    """Return the tractions on an interface at the points at which the page has them."""
+    problem, space = stored.stage.problem, stored.space
+    boundary = problem.interface_of(name).boundary
+    knots = spaces_by_name(problem, space)[boundary.body].rows[0].breakpoints
+    elements = sum(end > boundary.start and start < boundary.end for start, end in pairwise(knots))
+    points = np.linspace(0.0, 1.0, min(17, max(3, ceil(_TRACTIONS / elements) + 1)))
+    return front_profile(problem, space, state.displacement, points, state.maximum_openings, name)
 
 
-def _side(stored: StoredStage, state: BodyState) -> Content:
-    """Return the places along the adhering face at which tractions are given."""
-    run, problem, space = stored.run, stored.stage.problem, stored.space
-    displacement, maximum_openings = run.fields[state.parameter], run.maximum_openings.get(state.parameter)
-    points = _traction_points(stored)
-    profile = front_profile(problem, space, displacement, points, maximum_openings)
-    rest = body_state(problem, space, 0.0, np.zeros_like(displacement), (1, 1), maximum_openings).adhering
+def _side(stored: StoredStage, drawn: DrawnState, name: str) -> Content:
+    """Return the places along an adhering face at which tractions are given."""
+    state = stored.run.states[-1]
+    profile = _profile(stored, state, name)
+    at_rest = state._replace(displacement=np.zeros_like(state.displacement))
+    cells = dict.fromkeys(drawn.bodies, (1, 1))
+    rest = drawn_state(stored.stage.problem, stored.space, at_rest, cells).faces[name].position
     chords = np.linalg.norm(np.diff(rest, axis=0), axis=1)
     # places on the undeformed face of the points of the deformed face
     places = profile.position[0, 0] + np.append(0.0, np.cumsum(chords))[_along_face(rest)]
     return {
+        "name": name,
         "position": packed(profile.position, "f4"),
-        "points": points.size,
+        "points": profile.position.shape[1],
         "places": packed(places, "f4"),
     }
 
@@ -244,20 +248,33 @@ def _along_face(adhering: FloatArray) -> IntArray:
     return np.linspace(0, len(adhering) - 1, _ALONG_SIDE + 1).round().astype(np.int64)
 
 
-def _shown_state(stored: StoredStage, number: int, state: BodyState, front: Window, scale: float) -> Content:
-    problem, run = stored.stage.problem, stored.run
-    displacement = run.fields[state.parameter]
-    maximum_openings = run.maximum_openings.get(state.parameter)
-    profile = front_profile(problem, stored.space, displacement, _traction_points(stored), maximum_openings)
+def _shown_state(
+    stored: StoredStage, state: StoredState, drawn: DrawnState, fronts: Mapping[str, Window], scale: float
+) -> Content:
+    # of a body without an interface, the dots of the whole picture
+    widths = [front.x[1] - front.x[0] for front in fronts.values()]
+    resolution = (min(widths) if widths else np.ptp(whole_window([drawn]).x)) / _DOTS
+    return {
+        "step": state.step,
+        "bodies": [
+            {
+                "nodes": packed_positions(_nodes(fields), resolution),
+                "stress": packed_stress(fields.first_invariant, scale),
+            }
+            for fields in drawn.bodies.values()
+        ],
+        "faces": [_shown_face(stored, state, name, face, fronts[name]) for name, face in drawn.faces.items()],
+        "residuals": [float(f"{value:.2e}") for value in stored.run.curve.residuals_of(state.step).tolist()],
+    }
+
+
+def _shown_face(stored: StoredStage, state: StoredState, name: str, face: Face, front: Window) -> Content:
+    profile, position = _profile(stored, state, name), face.position
     resolution = (front.x[1] - front.x[0]) / _DOTS
     return {
-        "step": number,
-        "nodes": packed_positions(_nodes(state), resolution),
-        "stress": packed_stress(state.fields.first_invariant, scale),
-        "adhering": packed_positions(state.adhering[_along_face(state.adhering)][:, None], resolution),
+        "adhering": packed_positions(position[_along_face(position)][:, None], resolution),
         "front": [*front.x, *front.y],
         # tension, positive where the substrate holds the body
         "adhesion": packed(-profile.adhesive_traction, "f4"),
         "body": packed(-profile.body_traction, "f4"),
-        "residuals": [float(f"{value:.2e}") for value in run.curve.residuals_of(number).tolist()],
     }

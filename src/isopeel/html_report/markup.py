@@ -5,7 +5,7 @@ from functools import partial
 from html import escape
 from typing import Any
 
-from isopeel.html_report.content import column_words, field_steps, plain
+from isopeel.html_report.content import column_words, plain
 from isopeel.post.figures.reaction import unstable_pieces
 from isopeel.post.findings import Findings
 from isopeel.post.summary_table import summary_rows
@@ -92,7 +92,7 @@ def _units(text: str) -> str:
 
 def states_table(stored: StoredStage, shown: int) -> str:
     """Return the stored states as a table."""
-    curve, steps = stored.laboratory.curve(stored.run.curve), field_steps(stored.run)
+    curve, steps = stored.laboratory.curve(stored.run.curve), [state.step for state in stored.run.states]
     columns = [column_words(column) for column in (curve.parameter_column, curve.reaction_column)]
     headings = ["step", *(f"{column['words']} / {column['unit']}" for column in columns), "iterations"]
     rows = (

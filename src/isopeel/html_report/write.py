@@ -81,7 +81,7 @@ def _section(name: str, stored: StoredStage, several: bool, most_bytes: int) -> 
     run, stage = stored.run, stored.stage
     heading = f"<h2>{escape(stored.title)}</h2>\n" if several else ""
     ending = markup.ending(stored)
-    if not len(run.curve) or not run.fields:
+    if not len(run.curve) or not run.states:
         return f'<section id="{name}">\n{heading}{ending}</section>\n', None
     found = stored.found()
     points = stored.case.discretization.contact_points
@@ -98,8 +98,8 @@ def _section(name: str, stored: StoredStage, several: bool, most_bytes: int) -> 
         parameter=escape(column_words(run.curve.parameter_column)["words"]),
         reaction=escape(column_words(run.curve.reaction_column)["words"]),
         curve_legend=markup.curve_legend(stored, found.plateau is not None),
-        adheres_to=content["substrate"]["words"],
-        damage="(the law without its damage)" if stage.problem.adhesion.irreversible else "",
+        shapes="Deformed body" if len(stage.problem.bodies) == 1 else "Deformed bodies",
+        adheres_to=content["adheres_to"],
         summary=markup.summary(stored, summarize(stored.title, run, found, seconds, changes), found),
         table=markup.states_table(stored, len(content["states"])),
     )

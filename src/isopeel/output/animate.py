@@ -53,7 +53,7 @@ def animate_run(
         raise InputError("--fps", fps, f"{FEWEST:g} to {MOST:g} pictures per second are possible")
     pixels = _pixels(size)
     stages = shown_stages(folder)
-    moving = [stage for stage in stages if len(stage.run.fields) > 1]
+    moving = [stage for stage in stages if len(stage.run.states) > 1]
     if not moving:
         allowed = "two stored states or more are needed; `isopeel run --fields-every` stores more"
         raise InputError("DIR", str(folder), allowed)
@@ -62,7 +62,7 @@ def animate_run(
         into = stage.folder / FIGURES if out is None else out / stage.folder.relative_to(folder)
         check_overwritten("--out", [into / f"animation.{suffix}"], force)
         make_folder(into)
-        count = len(stage.run.fields)
+        count = len(stage.run.states)
         pace = fps or min(max(count / _USUAL_SECONDS, _USUAL_PACE[0]), _USUAL_PACE[1])
         path = into / f"animation.{suffix}"
         with replacing(path) as part, counted(console, f"drawing {stage.title}", count) as next_one:
@@ -81,9 +81,7 @@ def _pixels(size: str) -> tuple[int, int]:
 
 def _pictures(stage: StoredStage, size: tuple[int, int], next_one: Callable[[], None]) -> Iterator[Picture]:
     run = stage.run
-    figure = MovingFigure(
-        stage.stage.problem, stage.space, run.curve, run.fields, size, stage.laboratory, run.maximum_openings
-    )
+    figure = MovingFigure(stage.stage.problem, stage.space, run.curve, run.states, size, stage.laboratory)
     for number in range(len(figure)):
         check()
         yield figure.picture(number)

@@ -1,13 +1,15 @@
 """Export a stored run as files for ParaView."""
 
 import re
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
+import numpy as np
 from rich.console import Console
 
 from isopeel.common.errors import InputError
 from isopeel.post.grids import body_grids, body_mesh, side_grids, side_mesh
-from isopeel.results.vtk import write_grid, write_series
+from isopeel.results.vtk import Grid, Part, write_grid, write_series
 from isopeel.running.folder import EXPORTED, check_overwritten, make_folder
 from isopeel.running.run_reader import StoredStage, read_stages
 
@@ -24,18 +26,20 @@ def export_run(
 
     They are written to `out`, by default to `paraview` beside the file of the run; a case of several stages
     has a folder for each stage with fields. The time of a series, `body.pvd` or `adhesive-side.pvd`, is the
-    drive's parameter in its shown unit. Cells are Bezier cells, or elements cut into `linear` straight cells
-    each way. Files of an earlier export are replaced. Raises InputError where the folder holds no run with a
-    field, or `out` cannot be written, and OSError where a file cannot be written.
+    drive's parameter in its shown unit, or the number of the step where the path turns back. Of several
+    bodies or interfaces each has its own files, and is a part of the series. Cells are Bezier cells, or
+    elements cut into `linear` straight cells each way. Files of an earlier export are replaced. Raises
+    InputError where the folder holds no run with a field, or `out` cannot be written, and OSError where a
+    file cannot be written.
     """
     if linear is not None and not 1 <= linear <= MOST_PIECES:
         raise InputError("--linear", linear, f"an element is cut into 1 to {MOST_PIECES} each way")
     stages = read_stages(folder)
-    if not any(stage.run.fields for stage in stages):
+    if not any(stage.run.states for stage in stages):
         raise InputError("DIR", str(folder), "a run with a converged step is needed, and it has none yet")
     for stage in stages:
         run = stage.run
-        if run.fields:
+        if run.states:
             place = stage.folder / "paraview" if out is None else out
             if out is not None and len(stages) > 1:
                 place = out / stage.folder.name
@@ -44,8 +48,9 @@ def export_run(
             removed = _export(stage, place, linear)
             unit = run.curve.parameter_column.unit
             suffix = "" if run.ending == "completed" else f" (the run {_ENDINGS[run.ending]})"
-            states = f"{len(run.fields)} states, to {list(run.fields)[-1]:g} {unit}{suffix}"
-            console.print(f"{states}: {place / _BODY}.pvd and {_SIDE}.pvd", soft_wrap=True)
+            states = f"{len(run.states)} states, to {run.states[-1].parameter:g} {unit}{suffix}"
+            side = f" and {_SIDE}.pvd" if stage.stage.problem.interfaces else ""
+            console.print(f"{states}: {place / _BODY}.pvd{side}", soft_wrap=True)
             if removed:
                 console.print(f"removed {', '.join(map(str, removed))}", soft_wrap=True)
 
@@ -59,31 +64,59 @@ _ENDINGS = {
 
 def _export(stage: StoredStage, out: Path, linear: int | None) -> list[Path]:
     """Write the files of a stage, and return those of an earlier export that are removed."""
-    run, case, space = stage.run, stage.case, stage.space
-    problem = stage.stage.problem
+    run, case = stage.run, stage.case
     make_folder(out)
     parameter = run.curve.parameter_column
-    notes = {
-        "case": case.name,
-        "L0": case.units.length,
-        "E0": case.units.stress,
-        "time": f"{parameter.name} [{parameter.unit}]",
-    }
-    states, maximum_openings = list(run.fields.values()), [run.maximum_openings.get(at) for at in run.fields]
-    body = body_grids(problem, space, body_mesh(problem, space, linear), states)
-    side = side_grids(problem, space, side_mesh(problem, space, linear), states, maximum_openings)
-    times: dict[str, dict[str, float]] = {_BODY: {}, _SIDE: {}}
-    for number, (time, *grids) in enumerate(zip(run.fields, body, side, strict=True)):
-        for name, grid in zip(times, grids, strict=True):
-            file = f"{name}-{number:04d}.vtu"
-            write_grid(out / file, grid, time, notes)
-            times[name][file] = time
+    times, words = [state.parameter for state in run.states], f"{parameter.name} [{parameter.unit}]"
+    rise = np.sign(np.diff(times))
+    if np.ptp(rise) > 0 or not rise.all():
+        times, words = [float(state.step) for state in run.states], "step"
+    notes = {"case": case.name, "L0": case.units.length, "E0": case.units.stress, "time": words}
     removed = []
-    for name, written in times.items():
-        write_series(out / f"{name}.pvd", written)
+    for kind, series in ((_BODY, _body_series(stage, linear)), (_SIDE, _side_series(stage, linear))):
+        written: list[Part] = []
+        for number, (name, grids) in enumerate(series.items()):
+            prefix, part = kind, {}
+            if len(series) > 1:
+                prefix, part = f"{kind}-{_file_name(name, list(series))}", {"part": name}
+            for state, (time, grid) in enumerate(zip(times, grids, strict=True)):
+                file = f"{prefix}-{state:04d}.vtu"
+                write_grid(out / file, grid, time, notes | part)
+                written.append(Part(file, time, number))
+        if series:
+            write_series(out / f"{kind}.pvd", written)
         # files of an earlier run with more states
-        for old in sorted(out.glob(f"{name}-*.vtu")):
-            if old.name not in written and re.fullmatch(rf"{name}-\d{{4,}}\.vtu", old.name):
+        files = {part.file for part in written}
+        for old in sorted(out.glob(f"{kind}-*.vtu")):
+            if old.name not in files and EXPORTED.fullmatch(old.name):
                 old.unlink()
                 removed.append(old)
     return removed
+
+
+def _body_series(stage: StoredStage, linear: int | None) -> Mapping[str, Iterator[Grid]]:
+    """Return the grids of all states of each body."""
+    problem, space, states = stage.stage.problem, stage.space, stage.run.states
+    return {
+        body.name: body_grids(problem, space, body_mesh(problem, space, linear, body.name), states, body.name)
+        for body in problem.bodies
+    }
+
+
+def _side_series(stage: StoredStage, linear: int | None) -> Mapping[str, Iterator[Grid]]:
+    """Return the grids of all states of each interface."""
+    problem, space, states = stage.stage.problem, stage.space, stage.run.states
+    return {
+        name: side_grids(problem, space, side_mesh(problem, space, linear, name), states, name)
+        for name in problem.interface_names
+    }
+
+
+def _file_name(name: str, names: Sequence[str]) -> str:
+    """Return the name of a body or an interface as a part of a file's name, unlike that of all others."""
+
+    def plain(text: str) -> str:
+        return re.sub(r"[^\w.-]+", "-", text)
+
+    same = [other for other in names if plain(other) == plain(name)]
+    return plain(name) if len(same) == 1 else f"{plain(name)}-{same.index(name) + 1}"

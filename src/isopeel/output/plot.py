@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from rich.console import Console
 
 from isopeel.common.errors import InputError
-from isopeel.output.selection import shown_stages, stored_parameters
+from isopeel.output.selection import chosen_states, shown_stages
 from isopeel.post.figures import (
     front_figure,
     plateau_figure,
@@ -20,21 +20,21 @@ from isopeel.post.figures import (
 )
 from isopeel.post.figures.shapes import MOST_SHAPES, spread
 from isopeel.post.findings import Findings, Shown, in_laboratory
-from isopeel.post.front import front_profile
 from isopeel.post.laboratory import Laboratory
 from isopeel.post.plateau import unreadable
 from isopeel.post.style import check_format
+from isopeel.results.fields import StoredState
 from isopeel.results.files import replacing
 from isopeel.running.folder import FIGURES, check_overwritten, make_folder
 from isopeel.running.run_reader import StoredStage
 
 
 class _Shown(NamedTuple):
-    """A stage, its findings, and the parameters of the states to show, if they were chosen."""
+    """A stage, its findings, and the states to show, if they were chosen."""
 
     stored: StoredStage
     found: Findings
-    at: list[float]
+    chosen: list[StoredState]
 
     @property
     def units(self) -> Laboratory:
@@ -75,7 +75,7 @@ def plot_run(
         shown = _Shown(
             stage,
             stage.found(),
-            stored_parameters(stage, at, console),
+            chosen_states(stage, at, console),
         )
         into = stage.folder / FIGURES if out is None else out / stage.folder.relative_to(folder)
         check_overwritten("--out", [into / f"{part}.{suffix}" for part in only or PARTS], force)
@@ -115,31 +115,21 @@ def _plateau(shown: _Shown) -> Figure:
 
 
 def _shapes(shown: _Shown) -> Figure:
-    stored = shown.stored
-    run, problem = stored.run, stored.stage.problem
-    return shapes_figure(problem, stored.space, run.fields, shown.units, shown.at, run.maximum_openings)
+    stored, chosen = shown.stored, shown.chosen
+    states = chosen or stored.run.states
+    return shapes_figure(stored.stage.problem, stored.space, states, shown.units, every=bool(chosen))
 
 
 def _front(shown: _Shown) -> Figure:
     stored = shown.stored
-    run, problem = stored.run, stored.stage.problem
-    last = (shown.at or list(run.fields))[-1]
-    return front_figure(
-        problem, stored.space, last, run.fields[last], shown.units, run.maximum_openings.get(last)
-    )
+    last = (shown.chosen or stored.run.states)[-1]
+    return front_figure(stored.stage.problem, stored.space, last, shown.units)
 
 
 def _tractions(shown: _Shown) -> Figure:
     stored = shown.stored
-    problem, fields, maximum_openings = stored.stage.problem, stored.run.fields, stored.run.maximum_openings
-    at = shown.at or spread(list(fields), MOST_SHAPES)
-    profiles = {
-        value: front_profile(
-            problem, stored.space, fields[value], maximum_openings=maximum_openings.get(value)
-        )
-        for value in at
-    }
-    return tractions_figure(profiles, problem.drive.parameter_column, shown.units)
+    states = shown.chosen or spread(stored.run.states, MOST_SHAPES)
+    return tractions_figure(stored.stage.problem, stored.space, states, shown.units)
 
 
 #: The figures of a run, by the names of their files.

@@ -10,6 +10,7 @@ from rich.console import Console
 from isopeel.case.values import as_written, read_quantity
 from isopeel.common.errors import InputError
 from isopeel.common.units import measured_in
+from isopeel.results.fields import StoredState
 from isopeel.running.run_reader import StoredStage, read_stages
 
 #: States are the same where they differ by less than this share of the largest parameter of the path.
@@ -21,7 +22,7 @@ def shown_stages(folder: Path) -> tuple[StoredStage, ...]:
 
     Raises InputError where there is none.
     """
-    stages = tuple(stage for stage in read_stages(folder) if len(stage.run.curve) and stage.run.fields)
+    stages = tuple(stage for stage in read_stages(folder) if len(stage.run.curve) and stage.run.states)
     if not stages:
         allowed = "no step of the run in it converged, so that there is nothing to show"
         raise InputError("DIR", str(folder), allowed)
@@ -37,18 +38,19 @@ def shown_stage(folder: Path) -> StoredStage:
     return stage
 
 
-def stored_parameters(stage: StoredStage, written: Sequence[str], console: Console) -> list[float]:
-    """Return the parameters of the stored displacements nearest to those that a user wrote, in their order.
+def chosen_states(stage: StoredStage, written: Sequence[str], console: Console) -> list[StoredState]:
+    """Return the stored states nearest to the parameters that a user wrote, in their order.
 
-    Where one differs from the written one, a line is printed. They are read in the units of the run's case.
-    Plain numbers are degrees, and valid for angles only. Raises InputError for --at, also where one lies
-    beyond the path.
+    Of several states at one parameter it is the last. Where one differs from the written one, a line is
+    printed. They are read in the units of the run's case. Plain numbers are degrees, and valid for angles
+    only. Raises InputError for --at, also where one lies beyond the path.
     """
-    return list(dict.fromkeys(_nearest(stage, value, console) for value in written))
+    found = [_nearest(stage, value, console) for value in written]
+    return list({state.step: state for state in found}.values())
 
 
-def _nearest(stage: StoredStage, written: str, console: Console) -> float:
-    drive, stored = stage.stage.problem.drive, np.array(list(stage.run.fields))
+def _nearest(stage: StoredStage, written: str, console: Console) -> StoredState:
+    drive = stage.stage.problem.drive
     dimension = drive.parameter_dimension
     try:
         with measured_in(stage.case.units.system()):
@@ -61,8 +63,8 @@ def _nearest(stage: StoredStage, written: str, console: Console) -> float:
     if not path.min() - same <= value <= path.max() + same:
         reach = f"the path goes from {shown(float(path.min()))} to {shown(float(path.max()))}"
         raise InputError("--at", written, reach)
-    nearest = float(stored[np.abs(stored - value).argmin()])
-    if abs(nearest - value) > same:
-        note = f"--at {written}: the nearest state that is stored is at {shown(nearest)}"
+    nearest = stage.run.nearest(value)
+    if abs(nearest.parameter - value) > same:
+        note = f"--at {written}: the nearest state that is stored is at {shown(nearest.parameter)}"
         console.print(f"{note}; `isopeel run --fields-every` stores more", soft_wrap=True)
     return nearest

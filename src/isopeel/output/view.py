@@ -1,4 +1,4 @@
-"""Show a stored run in a window: the deformed body, with a slider over its states."""
+"""Show a stored run in a window: the deformed bodies, with a slider over its states."""
 
 import os
 import sys
@@ -14,12 +14,12 @@ from rich.console import Console
 
 from isopeel.common.arrays import FloatArray
 from isopeel.common.errors import InputError
-from isopeel.output.selection import shown_stage, stored_parameters
+from isopeel.output.selection import chosen_states, shown_stage
 from isopeel.physics.batch import evaluate_substrate
+from isopeel.physics.substrates import Substrate
 from isopeel.post.fields import SampledFields
-from isopeel.post.states import BodyState, Window, body_state, common_view
+from isopeel.post.states import DrawnState, Window, common_view, drawn_state, substrates
 from isopeel.post.style import FIELD_MAP, SHADE, VERMILION
-from isopeel.problem import Problem
 from isopeel.results.files import MAKER, replacing
 from isopeel.running.folder import check_overwritten, make_folder
 from isopeel.running.run_reader import StoredStage
@@ -54,9 +54,9 @@ def view_run(
     `force`; OSError where it cannot be written.
     """
     stage = shown_stage(folder)
-    fields = list(stage.run.fields)
-    chosen = stored_parameters(stage, [] if at is None else [at], console)
-    number = fields.index(chosen[0]) if chosen else len(fields) - 1
+    steps = [state.step for state in stage.run.states]
+    chosen = chosen_states(stage, [] if at is None else [at], console)
+    number = steps.index(chosen[0].step) if chosen else len(steps) - 1
     if screenshot is not None:
         if screenshot.suffix.lower() != ".png":
             raise InputError("--screenshot", str(screenshot), "its name must end in .png")
@@ -98,40 +98,47 @@ def _check_display() -> None:
 
 
 class Viewer:
-    """A scene of the body of a stage, its substrate, and the shown state."""
+    """A scene of the bodies of a stage, their substrates, and the shown state."""
 
     def __init__(self, pyvista: ModuleType, stage: StoredStage, *, off_screen: bool) -> None:
         self._pyvista = pyvista
         self._column = stage.stage.problem.drive.parameter_column
         problem = stage.stage.problem
-        self._stage, self._parameters = stage, list(stage.run.fields)
-        window, scale = common_view(problem, stage.space, stage.run.fields, stage.run.maximum_openings)
+        self._stage = stage
+        window, scale = common_view(problem, stage.space, stage.run.states)
         first = self._state(0)
         #: The number of the shown state, from zero.
         self.shown: int = 0
         #: The slider of VTK, once it has been added.
         self.slider: Any = None
-        self._body = _mesh(pyvista, first.fields)
+        self._bodies = {name: _mesh(pyvista, fields) for name, fields in first.bodies.items()}
         # in front of the body, which would hide half of it
         self._above = 1e-3 * float(np.ptp(window.y))
-        self._face = pyvista.lines_from_points(_points(first.adhering, self._above))
+        self._faces = {
+            name: pyvista.lines_from_points(_points(face.position, self._above))
+            for name, face in first.faces.items()
+        }
         self.plotter: Any = pyvista.Plotter(off_screen=off_screen, window_size=_SIZE)
         self.plotter.set_background("white")
         self.plotter.enable_anti_aliasing("ssaa")
-        self.plotter.add_mesh(
-            self._body,
-            scalars=_FIELD,
-            cmap=mpl.colormaps[FIELD_MAP],
-            clim=(-scale, scale),
-            lighting=False,
-            scalar_bar_args=_BAR,
-        )
-        self.plotter.add_mesh(self._face, color=VERMILION, line_width=8, lighting=False)
-        substrate = _substrate(pyvista, problem, window)
-        if substrate.n_cells:
-            self.plotter.add_mesh(substrate, color=SHADE, lighting=False)
-            edges = substrate.extract_feature_edges(feature_edges=False, manifold_edges=False)
-            self.plotter.add_mesh(edges, color="black", line_width=1, lighting=False)
+        for body in self._bodies.values():
+            self.plotter.add_mesh(
+                body,
+                scalars=_FIELD,
+                cmap=mpl.colormaps[FIELD_MAP],
+                clim=(-scale, scale),
+                lighting=False,
+                # bars of one title are one bar; the arguments are changed
+                scalar_bar_args=dict(_BAR),
+            )
+        for face in self._faces.values():
+            self.plotter.add_mesh(face, color=VERMILION, line_width=8, lighting=False)
+        for one in substrates(problem):
+            substrate = _region(pyvista, one, window)
+            if substrate.n_cells:
+                self.plotter.add_mesh(substrate, color=SHADE, lighting=False)
+                edges = substrate.extract_feature_edges(feature_edges=False, manifold_edges=False)
+                self.plotter.add_mesh(edges, color="black", line_width=1, lighting=False)
         self.plotter.add_text(stage.laboratory.note(), position="lower_right", font_size=8, color="black")
         self.plotter.view_xy()
         self.plotter.enable_parallel_projection()
@@ -141,26 +148,25 @@ class Viewer:
         aspect = _SIZE[0] / _SIZE[1]
         self.plotter.camera.parallel_scale = 0.65 * max(high[1] - low[1], (high[0] - low[0]) / aspect)
 
-    def _state(self, number: int) -> BodyState:
-        at, stage, run = self._parameters[number], self._stage, self._stage.run
-        maximum_openings = run.maximum_openings.get(at)
-        return body_state(
-            stage.stage.problem, stage.space, at, run.fields[at], maximum_openings=maximum_openings
-        )
+    def _state(self, number: int) -> DrawnState:
+        stage = self._stage
+        return drawn_state(stage.stage.problem, stage.space, stage.run.states[number])
 
     def show(self, number: int) -> None:
         """Show a state, by its number from zero; numbers beyond the ends show the states at the ends."""
-        self.shown = min(max(number, 0), len(self._parameters) - 1)
+        self.shown = min(max(number, 0), len(self._stage.run.states) - 1)
         state = self._state(self.shown)
-        self._body.points = _points(state.fields.position)
-        self._body[_FIELD] = state.fields.first_invariant.ravel()
-        self._face.points = _points(state.adhering, self._above)
+        for name, fields in state.bodies.items():
+            self._bodies[name].points = _points(fields.position)
+            self._bodies[name][_FIELD] = fields.first_invariant.ravel()
+        for name, face in state.faces.items():
+            self._faces[name].points = _points(face.position, self._above)
         text = self._stage.laboratory.parameter(self._column, state.parameter)
         self.plotter.add_text(text, position="upper_left", font_size=12, color="black", name="parameter")
 
     def add_slider(self, number: int) -> None:
         """Add a slider over the states, which the arrow keys move too, and show one of them."""
-        last = len(self._parameters) - 1
+        last = len(self._stage.run.states) - 1
         self.show(number)
         if not last:
             return
@@ -203,9 +209,9 @@ def _mesh(pyvista: ModuleType, fields: SampledFields) -> Any:
     return mesh
 
 
-def _substrate(pyvista: ModuleType, problem: Problem, window: Window) -> Any:
-    """Return the part of a window where the gap is negative."""
-    substrate, count = problem.adhesion.substrate, 401
+def _region(pyvista: ModuleType, substrate: Substrate, window: Window) -> Any:
+    """Return the part of a window where the gap of a substrate is negative."""
+    count = 401
     x, y = np.meshgrid(np.linspace(*window.x, count), np.linspace(*window.y, count), indexing="ij")
     gap, _, _ = evaluate_substrate(substrate.kernel, substrate.parameters, np.stack([x, y], axis=-1))
     grid = pyvista.StructuredGrid(x, y, np.full_like(x, -1e-3 * float(np.ptp(window.y))))

@@ -127,7 +127,7 @@ def _execute(waiting: list[Run], store: Store, workers: int, watcher: Watcher) -
 
 
 def _reaches(stored: StoredRun, variant: Run) -> bool:
-    return any(abs(angle - variant.range_deg[0]) < 1e-6 for angle in stored.fields)
+    return any(abs(state.parameter - variant.range_deg[0]) < 1e-6 for state in stored.states)
 
 
 _reports: "SimpleQueue[Report] | None" = None
@@ -144,9 +144,8 @@ def _compute(run: Run, key: str, store: Store) -> None:
     problem, space = case.problem(), case.space()
     start: list[State] = []
     if run.base is not None:
-        fields = read_run(store.path(run.base)).fields
-        angle = min(fields, key=lambda angle: abs(angle - run.range_deg[0]))
-        start.append(State(radians(angle), fields[angle]))
+        base = read_run(store.path(run.base)).nearest(run.range_deg[0])
+        start.append(State(radians(base.parameter), base.displacement))
     attributes = run_attributes(problem, space, Provenance.of_this_process()) | {"key": key}
     steps = trace(
         problem,

@@ -43,11 +43,12 @@ class Front:
         """Return the front at FRONT_DEG; None if the run ended before, or is not compared."""
         if run.base is not None or run.space not in SPACES or run.mesh != VARIANT_MESH:
             return None
-        found = [u for angle, u in stored.fields.items() if abs(angle - FRONT_DEG) < STEP / 2]
-        if not found:
+        if not stored.states:
             return None
-        case = run.case
-        profile = front_profile(case.problem(), case.space(), found[0])
+        case, state = run.case, stored.nearest(FRONT_DEG)
+        if abs(state.parameter - FRONT_DEG) >= STEP / 2:
+            return None
+        profile = front_profile(case.problem(), case.space(), state.displacement)
         zone = process_zone(profile)
         if zone is None:
             return None
@@ -138,10 +139,10 @@ class Record:
 
 def _continues(run: Run, stored: StoredRun) -> bool | None:
     """Return whether the failed step converges from the last state, without an extrapolation."""
-    if stored.failure is None or not stored.fields:
+    if stored.failure is None or not stored.states:
         return None
-    case, last = run.case, max(stored.fields)
-    start = [State(radians(last), stored.fields[last])]
+    case, last = run.case, stored.states[-1]
+    start = [State(radians(last.parameter), last.displacement)]
     points = case.discretization.contact_points
     angle, settings = radians(stored.failure.parameter), NewtonSettings(plain=True)
     try:

@@ -1,16 +1,18 @@
-"""The position of the front in the stored states of a run, and the energy release rate."""
+"""The positions of fronts in the stored states of a run, and the energy release rate."""
 
-from collections.abc import Mapping
-from typing import NamedTuple
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
+from isopeel.assembly.spaces import SpaceOfBodies
 from isopeel.common.arrays import FloatArray
+from isopeel.post.driven import driven_on
 from isopeel.post.front import ProcessZone, process_zones
 from isopeel.problem import Problem
 from isopeel.results.curve import Curve
+from isopeel.results.fields import StoredState
 from isopeel.solve.step import KINDS
-from isopeel.splines.rows import RowSpace
 
 #: Least distance of the front from its start, and from the end of the joint, in steady peeling: in lengths of
 #: the process zone.
@@ -28,6 +30,10 @@ class Front(NamedTuple):
     crack_length: float | None
 
 
+#: The fronts on one interface, by the numbers of the steps whose states have one.
+Fronts: TypeAlias = Mapping[int, Front]
+
+
 class Release(NamedTuple):
     """The energy release rate: energy per area that the front takes while it moves between two states."""
 
@@ -36,35 +42,39 @@ class Release(NamedTuple):
 
 
 def fronts(
-    problem: Problem,
-    space: RowSpace,
-    fields: Mapping[float, FloatArray],
-    maximum_openings: Mapping[float, FloatArray] | None = None,
-) -> dict[float, Front]:
-    """Return the fronts in states, given as for `process_zones`; states without one are left out."""
-    origin = load_position(problem)
-    zones = process_zones(problem, space, fields, maximum_openings)
+    problem: Problem, space: SpaceOfBodies, states: Sequence[StoredState], interface: str = ""
+) -> dict[int, Front]:
+    """Return the fronts in states by the numbers of their steps; states without one are left out.
+
+    Of several interfaces one is chosen by its name.
+    """
+    origin = load_position(problem, interface)
+    zones = process_zones(problem, space, states, interface)
     return {
-        parameter: Front(zone, None if origin is None else abs(zone.position - origin))
-        for parameter, zone in zones.items()
+        step: Front(zone, None if origin is None else abs(zone.position - origin))
+        for step, zone in zones.items()
     }
 
 
-def load_position(problem: Problem) -> float | None:
-    """Return the place along the adhering side from which cracks are measured; None where there is none."""
-    adhesion, drive = problem.adhesion, problem.drive
-    length = problem.body.shape.boundary(adhesion.side).length()
+def load_position(problem: Problem, interface: str = "") -> float | None:
+    """Return the place along an adhering side from which cracks are measured; None where there is none."""
+    boundary = problem.interface_of(interface).boundary
+    loaded = driven_on(problem, boundary.body)
+    if len(loaded) != 1:
+        return None
+    (one,) = loaded
+    length = problem.body_of(boundary.body).shape.boundary(boundary.side).length()
     ends = (
         {"left": 0.0, "right": length}
-        if adhesion.side in ("bottom", "top")
+        if boundary.side in ("bottom", "top")
         else {"bottom": 0.0, "top": length}
     )
-    if drive.side in ends:
-        return ends[drive.side]
-    if drive.load is None or drive.load.end - drive.load.start > 0.25:
+    if one.side in ends:
+        return ends[one.side]
+    if one.end - one.start > 0.25:
         return None
     # a part of the opposite side, whose parameter has the direction of that of the adhering side
-    return length * (drive.load.start + drive.load.end) / 2
+    return length * (one.start + one.end) / 2
 
 
 def joint_ends(problem: Problem) -> tuple[float, float]:
@@ -81,24 +91,26 @@ def joint_ends(problem: Problem) -> tuple[float, float]:
     return near, far
 
 
-def crack_lengths(curve: Curve, found: Mapping[float, Front]) -> FloatArray:
+def crack_lengths(curve: Curve, found: Fronts) -> FloatArray:
     """Return the crack length at each step (steps,): nan without a stored displacement or a front."""
     lengths = np.full(len(curve), np.nan)
-    for parameter, front in found.items():
+    for step, front in found.items():
         if front.crack_length is not None:
-            lengths[curve.parameter == parameter] = front.crack_length
+            lengths[step] = front.crack_length
     return lengths
 
 
-def crack_length_at(
-    problem: Problem, curve: Curve, found: Mapping[float, Front], parameter: float
-) -> float | None:
+def crack_length_at(problem: Problem, curve: Curve, found: Fronts, parameter: float) -> float | None:
     """Return the crack length at a parameter of a curve, linear between the stored states on both sides.
 
     Outside of them it is the length in the nearest state with a front, plus the length `opened` in between.
     Returns None where there is no front, or the curve turns back.
     """
-    known = sorted((at, front.crack_length) for at, front in found.items() if front.crack_length is not None)
+    known = sorted(
+        (float(curve.parameter[step]), front.crack_length)
+        for step, front in found.items()
+        if front.crack_length is not None
+    )
     if not known:
         return None
     at, lengths = np.array(known).T
@@ -122,36 +134,33 @@ def opened(problem: Problem, curve: Curve) -> FloatArray:
     return (taken - taken[:1]) / problem.adhesion.law.work_of_adhesion
 
 
-def release(
-    problem: Problem, curve: Curve, found: Mapping[float, Front], start: float | None
-) -> Release | None:
+def release(problem: Problem, curve: Curve, found: Fronts, start: float | None) -> Release | None:
     """Return the energy release rate G = (work of the drive - stored energy gained)/(motion of the front).
 
     It is evaluated between the last state with a front and the first one from the parameter `start` on, or an
     earlier one. The front must be away from both ends of the joint, and move by more than its own length. The
     energy released in jumps is left out, as there is no equilibrium during a jump. Returns None where there
-    are no two such states, or where the path met one of them more than once.
+    are no two such states, or where the path met one of their parameters more than once.
     """
     near, far = joint_ends(problem)
     steady = [
-        (parameter, front.crack_length)
-        for parameter, front in found.items()
+        (step, front.crack_length)
+        for step, front in found.items()
         if front.crack_length is not None
         and near + _AWAY * front.zone.length <= front.crack_length <= far - _AWAY * front.zone.length
     ]
     if len(steady) < 2:
         return None
-    last, longer = steady[-1]
+    j, longer = steady[-1]
     # the front is known to a part of an element: its motion must be much longer
-    distant = [one for one in steady if longer - one[1] >= _AWAY * found[last].zone.length]
+    distant = [one for one in steady if longer - one[1] >= _AWAY * found[j].zone.length]
     if not distant:
         return None
-    inside = [one for one in distant if start is not None and abs(one[0]) >= abs(start)]
-    first, crack = inside[0] if inside else distant[-1] if start is not None else distant[0]
-    steps = [np.flatnonzero(curve.parameter == at) for at in (first, last)]
-    if any(len(step) != 1 for step in steps):
+    inside = [one for one in distant if start is not None and abs(curve.parameter[one[0]]) >= abs(start)]
+    i, crack = inside[0] if inside else distant[-1] if start is not None else distant[0]
+    first, last = float(curve.parameter[i]), float(curve.parameter[j])
+    if any(np.count_nonzero(curve.parameter == at) != 1 for at in (first, last)):
         return None
-    i, j = (int(step[0]) for step in steps)
     part = slice(i, j + 1)
     parameter = curve.parameter[part] / curve.parameter_column.factor
     reaction = curve.reaction[part] / curve.reaction_column.factor

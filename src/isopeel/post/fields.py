@@ -1,15 +1,17 @@
 """Fields of a deformed body: positions, deformation gradient and stress at points of every element."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
 
+from isopeel.assembly.spaces import SpaceOfBodies, part_of_body, spaces_by_name
 from isopeel.assembly.tables import FLAT
 from isopeel.common.arrays import FloatArray, IntArray
 from isopeel.common.errors import InputError
 from isopeel.physics.batch import evaluate_material, evaluate_substrate
-from isopeel.problem import Problem
+from isopeel.problem import Body, Boundary, Problem
+from isopeel.results.fields import StoredState
 from isopeel.splines.nurbs import NurbsSurface, Side
 from isopeel.splines.rows import RowSpace
 from isopeel.splines.space import SplineSpace
@@ -44,34 +46,46 @@ class SideFields:
 
 
 def sample_fields(
-    problem: Problem, space: RowSpace, displacement: FloatArray, per_element: tuple[int, int] = (1, 1)
+    problem: Problem,
+    space: SpaceOfBodies,
+    displacement: FloatArray,
+    per_element: tuple[int, int] = (1, 1),
+    body: str = "",
 ) -> SampledFields:
     """Return the fields of a displacement, coefficients (size, 2), at the nodes of cells in each element.
 
-    An element has `per_element` = (a, b) equal cells, and (a + 1) x (b + 1) nodes. Raises InputError for less
-    than one cell, and for coefficients of another space.
+    An element has `per_element` = (a, b) equal cells, and (a + 1) x (b + 1) nodes. Of several bodies one is
+    chosen by its name. Raises InputError for less than one cell, and for coefficients of another space.
     """
     if min(per_element) < 1:
         raise InputError("per_element", per_element, "an element has at least one cell each way")
+    own = spaces_by_name(problem, space)[_chosen(problem, body).name]
     xi, eta = (
         nodes(along.breakpoints, cells)
-        for along, cells in zip((space.rows[0], space.across), per_element, strict=True)
+        for along, cells in zip((own.rows[0], own.across), per_element, strict=True)
     )
-    return fields_at(problem, space, displacement, xi, eta)
+    return fields_at(problem, space, displacement, xi, eta, body)
 
 
 def fields_at(
-    problem: Problem, space: RowSpace, displacement: FloatArray, xi: FloatArray, eta: FloatArray
+    problem: Problem,
+    space: SpaceOfBodies,
+    displacement: FloatArray,
+    xi: FloatArray,
+    eta: FloatArray,
+    body: str = "",
 ) -> SampledFields:
     """Return the fields of a displacement, coefficients (size, 2), at all xi (n_x, k) and eta (n_y, l).
 
-    Each row of xi and of eta spans a part of one element, in which it is evaluated.
+    Each row of xi and of eta spans a part of one element, in which it is evaluated. Of several bodies one is
+    chosen by its name.
     F = 1 + du/dX and sigma = P F^T / J, with sigma_33 that of plane strain (Bonet and Wood, Nonlinear
     Continuum Mechanics for Finite Element Analysis, 2nd ed., Sec. 5.5). Raises InputError for coefficients
     of another space.
     """
-    material = problem.body.material
-    X, x, F, _ = _deformation(problem, space, displacement, xi, eta)
+    chosen = _chosen(problem, body)
+    material = chosen.material
+    X, x, F, _ = _deformation(problem, space, displacement, xi, eta, chosen)
     nominal, stress = np.zeros((2, *F.shape[:-2], 3, 3))
     _, P, _ = evaluate_material(material.kernel, material.parameters, F)
     with np.errstate(invalid="ignore", divide="ignore"):  # J <= 0 gives nan
@@ -87,15 +101,21 @@ def fields_at(
 
 
 def sample_side(
-    problem: Problem, space: RowSpace, displacement: FloatArray, side: Side, parameters: FloatArray
+    problem: Problem,
+    space: SpaceOfBodies,
+    displacement: FloatArray,
+    side: Side,
+    parameters: FloatArray,
+    body: str = "",
 ) -> SideFields:
     """Return the fields of a displacement, coefficients (size, 2), at parameters (n, k) along a side.
 
-    The parameters lie in [0, 1]. Each of the n rows spans a part of one element, in which it is evaluated.
-    Raises InputError for coefficients of another space.
+    The parameters lie in [0, 1]. Each of the n rows spans a part of one element, in which it is evaluated. Of
+    several bodies one is chosen by its name. Raises InputError for coefficients of another space.
     """
-    _, x, F, inverse = _deformation(problem, space, displacement, *_side_grid(side, parameters))
-    _, P, _ = evaluate_material(problem.body.material.kernel, problem.body.material.parameters, F)
+    chosen = _chosen(problem, body)
+    _, x, F, inverse = _deformation(problem, space, displacement, *_side_grid(side, parameters), chosen)
+    _, P, _ = evaluate_material(chosen.material.kernel, chosen.material.parameters, F)
     # the gradient of the parameter that is constant on the side points into the body at its start
     gradient = inverse[..., 0 if side in ("left", "right") else 1, :]
     outwards = gradient * (-1 if side in ("left", "bottom") else 1)
@@ -105,28 +125,54 @@ def sample_side(
 
 
 def side_positions(
-    problem: Problem, space: RowSpace, displacement: FloatArray, side: Side, parameters: FloatArray
+    problem: Problem,
+    space: SpaceOfBodies,
+    displacement: FloatArray,
+    side: Side,
+    parameters: FloatArray,
+    body: str = "",
 ) -> FloatArray:
-    """Return the deformed positions (n, 2) at parameters (n,) in [0, 1] along a side."""
+    """Return the deformed positions (n, 2) at parameters (n,) in [0, 1] along a side of a body."""
     along = np.asarray(parameters, dtype=np.float64)[:, None]
-    _, x, _, _ = _deformation(problem, space, displacement, *_side_grid(side, along))
+    _, x, _, _ = _deformation(problem, space, displacement, *_side_grid(side, along), _chosen(problem, body))
     return x.reshape(-1, 2)
 
 
-def depth_inside(problem: Problem, space: RowSpace, fields: Mapping[float, FloatArray]) -> float:
-    """Return the largest depth in the substrate of the part of the adhesive side that does not adhere.
+def depth_inside(problem: Problem, space: SpaceOfBodies, states: Iterable[StoredState]) -> float:
+    """Return the largest depth in a substrate of the part of an adhesive side that does not adhere.
 
-    The states are given as for `shapes_figure`. The adhering part is repelled; the rest feels no force.
+    The adhering part is repelled; the rest feels no force.
     """
-    substrate, extent = problem.adhesion.substrate, float(np.ptp(problem.body.shape.control_points))
-    along = np.linspace(0.0, 1.0, 10 * max(space.elements) + 1)
-    rest = along[(along < problem.adhesion.start) | (along > problem.adhesion.end)]
-    deepest = 0.0
-    for displacement in fields.values() if rest.size else ():
-        place = side_positions(problem, space, displacement, problem.adhesion.side, rest)
-        gap, _, _ = evaluate_substrate(substrate.kernel, substrate.parameters, place)
-        deepest = max(deepest, float(-gap.min(initial=0.0)))
-    return deepest if deepest > 1e-6 * extent else 0.0
+    spaces, deepest = spaces_by_name(problem, space), 0.0
+    rests: dict[int, FloatArray] = {}
+    for number, interface in enumerate(problem.interfaces):
+        along = np.linspace(0.0, 1.0, 10 * max(spaces[interface.boundary.body].elements) + 1)
+        others = [other.boundary for other in problem.interfaces]
+        beside = [one for one in others if _side_of(one) == _side_of(interface.boundary)]
+        adheres = [(along >= one.start) & (along <= one.end) for one in beside]
+        rests[number] = along[~np.any(adheres, axis=0)]
+    for state in states:
+        for number, rest in rests.items():
+            if not rest.size:
+                continue
+            interface = problem.interfaces[number]
+            body, substrate = problem.body_of(interface.boundary.body), interface.substrate
+            place = side_positions(
+                problem, space, state.displacement, interface.side, rest, interface.boundary.body
+            )
+            gap, _, _ = evaluate_substrate(substrate.kernel, substrate.parameters, place)
+            depth = float(-gap.min(initial=0.0))
+            if depth > 1e-6 * float(np.ptp(body.shape.control_points)):
+                deepest = max(deepest, depth)
+    return deepest
+
+
+def _side_of(boundary: Boundary) -> tuple[str, Side]:
+    return boundary.body, boundary.side
+
+
+def _chosen(problem: Problem, body: str) -> Body:
+    return problem.body_of(body) if body else problem.body
 
 
 def _side_grid(side: Side, parameters: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -135,14 +181,18 @@ def _side_grid(side: Side, parameters: FloatArray) -> tuple[FloatArray, FloatArr
 
 
 def _deformation(
-    problem: Problem, space: RowSpace, displacement: FloatArray, xi: FloatArray, eta: FloatArray
+    problem: Problem,
+    space: SpaceOfBodies,
+    displacement: FloatArray,
+    xi: FloatArray,
+    eta: FloatArray,
+    body: Body,
 ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-    """Return X, x = X + u, F = 1 + du/dX and d(xi, eta)/dX at xi (n_x, k) and eta (n_y, l)."""
-    if displacement.shape != (space.size, 2):
-        raise InputError("displacement", displacement.shape, f"the space has {space.size} functions")
-    shape = problem.body.shape
+    """Return X, x = X + u, F = 1 + du/dX and d(xi, eta)/dX at xi (n_x, k) and eta (n_y, l) of a body."""
+    own, part = part_of_body(problem, space, displacement, body.name)
+    shape = body.shape
     X, reference_derivatives = on_grid(*as_rows(shape), xi, eta)
-    u, derivatives = on_grid(space.weighted(shape), displacement, xi, eta)
+    u, derivatives = on_grid(own.weighted(shape), part, xi, eta)
     determinant = np.linalg.det(reference_derivatives)
     flat = np.abs(determinant) <= FLAT * np.abs(determinant).max()
     inverse = np.linalg.inv(np.where(flat[..., None, None], np.eye(2), reference_derivatives))

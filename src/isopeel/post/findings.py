@@ -6,10 +6,11 @@ from typing import NamedTuple
 
 import numpy as np
 
+from isopeel.assembly.spaces import SpaceOfBodies, spaces_by_name
 from isopeel.common.units import UnitSystem
 from isopeel.post.closed_form import Expected
 from isopeel.post.closed_form.expected import invalid, theory
-from isopeel.post.crack import Front, crack_length_at, fronts, joint_ends, jumps
+from isopeel.post.crack import Fronts, crack_length_at, fronts, joint_ends, jumps
 from isopeel.post.fields import depth_inside
 from isopeel.post.laboratory import Laboratory, kind_of
 from isopeel.post.locking import locking_notes
@@ -18,10 +19,13 @@ from isopeel.post.readings import (
     DRIFT,
     LAST,
     Reading,
+    buckled,
+    cracks,
     drift,
     drive_test,
     halves,
     is_only_pressed,
+    largest,
     pull_off,
     read,
     steady_window,
@@ -43,8 +47,9 @@ class Findings:
     The plateau is read in the `window`, if the case names one; `inside` is the largest depth (in L0) of the
     body in the substrate. `period` is that of the mesh's oscillation, in the parameter's unit; it is given
     also where the closed form is not valid, for the reason `unproven`. `fronts` are those of the stored
-    states, `readings` the quantities of interest of the drive, `zones` the elements at the fronts, and
-    `doubts` the notes on the discretization; `tall` is whether its elements at the contact are too high.
+    states and `zones` the elements there, both by the names of interfaces; `readings` are the quantities of
+    interest of the drive, and `doubts` the notes on the discretization; `tall` is whether its elements at the
+    contact are too high.
     """
 
     window: tuple[float, float] | None
@@ -53,24 +58,70 @@ class Findings:
     inside: float
     period: float | None = None
     unproven: str = ""
-    fronts: Mapping[float, Front] = field(default_factory=dict)
+    fronts: Mapping[str, Fronts] = field(default_factory=dict)
     readings: Sequence[Reading] = ()
     halves: str | None = None
-    zones: Zones = field(default_factory=Zones)
+    zones: Mapping[str, Zones] = field(default_factory=dict)
     doubts: Sequence[Note] = ()
     laboratory: Laboratory = Laboratory(UnitSystem())  # noqa: RUF009 (both are frozen)
     tall: bool = False
 
 
+#: What is read of a run of one body only, and the reason.
+_OF_ONE_BODY = (
+    "closed forms, energy release rates and doubts about the discretization are known for one body with one"
+    " interface only"
+)
+
+
 def find(
     problem: Problem,
-    space: RowSpace,
+    space: SpaceOfBodies,
     run: StoredRun,
     window: tuple[float, float] | None,
     laboratory: Laboratory | None = None,
 ) -> Findings:
     """Return the findings of a run of a problem on a space, shown in the units of a laboratory."""
     laboratory = laboratory or Laboratory.of(UnitSystem(), problem)
+    if problem.is_single:
+        own = spaces_by_name(problem, space)[problem.body.name]
+        return _of_one_body(problem, own, run, window, laboratory)
+    curve = run.curve
+    plateau = read_plateau(curve, window, None) if window else None
+    steady = window if window and plateau_mean(curve, window) is not None else steady_window(curve)
+    found = {name: fronts(problem, space, run.states, name) for name in problem.interface_names}
+    readings: list[Reading] = []
+    if len(curve):
+        mean = plateau_mean(curve, steady) if steady else None
+        readings += [_steady(curve, mean, steady, plateau, None)] if steady and mean is not None else []
+        readings += [largest(curve), *buckled(curve)]
+        for name, there in found.items():
+            readings += cracks(curve, there, f", {name}" if len(found) > 1 else "")
+    zones = {
+        name: Zones.of(problem, space, curve, {step: front.zone for step, front in there.items()}, name)
+        for name, there in found.items()
+    }
+    return Findings(
+        window,
+        plateau,
+        None,
+        depth_inside(problem, space, run.states),
+        fronts=found,
+        readings=readings,
+        zones=zones,
+        doubts=[Note("reading", _OF_ONE_BODY)],
+        laboratory=laboratory,
+    )
+
+
+def _of_one_body(
+    problem: Problem,
+    space: RowSpace,
+    run: StoredRun,
+    window: tuple[float, float] | None,
+    laboratory: Laboratory,
+) -> Findings:
+    """Return the findings of a run of one body with one interface."""
     curve = run.curve
     said = theory(problem, space)
     form, unproven = said.form, said.reason
@@ -81,7 +132,7 @@ def find(
         form = None if slides else replace(form, onset=None)
     period = form.period if form else None
     plateau = read_plateau(curve, window, period) if window else None
-    found = fronts(problem, space, run.fields, run.maximum_openings)
+    found = fronts(problem, space, run.states)
     steady = window if window and plateau_mean(curve, window) is not None else None
     test = drive_test(problem, curve)
     reason = None
@@ -106,14 +157,13 @@ def find(
         load = steady_load(problem, space, curve) if test == "tape" and run.base is None else None
         if load is not None:
             readings.insert(0, load)
-    inside = depth_inside(problem, space, run.fields)
-    zones = Zones.of(problem, space, {at: front.zone for at, front in _used(problem, curve, found).items()})
+    inside = depth_inside(problem, space, run.states)
+    used = {step: front.zone for step, front in _used(problem, curve, found).items()}
+    zones = Zones.of(problem, space, curve, used)
     # Kendall's force does not depend on the bending of a tape; the start of peeling does
     bends = form is None or test != "tape" or any(one.name == "initiation force" for one in readings)
     doubts = locking_notes(problem, space, laboratory, bends=bends)
-    if not is_only_pressed(problem, curve) and (
-        zones.measured or peels(problem, space, run.fields, run.maximum_openings)
-    ):
+    if not is_only_pressed(problem, curve) and (zones.measured or peels(problem, space, run.states)):
         doubts = zone_notes(problem, space, zones, laboratory) + doubts
     if not doubts:
         doubts = oscillation_notes(problem, curve, plateau, steady)
@@ -124,29 +174,26 @@ def find(
         inside,
         period,
         unproven,
-        found,
+        {problem.interface_names[0]: found},
         readings,
         halves(problem, test),
-        zones,
+        {problem.interface_names[0]: zones},
         doubts,
         laboratory,
         elements_are_tall(problem, space),
     )
 
 
-def _used(problem: Problem, curve: Curve, found: Mapping[float, Front]) -> Mapping[float, Front]:
+def _used(problem: Problem, curve: Curve, found: Fronts) -> Fronts:
     """Return the fronts on which the readings depend: until a body that is pulled off comes off."""
     last = pull_off(problem, curve)
-    if last is None:
-        return found
-    before = set(curve.parameter[: last + 1].tolist())
-    return {at: front for at, front in found.items() if at in before}
+    return found if last is None else {step: front for step, front in found.items() if step <= last}
 
 
 def _own_window(
     problem: Problem,
     curve: Curve,
-    found: Mapping[float, Front],
+    found: Fronts,
     form: Expected | None,
     laboratory: Laboratory,
 ) -> tuple[tuple[float, float] | None, str | None]:
@@ -166,7 +213,7 @@ def _own_window(
 def _invalid(
     problem: Problem,
     curve: Curve,
-    found: Mapping[float, Front],
+    found: Fronts,
     form: Expected | None,
     window: tuple[float, float],
     laboratory: Laboratory,

@@ -1,12 +1,13 @@
 """The peeling front: the adhesive stress there, its extent, and its decay in the part that still adheres."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from isopeel.assembly.interface import InterfacePoints
+from isopeel.assembly.spaces import SpaceOfBodies, spaces_by_name
 from isopeel.assembly.tables import element_ends
 from isopeel.common.arrays import FloatArray, frozen
 from isopeel.common.errors import InputError
@@ -15,7 +16,7 @@ from isopeel.physics.materials.base import plane_strain_modulus
 from isopeel.post.closed_form import beam_peeling
 from isopeel.post.fields import sample_side
 from isopeel.problem import Problem
-from isopeel.splines.rows import RowSpace
+from isopeel.results.fields import StoredState
 
 #: Points of an element, from its start (0) to its end (1): the ends of 20 equal cells.
 POINTS = frozen(np.linspace(0.0, 1.0, 21))
@@ -69,24 +70,28 @@ class Decay:
 
 def front_profile(
     problem: Problem,
-    space: RowSpace,
+    space: SpaceOfBodies,
     displacement: FloatArray,
     points: FloatArray = POINTS,
     maximum_openings: FloatArray | None = None,
+    interface: str = "",
 ) -> FrontProfile:
     """Return the tractions of a displacement (size, 2) at points (k,), 0 to 1, of every element.
 
-    In an element that adheres in part, the points span that part. An irreversible joint needs its
-    `maximum_openings`, as for `InterfacePoints.state`. Raises InputError for points that do not rise within
+    In an element that adheres in part, the points span that part. An irreversible joint needs the
+    `maximum_openings` of a step, as for `InterfacePoints.state`. Of several interfaces one is chosen by its
+    name (`Problem.interface_names`). Raises InputError for points that do not rise within
     [0, 1], for coefficients of another space, and for missing openings.
     """
     if points.size < 2 or not (points[0] >= 0 and points[-1] <= 1 and np.all(np.diff(points) > 0)):
         raise InputError("points", points.tolist(), "two or more that rise, from 0 to 1 at most")
-    parameters = _adhering(problem, space, points)
-    state = InterfacePoints(problem, space, parameters).state(displacement, maximum_openings)
-    fields = sample_side(problem, space, displacement, problem.adhesion.side, parameters)
+    parameters = _adhering(problem, space, points, interface)
+    found = InterfacePoints(problem, space, parameters, interface=interface)
+    state = found.state(displacement, maximum_openings)
+    boundary = problem.interface_of(interface).boundary
+    fields = sample_side(problem, space, displacement, boundary.side, parameters, boundary.body)
     return FrontProfile(
-        position=_distance(problem, space, parameters),
+        position=_distance(problem, space, parameters, interface),
         deformed=state.position,
         normal=state.normal,
         gap=state.gap,
@@ -96,31 +101,28 @@ def front_profile(
     )
 
 
-def _adhering(problem: Problem, space: RowSpace, points: FloatArray) -> FloatArray:
+def _adhering(problem: Problem, space: SpaceOfBodies, points: FloatArray, interface: str) -> FloatArray:
     """Return the parameters (n, k) of points (k,) of the elements, in their adhering parts."""
-    adhesion = problem.adhesion
-    ends = element_ends(space, adhesion.side, (adhesion.start, adhesion.end))
+    boundary = problem.interface_of(interface).boundary
+    ends = element_ends(spaces_by_name(problem, space)[boundary.body], boundary.side, boundary.part)
     return ends[:-1, None] + np.diff(ends)[:, None] * points
 
 
 def process_zones(
-    problem: Problem,
-    space: RowSpace,
-    fields: Mapping[float, FloatArray],
-    maximum_openings: Mapping[float, FloatArray] | None = None,
-) -> dict[float, ProcessZone]:
-    """Return the zones of `process_zone` in states, by parameter; those without a front are left out.
+    problem: Problem, space: SpaceOfBodies, states: Iterable[StoredState], interface: str = ""
+) -> dict[int, ProcessZone]:
+    """Return the zones of `process_zone` in states, by numbers of steps; without those that have no front.
 
-    An irreversible joint needs the `maximum_openings` (E, Q) in each state.
+    Of several interfaces one is chosen by its name.
     """
-    parameters = _adhering(problem, space, POINTS)
-    position = _distance(problem, space, parameters).ravel()
-    points, history, found = InterfacePoints(problem, space, parameters), maximum_openings or {}, {}
-    for at, displacement in fields.items():
-        state = points.state(displacement, history.get(at))
-        zone = _zone(position, -state.normal_traction.ravel(), state.softening.ravel())
+    parameters = _adhering(problem, space, POINTS, interface)
+    position = _distance(problem, space, parameters, interface).ravel()
+    points, found = InterfacePoints(problem, space, parameters, interface=interface), {}
+    for state in states:
+        at = points.state(state.displacement, state.maximum_openings)
+        zone = _zone(position, -at.normal_traction.ravel(), at.softening.ravel())
         if zone is not None:
-            found[at] = zone
+            found[state.step] = zone
     return found
 
 
@@ -223,11 +225,11 @@ def _held_strip(problem: Problem) -> tuple[float, float, float] | None:
     return float((12 * bending / modulus) ** (1 / 3)), modulus, -float(derivative[0])
 
 
-def _distance(problem: Problem, space: RowSpace, parameters: FloatArray) -> FloatArray:
+def _distance(problem: Problem, space: SpaceOfBodies, parameters: FloatArray, interface: str) -> FloatArray:
     """Return the lengths (n, k) along the reference side, from its start to rising parameters."""
-    side = problem.adhesion.side
-    curve = problem.body.shape.boundary(side)
-    knots = element_ends(space, side, (0.0, 1.0))
+    boundary = problem.interface_of(interface).boundary
+    curve = problem.body_of(boundary.body).shape.boundary(boundary.side)
+    knots = element_ends(spaces_by_name(problem, space)[boundary.body], boundary.side, (0.0, 1.0))
     stops = np.concatenate([knots[knots < parameters[0, 0]], parameters.ravel()])
     nodes, weights = np.polynomial.legendre.leggauss(8)
     half = np.diff(stops)[:, None] / 2

@@ -9,16 +9,18 @@ nan where two sides of a shape meet smoothly. Where an element is inverted, stre
 """
 
 from collections.abc import Iterable, Iterator
-from itertools import repeat
 
 import numpy as np
 
 from isopeel.assembly.interface import InterfacePoints, InterfaceState
+from isopeel.assembly.spaces import SpaceOfBodies, part_of_body, spaces_by_name
 from isopeel.common.arrays import FloatArray, IntArray
 from isopeel.post.bezier_cells import BezierMesh, Ends, StraightMesh, cell_ends
 from isopeel.post.fields import SampledFields, fields_at
 from isopeel.problem import Problem
 from isopeel.results import vtk
+from isopeel.results.fields import StoredState
+from isopeel.splines.nurbs import NurbsSurface
 from isopeel.splines.rows import RowSpace
 
 Mesh = BezierMesh | StraightMesh
@@ -27,71 +29,80 @@ Mesh = BezierMesh | StraightMesh
 _SYMMETRIC = ([0, 1, 2, 0, 1, 0], [0, 1, 2, 1, 2, 2])
 
 
-def body_mesh(problem: Problem, space: RowSpace, pieces: int | None) -> Mesh:
-    """Return a body as a Bezier cell for each element of shape and space, or as straight `pieces` of them."""
-    shape = problem.body.shape
-    return _mesh(
-        problem, space, pieces, _ends(space, shape.spaces[0].breakpoints, shape.spaces[1].breakpoints)
-    )
+def body_mesh(problem: Problem, space: SpaceOfBodies, pieces: int | None, body: str = "") -> Mesh:
+    """Return a body as a Bezier cell for each element of shape and space, or as straight `pieces` of them.
+
+    Of several bodies one is chosen by its name.
+    """
+    name = body or problem.body.name
+    shape, own = problem.body_of(name).shape, spaces_by_name(problem, space)[name]
+    return _mesh(shape, own, pieces, _ends(own, shape))
 
 
-def side_mesh(problem: Problem, space: RowSpace, pieces: int | None) -> Mesh:
-    """Return the adhering part of a side as Bezier curves, or as straight `pieces` of them."""
-    adhesion, shape = problem.adhesion, problem.body.shape
-    ends = _ends(space, shape.spaces[0].breakpoints, shape.spaces[1].breakpoints)
-    along = 1 if adhesion.side in ("left", "right") else 0
-    part = cell_ends(np.array([adhesion.start, adhesion.end]), ends[along])
+def side_mesh(problem: Problem, space: SpaceOfBodies, pieces: int | None, interface: str = "") -> Mesh:
+    """Return the adhering part of a side as Bezier curves, or as straight `pieces` of them.
+
+    Of several interfaces one is chosen by its name.
+    """
+    boundary = problem.interface_of(interface).boundary
+    shape, own = problem.body_of(boundary.body).shape, spaces_by_name(problem, space)[boundary.body]
+    ends = _ends(own, shape)
+    along = 1 if boundary.side in ("left", "right") else 0
+    part = cell_ends(np.array(boundary.part), ends[along])
     # one cell across is enough, that at the side
-    across = ends[1 - along][:2] if adhesion.side in ("left", "bottom") else ends[1 - along][-2:]
-    return _mesh(problem, space, pieces, (across, part) if along else (part, across)).edge(adhesion.side)
+    across = ends[1 - along][:2] if boundary.side in ("left", "bottom") else ends[1 - along][-2:]
+    return _mesh(shape, own, pieces, (across, part) if along else (part, across)).edge(boundary.side)
 
 
 def body_grids(
-    problem: Problem, space: RowSpace, mesh: Mesh, displacements: Iterable[FloatArray]
+    problem: Problem, space: SpaceOfBodies, mesh: Mesh, states: Iterable[StoredState], body: str = ""
 ) -> Iterator[vtk.Grid]:
-    """Return the grids of a body in states with coefficients (size, 2).
+    """Return the grids of a body in states; of several bodies one is chosen by its name.
 
     Raises InputError for coefficients of another space.
     """
     kind, cells, centres = _cells(mesh)
-    for displacement in displacements:
-        fields, central = (fields_at(problem, space, displacement, *at) for at in (mesh.places, centres))
-        data = {name: mesh.interpolated(values) for name, values in _body_data(fields).items()}
-        yield _grid(kind, cells, mesh, displacement, data, _body_data(central))
+    name = body or problem.body.name
+    for state in states:
+        u = state.displacement
+        fields, central = (fields_at(problem, space, u, *at, name) for at in (mesh.places, centres))
+        data = {key: mesh.interpolated(values) for key, values in _body_data(fields).items()}
+        own = part_of_body(problem, space, u, name)[1]
+        yield _grid(kind, cells, mesh, own, data, _body_data(central))
 
 
 def side_grids(
-    problem: Problem,
-    space: RowSpace,
-    mesh: Mesh,
-    displacements: Iterable[FloatArray],
-    maximum_openings: Iterable[FloatArray | None] | None = None,
+    problem: Problem, space: SpaceOfBodies, mesh: Mesh, states: Iterable[StoredState], interface: str = ""
 ) -> Iterator[vtk.Grid]:
-    """Return the grids of the adhering side, in states with coefficients (size, 2).
+    """Return the grids of an adhering side in states; of several interfaces one is chosen by its name.
 
-    An irreversible joint needs its `maximum_openings` (E, Q) in each state. Raises as
-    `body_grids` does, and InputError where openings are missing.
+    Raises as `body_grids` does, and InputError where maximum openings of an irreversible joint are missing.
     """
     kind, cells, centres = _cells(mesh)
-    along = 1 if problem.adhesion.side in ("left", "right") else 0
-    at_points, central = (InterfacePoints(problem, space, at[along]) for at in (mesh.places, centres))
+    boundary = problem.interface_of(interface).boundary
+    along = 1 if boundary.side in ("left", "right") else 0
+    at_points, central = (
+        InterfacePoints(problem, space, at[along], interface=interface) for at in (mesh.places, centres)
+    )
     shape = mesh.points.shape[:-1]
-    for displacement, history in zip(displacements, maximum_openings or repeat(None), strict=False):
+    for state in states:
+        u, openings = state.displacement, state.maximum_openings
         data = {
             name: mesh.interpolated(values.reshape(*shape, *values.shape[2:]))
-            for name, values in _side_data(at_points.state(displacement, history)).items()
+            for name, values in _side_data(at_points.state(u, openings)).items()
         }
-        yield _grid(kind, cells, mesh, displacement, data, _side_data(central.state(displacement, history)))
+        own = part_of_body(problem, space, u, boundary.body)[1]
+        yield _grid(kind, cells, mesh, own, data, _side_data(central.state(u, openings)))
 
 
-def _mesh(problem: Problem, space: RowSpace, pieces: int | None, ends: Ends) -> Mesh:
-    shape = problem.body.shape
+def _mesh(shape: NurbsSurface, space: RowSpace, pieces: int | None, ends: Ends) -> Mesh:
     return (
         BezierMesh.of(shape, space, ends) if pieces is None else StraightMesh.of(shape, space, ends, pieces)
     )
 
 
-def _ends(space: RowSpace, along: FloatArray, across: FloatArray) -> Ends:
+def _ends(space: RowSpace, shape: NurbsSurface) -> Ends:
+    along, across = (one.breakpoints for one in shape.spaces)
     return cell_ends(space.rows[0].breakpoints, along), cell_ends(space.across.breakpoints, across)
 
 

@@ -62,7 +62,7 @@ class Unit(NamedTuple):
 class Laboratory:
     """The units of a case, in which outputs are written.
 
-    `extent` is the size of the body and `width` its extent across the plane, in L0; without a width forces,
+    `extent` is the size of all bodies and `width` its extent across the plane, in L0; without a width forces,
     moments and energies are per width.
     """
 
@@ -73,9 +73,8 @@ class Laboratory:
     @classmethod
     def of(cls, units: UnitSystem, problem: Problem, width: float | None = None) -> "Laboratory":
         """Return the units of a problem."""
-        return cls(
-            units, float(np.ptp(problem.body.shape.control_points.reshape(-1, 2), axis=0).max()), width
-        )
+        points = np.concatenate([body.shape.control_points.reshape(-1, 2) for body in problem.bodies])
+        return cls(units, float(np.ptp(points, axis=0).max()), width)
 
     def unit(self, kind: Kind, size: float | None = None) -> Unit:
         """Return the unit of a kind for values of a size (internal), for lengths by default the body's."""

@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.sparse import block_array, csr_array, kron
 
+from isopeel.assembly.spaces import SpaceOfBodies, spaces_by_name
 from isopeel.common.arrays import FloatArray
 from isopeel.physics.materials.base import plane_strain_modulus
 from isopeel.post.closed_form import expected
@@ -78,14 +79,18 @@ def bending(problem: Problem, space: RowSpace) -> Bending | None:
 
 
 def locking_notes(
-    problem: Problem, space: RowSpace, laboratory: Laboratory, *, bends: bool = True
+    problem: Problem, space: SpaceOfBodies, laboratory: Laboratory, *, bends: bool = True
 ) -> list[Note]:
     """Return notes on how much too stiff the body is, where this affects the reaction, and on a remedy.
 
-    `bends` is whether the values read from the run depend on the bending of the body.
+    `bends` is whether the values read from the run depend on the bending of the body. The notes are known for
+    one body with one interface only.
     """
-    notes = _bending_notes(problem, space, laboratory) if bends else []
-    return notes + _volume_notes(problem, space)
+    if not problem.is_single:
+        return []
+    own = spaces_by_name(problem, space)[problem.body.name]
+    notes = _bending_notes(problem, own, laboratory) if bends else []
+    return notes + _volume_notes(problem, own)
 
 
 def confined(problem: Problem, space: RowSpace) -> float | None:

@@ -7,17 +7,20 @@ be smaller where elements are larger than the process zone: the front then stick
 space too, and only `post.resolution` detects it.
 """
 
+from collections.abc import Mapping
 from typing import NamedTuple
 
 import numpy as np
 
 from isopeel.assembly.interface import InterfacePoints
+from isopeel.assembly.spaces import SpaceOfBodies, part_of_body, spaces_by_name
 from isopeel.assembly.system import System
 from isopeel.common.arrays import FloatArray
 from isopeel.common.errors import InputError
 from isopeel.matrix.factor import SingularError
 from isopeel.post.resolution import elements_are_tall
 from isopeel.problem import Problem
+from isopeel.results.fields import StoredState
 from isopeel.results.run_file import StoredRun
 from isopeel.solve.newton import ConvergenceError, NewtonResult, NewtonSettings
 from isopeel.solve.path import Path
@@ -54,7 +57,7 @@ class MeshChange(NamedTuple):
 
 
 def mesh_changes(
-    problem: Problem, space: RowSpace, run: StoredRun, contact_points: int | None = None
+    problem: Problem, space: SpaceOfBodies, run: StoredRun, contact_points: int | None = None
 ) -> list[MeshChange]:
     """Return the changes on a finer space of the largest reaction and of that in the last stored state.
 
@@ -62,65 +65,91 @@ def mesh_changes(
     to nothing are left out, and all where the finer space would be too large. The damage of an irreversible
     joint is that of each state, at the points of the finer space.
     """
-    refined = finer(space, tall=elements_are_tall(problem, space))
-    if 2 * refined.size > _MOST_UNKNOWNS or not run.fields:
+    refined = {
+        name: finer(own, tall=elements_are_tall(problem, space, name))
+        for name, own in spaces_by_name(problem, space).items()
+    }
+    if 2 * sum(one.size for one in refined.values()) > _MOST_UNKNOWNS or not run.states:
         return []
-    weighted = space.weighted(problem.body.shape)
-    target = refined.weighted(problem.body.shape)
-    base = None if run.base is None else transferred(weighted, run.base, target)
+    base = None if run.base is None else _transferred(problem, space, run.base, refined)
     try:
         system = System(problem, refined, contact_points, base)
     except InputError:
         # it needs more memory than there is
         return []
-    looked_at, points = _compared(run), InterfacePoints.of_contact(problem, refined, contact_points)
-    points = InterfacePoints(problem, space, points.parameters)
+    looked_at, points = _compared(run), _points(problem, space, refined, contact_points)
     changes = []
-    for parameter in looked_at:
-        displacement = run.fields[parameter]
-        stored = transferred(weighted, displacement, target)
-        if problem.adhesion.irreversible:
-            system = system.after(points.history(displacement, run.maximum_openings.get(parameter)))
+    for state in looked_at:
+        stored = _transferred(problem, space, state.displacement, refined)
+        if system.irreversible:
+            histories = [
+                one.history(state.displacement, state.maximum_openings)
+                if interface.irreversible
+                else np.zeros(one.parameters.shape)
+                for one, interface in zip(points, problem.interfaces, strict=True)
+            ]
+            joined = np.concatenate([one.ravel() for one in histories])
+            system = system.after(joined.reshape(system.maximum_openings.shape))
         largest = None
-        if parameter != looked_at[-1]:
-            largest = _change_of_largest(system, problem, run, stored, parameter)
-        changes.append(largest or _change(system, problem, run, stored, parameter))
+        if state is not looked_at[-1]:
+            largest = _change_of_largest(system, problem, run, stored, state)
+        changes.append(largest or _change(system, problem, run, stored, state))
     return [change for change in changes if change is not None]
 
 
-def _compared(run: StoredRun) -> list[float]:
-    """Return the parameters of the stored states to compare."""
-    curve, stored = run.curve, list(run.fields)
+def _transferred(
+    problem: Problem, space: SpaceOfBodies, displacement: FloatArray, refined: Mapping[str, RowSpace]
+) -> FloatArray:
+    """Return the coefficients (size, 2) of a displacement on the finer spaces."""
+    parts = []
+    for body in problem.bodies:
+        own, part = part_of_body(problem, space, displacement, body.name)
+        target = refined[body.name].weighted(body.shape)
+        parts.append(transferred(own.weighted(body.shape), part, target))
+    return np.concatenate(parts)
+
+
+def _points(
+    problem: Problem, space: SpaceOfBodies, refined: Mapping[str, RowSpace], contact_points: int | None
+) -> list[InterfacePoints]:
+    """Return the points of all interfaces on the finer spaces, to evaluate states of the space there."""
+    found = []
+    for name in problem.interface_names:
+        parameters = InterfacePoints.of_contact(problem, refined, contact_points, name).parameters
+        found.append(InterfacePoints(problem, space, parameters, interface=name))
+    return found
+
+
+def _compared(run: StoredRun) -> list[StoredState]:
+    """Return the stored states to compare."""
+    curve, last = run.curve, run.states[-1]
     size = np.abs(curve.reaction)
     strongest = int(np.argmax(size))
     if size[strongest] <= _STEADY * size[-1]:
-        return stored[-1:]
+        return [last]
     # the largest reaction may be at a limit point, which is at a slightly different place on the finer space
     at = abs(float(curve.parameter[strongest]))
-    before = [parameter for parameter in stored if abs(parameter) < at]
-    return list(dict.fromkeys([*before[-1:], stored[-1]]))
+    before = [state for state in run.states if state.step < strongest and abs(state.parameter) < at]
+    return [*before[-1:], last]
 
 
 def _change(
-    system: System, problem: Problem, run: StoredRun, stored: FloatArray, shown: float
+    system: System, problem: Problem, run: StoredRun, stored: FloatArray, state: StoredState
 ) -> MeshChange | None:
     curve, drive = run.curve, problem.drive
-    (steps,) = np.nonzero(curve.parameter == shown)
-    if not len(steps):
-        return None
-    reaction = float(curve.reaction[steps[-1]])
+    reaction = float(curve.reaction[state.step])
     if abs(reaction) <= _LEAST * np.abs(curve.reaction).max():
         return None
-    parameter = shown / drive.parameter_column.factor
+    parameter = state.parameter / drive.parameter_column.factor
     found = _equilibrium(system, State(parameter, stored))
     if found is None:
-        return MeshChange(shown, reaction, None)
+        return MeshChange(state.parameter, reaction, None)
     refined = system.reaction(found.equilibrium, found.displacement, found.load, parameter)
-    return MeshChange(shown, reaction, float(refined * drive.reaction_column.factor))
+    return MeshChange(state.parameter, reaction, float(refined * drive.reaction_column.factor))
 
 
 def _change_of_largest(
-    system: System, problem: Problem, run: StoredRun, stored: FloatArray, before: float
+    system: System, problem: Problem, run: StoredRun, stored: FloatArray, before: StoredState
 ) -> MeshChange | None:
     """Return the change of the largest reaction; None where no path leads there on the finer space.
 
@@ -129,16 +158,14 @@ def _change_of_largest(
     """
     curve, drive = run.curve, problem.drive
     strongest = int(np.argmax(np.abs(curve.reaction)))
-    (first,) = np.nonzero(curve.parameter[:strongest] == before)
-    if not len(first):
-        return None
-    steps = np.linspace(first[-1] + 1, strongest, min(strongest - first[-1], _MOST_STEPS)).round().astype(int)
-    path = Path(system, NewtonSettings(), [State(before / drive.parameter_column.factor, stored)])
+    first, factor = before.step, drive.parameter_column.factor
+    steps = np.linspace(first + 1, strongest, min(strongest - first, _MOST_STEPS)).round().astype(int)
+    path = Path(system, NewtonSettings(), [State(before.parameter / factor, stored)])
     finer: list[float] = []
     try:
         # the stored state is not an equilibrium of the finer space
-        for parameter in curve.parameter[[first[-1], *steps]]:
-            found = path.equilibrium(parameter / drive.parameter_column.factor)
+        for parameter in curve.parameter[[first, *steps]]:
+            found = path.equilibrium(parameter / factor)
             finer.append(path.step(found, 0.0).reaction * drive.reaction_column.factor)
     except (ConvergenceError, SingularError):
         # the largest reaction on the finer space may be at a slightly smaller parameter

@@ -66,7 +66,8 @@ def _more(change: MeshChange) -> int:
 def mesh_notes(run: StoredRun, found: Findings, changes: Sequence[MeshChange]) -> list[Note]:
     """Return notes on the reactions that change by more than MESH_CHANGE on a finer mesh."""
     parameter, reaction = run.curve.parameter_column, run.curve.reaction_column
-    length, height = str(run.attributes["mesh"]).split("x")
+    # of several bodies the mesh is that of each, and no single one is advised
+    meshes = str(run.attributes["mesh"]).split(", ")
     notes = []
     for change in changes:
         if change.relative > MESH_CHANGE:
@@ -77,7 +78,10 @@ def mesh_notes(run: StoredRun, found: Findings, changes: Sequence[MeshChange]) -
                 else f"changes by {100 * change.relative:.2g} % on elements of half the length"
             )
             text = f"the mesh is too coarse: the {at} {seen}"
-            more = _more(change)
-            mesh = more * int(length), (more if found.tall else 1) * int(height)
-            notes.append(Note("resolution", text, Remedy(mesh)))
+            remedy = None
+            if len(meshes) == 1:
+                length, height = meshes[0].split("x")
+                more = _more(change)
+                remedy = Remedy((more * int(length), (more if found.tall else 1) * int(height)))
+            notes.append(Note("resolution", text, remedy))
     return notes

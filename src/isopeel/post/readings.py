@@ -1,6 +1,5 @@
 """The quantities of interest of a test: pull-off, initiation, crack length, energy release rate."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from math import sqrt
 from typing import Literal, TypeAlias
@@ -14,7 +13,7 @@ from isopeel.physics.batch import evaluate_substrate
 from isopeel.physics.materials.base import plane_strain_modulus
 from isopeel.post.closed_form.expected import reach_behind
 from isopeel.post.closed_form.opening import opening
-from isopeel.post.crack import Front, load_position, opened, release
+from isopeel.post.crack import Fronts, load_position, opened, release
 from isopeel.post.laboratory import Kind, kind_of
 from isopeel.post.resolution import lies_flat
 from isopeel.problem import Problem
@@ -110,7 +109,7 @@ def halves(problem: Problem, test: Test) -> str | None:
     sides = [
         support.side
         for support in problem.supports
-        if support.components == (0,) and support.side in ("left", "right")
+        if support.components == (0,) and support.side in ("left", "right") and support.boundary.is_whole
     ]
     if test == "pull" and sides and any(_straight_up(problem, side) for side in sides):
         return (
@@ -123,15 +122,18 @@ def halves(problem: Problem, test: Test) -> str | None:
 def read(
     problem: Problem,
     curve: Curve,
-    found: Mapping[float, Front],
+    found: Fronts,
     window: tuple[float, float] | None,
 ) -> list[Reading]:
-    """Return the readings of a curve of one step or more, without the plateau of a window."""
+    """Return the readings of one body on one interface, without the plateau of a window.
+
+    The curve has one step or more, and `found` are the fronts.
+    """
     test, pulled = drive_test(problem, curve), forces(curve)
     mirrored = isinstance(problem.adhesion.law, Mirrored)
     readings = []
     if test == "moment" or pulled is None:
-        readings.append(_largest(curve, f"largest {curve.reaction_column.name}"))
+        readings.append(largest(curve))
     elif test == "pull":
         readings += _pull(problem, curve, pulled)
     else:
@@ -148,8 +150,8 @@ def read(
             readings.append(replace(strongest, name=f"largest force{arm}", words=words))
         if test == "opening":
             readings += _opened(problem, curve, pulled, arm)
-    readings += _buckled(curve, pulled)
-    readings += _cracks(curve, found)
+    readings += buckled(curve)
+    readings += cracks(curve, found)
     released = release(problem, curve, found, window[0] if window else None)
     if released is not None:
         both = 2 if mirrored else 1
@@ -278,9 +280,10 @@ def _pull(problem: Problem, curve: Curve, pulled: Forces) -> list[Reading]:
     return readings
 
 
-def _largest(curve: Curve, name: str) -> Reading:
+def largest(curve: Curve) -> Reading:
+    """Return the largest reaction of a curve of one step or more."""
     step = int(np.argmax(np.abs(curve.reaction)))
-    kind = kind_of(curve.reaction_column)
+    kind, name = kind_of(curve.reaction_column), f"largest {curve.reaction_column.name}"
     return Reading(name, float(curve.reaction[step]), kind, float(curve.parameter[step]))
 
 
@@ -306,8 +309,9 @@ def _opened(problem: Problem, curve: Curve, pulled: Forces, arm: str) -> list[Re
     return readings
 
 
-def _buckled(curve: Curve, pulled: Forces | None) -> list[Reading]:
+def buckled(curve: Curve) -> list[Reading]:
     """Return the force or moment at the first bifurcation that the path passed."""
+    pulled = forces(curve)
     steps = np.flatnonzero(curve.kind == KINDS.index("bifurcation"))
     if not len(steps):
         return []
@@ -317,18 +321,17 @@ def _buckled(curve: Curve, pulled: Forces | None) -> list[Reading]:
     return [Reading(f"buckling {name}", float(values[steps[0]]), kind, at, words="at the bifurcation")]
 
 
-def _cracks(curve: Curve, found: Mapping[float, Front]) -> list[Reading]:
-    if not found:
+def cracks(curve: Curve, found: Fronts, of: str = "") -> list[Reading]:
+    """Return crack length and process zone at the last step, with a name that ends with `of`."""
+    if not found or max(found) != len(curve) - 1:
         return []
-    last, front = list(found.items())[-1]
-    if last != curve.parameter[-1]:
-        return []
+    front = found[max(found)]
     words = "traction above half its peak"
-    zone = Reading("process zone", front.zone.length, "length", words=words)
+    zone = Reading(f"process zone{of}", front.zone.length, "length", words=words)
     if front.crack_length is None:
         return [zone]
     words = "loaded end to largest traction"
-    return [Reading("crack length", front.crack_length, "length", words=words), zone]
+    return [Reading(f"crack length{of}", front.crack_length, "length", words=words), zone]
 
 
 def _away(problem: Problem) -> float:

@@ -22,24 +22,25 @@ A body that touches the substrate, such as a cylinder, is attracted where its sh
 that part is shorter than the estimate, its length is used.
 """
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from math import sqrt
-from types import MappingProxyType
 from typing import Self
 
 import numpy as np
 
+from isopeel.assembly.spaces import SpaceOfBodies, spaces_by_name
 from isopeel.common.arrays import BoolArray, FloatArray
 from isopeel.common.errors import InputError
 from isopeel.physics.adhesion import AdhesionLaw
 from isopeel.physics.batch import evaluate_substrate
 from isopeel.physics.materials.base import plane_strain_modulus
+from isopeel.post.driven import driven_on
 from isopeel.post.front import ProcessZone
 from isopeel.post.law import law_character
 from isopeel.problem import Problem
+from isopeel.results.curve import Curve
 from isopeel.splines.nurbs import Side
-from isopeel.splines.rows import RowSpace
 from isopeel.splines.space import SplineSpace
 
 #: Process zone over the lengths of slender and of thick bodies, and reach over process zone (see above).
@@ -76,11 +77,12 @@ class Resolution:
         """Whether the zone has the elements that the space needs."""
         return self.elements >= self.needed
 
-    def on(self, problem: Problem, space: RowSpace) -> "Resolution":
+    def on(self, problem: Problem, space: SpaceOfBodies, interface: str = "") -> "Resolution":
         """Return the resolution of the same zone on another space."""
-        ends = ends_along(problem, space)
+        ends = ends_along(problem, space, interface)
         longest = max(_longest(ends, *stretch) for stretch in self.stretches)
-        return replace(self, element=longest, needed=needed_elements(functions_along(problem, space)))
+        needed = needed_elements(functions_along(problem, space, interface))
+        return replace(self, element=longest, needed=needed)
 
     def summary(self) -> dict[str, float]:
         """Plain numbers."""
@@ -113,26 +115,28 @@ def needed_elements(functions: SplineSpace) -> float:
     return (0.7 if smooth >= 3 else 1.0) / (functions.degree - smooth)
 
 
-def estimated(problem: Problem, space: RowSpace) -> Resolution | None:
-    """Return the estimated resolution where the front of a problem starts; None if the law has no peak.
+def estimated(problem: Problem, space: SpaceOfBodies, interface: str = "") -> Resolution | None:
+    """Return the estimated resolution where the front on an interface starts; None if its law has no peak.
 
     A body that lies on the substrate begins to peel at the ends of the adhering part that face the drive. A
     body that touches it begins at the edge of the contact: that given by its shape and the law, or that of
     Johnson, Kendall and Roberts at pull-off where it is wider.
     """
-    law = problem.adhesion.law
+    adhesion = problem.interface_of(interface)
+    law, body = adhesion.law, problem.body_of(adhesion.boundary.body)
     try:
         character = law_character(law)
     except InputError:
         return None
-    places, gap = _at_rest(problem)
+    places, gap = _at_rest(problem, interface)
     opened = character.softened_gap - law.equilibrium_gap
-    modulus = plane_strain_modulus(problem.body.material)
+    modulus = plane_strain_modulus(body.material)
     irwin = modulus * character.work_of_adhesion / character.strength**2
     touches, lowest = gap - gap.min() < opened, int(np.argmin(gap))
     edge = None
     if touches.all():
-        ends = {"left": [0], "right": [-1]}.get(problem.drive.side, [0, -1])
+        loaded = {one.side for one in driven_on(problem, body.name)}
+        ends = [end for side, end in (("left", 0), ("right", -1)) if side in loaded] or [0, -1]
         fronts = [float(places[end]) for end in ends]
         limit = float(places[-1] - places[0])
     else:
@@ -141,39 +145,43 @@ def estimated(problem: Problem, space: RowSpace) -> Resolution | None:
         edge = max(limit, float((2 * character.work_of_adhesion * radius**2 / (np.pi * modulus)) ** (1 / 3)))
         around = places[lowest] + np.array([-edge, edge])
         fronts = [float(front) for front in around if places[0] <= front <= places[-1]] or [float(places[-1])]
-    zone = min(process_zone_length(irwin, body_height(problem)), limit)
+    zone = min(process_zone_length(irwin, body_height(problem, interface)), limit)
     stretches = tuple((front - zone, front + zone) for front in fronts)
-    return _resolution(problem, space, zone, stretches, edge)
+    return _resolution(problem, space, zone, stretches, edge, interface)
 
 
-def measured(problem: Problem, space: RowSpace, zone: ProcessZone) -> Resolution:
+def measured(problem: Problem, space: SpaceOfBodies, zone: ProcessZone, interface: str = "") -> Resolution:
     """Return the resolution of a process zone that was found in a state, and of the reach beside it."""
-    before = estimated(problem, space)
+    before = estimated(problem, space, interface)
     contact = None if before is None else before.contact
-    return _resolution(problem, space, zone.length, ((zone.start, zone.end),), contact)
+    return _resolution(problem, space, zone.length, ((zone.start, zone.end),), contact, interface)
 
 
 def _resolution(
     problem: Problem,
-    space: RowSpace,
+    space: SpaceOfBodies,
     zone: float,
     stretches: tuple[tuple[float, float], ...],
-    contact: float | None = None,
+    contact: float | None,
+    interface: str,
 ) -> Resolution:
-    reach = zone * _reach(problem.adhesion.law)
-    return Resolution(zone, reach, zone, 1.0, stretches, contact).on(problem, space)
+    reach = zone * _reach(problem.interface_of(interface).law)
+    return Resolution(zone, reach, zone, 1.0, stretches, contact).on(problem, space, interface)
 
 
-def elements_are_tall(problem: Problem, space: RowSpace) -> bool:
-    """Return whether the first element above the lower side is higher than twice the shortest length."""
-    shape = problem.body.shape
+def elements_are_tall(problem: Problem, space: SpaceOfBodies, body: str = "") -> bool:
+    """Return whether the first element above a lower side that adheres is twice as high as the shortest long.
+
+    Of several bodies one is chosen by its name.
+    """
+    name = body or problem.body.name
+    shape, own = problem.body_of(name).shape, spaces_by_name(problem, space)[name]
     length, height = (
         max(shape.boundary(side).length() for side in pair) for pair in (("bottom", "top"), ("left", "right"))
     )
-    first = height * np.diff(space.across.breakpoints)[0]
-    return bool(
-        problem.adhesion.side == "bottom" and first > 2 * length * np.diff(space.rows[0].breakpoints).min()
-    )
+    first = height * np.diff(own.across.breakpoints)[0]
+    lower = any(one.boundary.body == name and one.side == "bottom" for one in problem.interfaces)
+    return bool(lower and first > 2 * length * np.diff(own.rows[0].breakpoints).min())
 
 
 def lies_flat(problem: Problem) -> bool:
@@ -188,34 +196,52 @@ def parts_at_once(problem: Problem) -> bool:
     opposite = {"bottom": "top", "top": "bottom", "left": "right", "right": "left"}
     across = 0 if adhesion.side in ("bottom", "top") else 1
     beside = {"left", "right"} if across == 0 else {"bottom", "top"}
-    held = beside <= {support.side for support in problem.supports if across in support.components}
-    whole = (adhesion.start, adhesion.end) == (0.0, 1.0)
+    held = beside <= {
+        support.side
+        for support in problem.supports
+        if across in support.components and support.boundary.is_whole
+    }
+    whole = adhesion.boundary.is_whole
     alone = held or problem.body.material.poissons_ratio == 0
     return bool(drive.side == opposite[adhesion.side] and whole and alone and lies_flat(problem))
 
 
 @dataclass(frozen=True)
 class Zones:
-    """The process zone as estimated before the first step, and as measured in stored states, by parameter."""
+    """The process zone as estimated before the first step, and as measured in stored states.
+
+    The measured ones are those of the states with a front, in order, each with its parameter.
+    """
 
     estimated: Resolution | None = None
-    measured: Mapping[float, Resolution] = field(default_factory=lambda: MappingProxyType({}))
+    measured: Sequence[tuple[float, Resolution]] = ()
 
     @classmethod
-    def of(cls, problem: Problem, space: RowSpace, zones: Mapping[float, ProcessZone]) -> Self:
-        """Return the zones of a problem on a space; `zones` are the process zones of its stored states."""
-        found = {at: measured(problem, space, zone) for at, zone in zones.items() if zone.length > 0}
-        return cls(estimated(problem, space), found)
+    def of(
+        cls,
+        problem: Problem,
+        space: SpaceOfBodies,
+        curve: Curve,
+        zones: Mapping[int, ProcessZone],
+        interface: str = "",
+    ) -> Self:
+        """Return the zones on an interface; `zones` are the process zones of steps of a curve."""
+        found = [
+            (float(curve.parameter[step]), measured(problem, space, zone, interface))
+            for step, zone in zones.items()
+            if zone.length > 0
+        ]
+        return cls(estimated(problem, space, interface), found)
 
     @property
     def last(self) -> tuple[float, Resolution] | None:
         """Parameter and process zone of the last state that has a front."""
-        return None if not self.measured else list(self.measured.items())[-1]
+        return self.measured[-1] if self.measured else None
 
     @property
     def worst(self) -> tuple[float, Resolution] | None:
         """Parameter and process zone of the state with the fewest elements in it."""
-        return min(self.measured.items(), key=lambda item: item[1].elements, default=None)
+        return min(self.measured, key=lambda item: item[1].elements, default=None)
 
     def summary(self, parameter: str) -> dict[str, dict[str, float] | None]:
         """Return plain numbers in L0: the estimated and the last measured zone, with its named parameter."""
@@ -236,18 +262,22 @@ def _reach(law: AdhesionLaw) -> float:
     return _REACH * sqrt(spent / opened)
 
 
-def functions_along(problem: Problem, space: RowSpace) -> SplineSpace:
+def functions_along(problem: Problem, space: SpaceOfBodies, interface: str = "") -> SplineSpace:
     """Return the functions along the adhering side."""
-    rows: dict[Side, SplineSpace] = {"bottom": space.rows[0], "top": space.rows[-1]}
-    return rows.get(problem.adhesion.side, space.across)
+    boundary = problem.interface_of(interface).boundary
+    own = spaces_by_name(problem, space)[boundary.body]
+    rows: dict[Side, SplineSpace] = {"bottom": own.rows[0], "top": own.rows[-1]}
+    return rows.get(boundary.side, own.across)
 
 
-def ends_along(problem: Problem, space: RowSpace) -> FloatArray:
+def ends_along(problem: Problem, space: SpaceOfBodies, interface: str = "") -> FloatArray:
     """Return the ends (elements + 1,) of the elements along the adhering side at rest, from its start."""
-    ends = functions_along(problem, space).breakpoints
+    ends = functions_along(problem, space, interface).breakpoints
+    boundary = problem.interface_of(interface).boundary
+    curve = problem.body_of(boundary.body).shape.boundary(boundary.side)
     # chords of parts of each element: the elements of a bent side are its arcs
     parts = (ends[:-1, None] + np.diff(ends)[:, None] * np.arange(4) / 4).ravel()
-    points = problem.body.shape.boundary(problem.adhesion.side).evaluate(np.append(parts, ends[-1]))
+    points = curve.evaluate(np.append(parts, ends[-1]))
     lengths = np.linalg.norm(np.diff(points, axis=0), axis=1).reshape(-1, 4).sum(axis=1)
     return np.concatenate([[0.0], np.cumsum(lengths)])
 
@@ -258,10 +288,10 @@ def _longest(ends: FloatArray, start: float, end: float) -> float:
     return float(np.diff(ends)[covered].max()) if covered.any() else float(np.diff(ends)[-1])
 
 
-def _at_rest(problem: Problem) -> tuple[FloatArray, FloatArray]:
+def _at_rest(problem: Problem, interface: str = "") -> tuple[FloatArray, FloatArray]:
     """Return places (n,) along the adhering part, from the start of its side, and the gaps at rest there."""
-    adhesion = problem.adhesion
-    curve = problem.body.shape.boundary(adhesion.side)
+    adhesion = problem.interface_of(interface)
+    curve = problem.body_of(adhesion.boundary.body).shape.boundary(adhesion.side)
     points = curve.evaluate(np.linspace(adhesion.start, adhesion.end, _PLACES))
     first = curve.length(adhesion.start) if adhesion.start > 0 else 0.0
     steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
@@ -279,9 +309,10 @@ def _beside(places: FloatArray, touches: BoolArray, lowest: int) -> float:
     return max(float(places[lowest] - start), float(end - places[lowest]), step)
 
 
-def body_height(problem: Problem) -> float:
+def body_height(problem: Problem, interface: str = "") -> float:
     """Return the thickness of the body above the adhering side, in the middle of the adhering part."""
-    adhesion, shape = problem.adhesion, problem.body.shape
+    adhesion = problem.interface_of(interface)
+    shape = problem.body_of(adhesion.boundary.body).shape
     at, ends = (adhesion.start + adhesion.end) / 2, (0.0, 1.0)
     if adhesion.side in ("bottom", "top"):
         points = shape.evaluate(np.full(2, at), np.array(ends))

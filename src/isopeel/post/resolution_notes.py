@@ -1,11 +1,11 @@
 """Notes where a front has too few elements, with a discretization that has enough."""
 
-from collections.abc import Mapping
+from collections.abc import Sequence
 from math import ceil, floor, log, log10
 
 import numpy as np
 
-from isopeel.common.arrays import FloatArray
+from isopeel.assembly.spaces import SpaceOfBodies, spaces_by_name
 from isopeel.common.errors import InputError
 from isopeel.physics.materials.base import plane_strain_modulus
 from isopeel.post.closed_form.strip import free_strip
@@ -28,6 +28,7 @@ from isopeel.post.resolution import (
 )
 from isopeel.problem import Problem
 from isopeel.results.curve import Curve
+from isopeel.results.fields import StoredState
 from isopeel.results.notes import Note, Remedy
 from isopeel.splines.rows import RowSpace, row_space
 from isopeel.splines.space import SplineSpace
@@ -49,36 +50,37 @@ JUMPS = 3
 _SPARE, _SPARE_GRADED = 1.1, 1.4
 
 
-def estimate_notes(problem: Problem, space: RowSpace, laboratory: Laboratory) -> list[Note]:
-    """Return notes, before the first step, where a front has too few elements, with a remedy."""
-    found = estimated(problem, space)
+def estimate_notes(problem: Problem, space: SpaceOfBodies, laboratory: Laboratory) -> list[Note]:
+    """Return notes, before the first step, where a front has too few elements, with a remedy.
+
+    They are known for one body with one interface only.
+    """
+    if not problem.is_single:
+        return []
+    own = spaces_by_name(problem, space)[problem.body.name]
+    found = estimated(problem, own)
     if found is None or found.is_enough or parts_at_once(problem):
         return []
-    return [_zone_note(problem, space, found, laboratory, "estimated from law, material and thickness")]
+    return [_zone_note(problem, own, found, laboratory, "estimated from law, material and thickness")]
 
 
-def peels(
-    problem: Problem,
-    space: RowSpace,
-    fields: Mapping[float, FloatArray],
-    maximum_openings: Mapping[float, FloatArray] | None = None,
-) -> bool:
+def peels(problem: Problem, space: RowSpace, states: Sequence[StoredState]) -> bool:
     """Return whether half of a joint's strength was reached somewhere in one of the last and largest states.
 
-    A joint without such a place is a support, which has no front. `fields` are displacements (size, 2) by
-    parameter, and `maximum_openings` those of an irreversible joint.
+    A joint without such a place is a support, which has no front.
     """
     try:
         strength = law_character(problem.adhesion.law).strength
     except InputError:
         return False
-    states = {max(fields, key=abs), list(fields)[-1]} if fields else set()
-    history = maximum_openings or {}
+    looked_at = [max(states, key=lambda state: abs(state.parameter)), states[-1]] if states else []
     pulls = (
-        -front_profile(problem, space, fields[at], maximum_openings=history.get(at)).adhesive_traction.min()
-        for at in states
+        -front_profile(
+            problem, space, state.displacement, maximum_openings=state.maximum_openings
+        ).adhesive_traction.min()
+        for state in looked_at
     )
-    return not fields or any(pull > strength / 2 for pull in pulls)
+    return not states or any(pull > strength / 2 for pull in pulls)
 
 
 def zone_notes(problem: Problem, space: RowSpace, zones: Zones, laboratory: Laboratory) -> list[Note]:

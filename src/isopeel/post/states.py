@@ -1,16 +1,20 @@
-"""One state of a body, ready to be drawn, and the window of a picture of it."""
+"""One state of all bodies, ready to be drawn, and the window of a picture of them."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from math import ceil
 
 import numpy as np
 
 from isopeel.assembly.interface import InterfacePoints
+from isopeel.assembly.spaces import SpaceOfBodies, spaces_by_name
 from isopeel.common.arrays import FloatArray
 from isopeel.physics.adhesion.mirrored import Mirrored
+from isopeel.physics.substrates import Substrate
+from isopeel.post.driven import driven_boundaries
 from isopeel.post.fields import SampledFields, sample_fields, side_positions
 from isopeel.problem import Problem
+from isopeel.results.fields import StoredState
 from isopeel.splines.nurbs import Side
 from isopeel.splines.rows import RowSpace
 
@@ -36,107 +40,140 @@ class Window:
 
 
 @dataclass(frozen=True, eq=False)
-class BodyState:
-    """One state of the body, ready to be drawn."""
+class Face:
+    """The adhering part of a side in one state, at points (n, 2) along it."""
 
-    parameter: float
-    fields: SampledFields
-    adhering: FloatArray  # (n, 2) positions along the adhering part of the side
+    position: FloatArray
     attraction: FloatArray  # (n,) of the substrate there
     opposite: FloatArray  # (n, 2) positions on the other side of the body
-    driven: FloatArray  # (3, 2) start, middle and end of the driven side
+
+    @property
+    def length(self) -> float:
+        """Of its chords."""
+        return float(np.linalg.norm(np.diff(self.position, axis=0), axis=1).sum())
 
 
-def body_state(
+@dataclass(frozen=True, eq=False)
+class DrawnState:
+    """One state, ready to be drawn."""
+
+    parameter: float
+    bodies: Mapping[str, SampledFields]  # by name
+    faces: Mapping[str, Face]  # by the names of interfaces
+    driven: FloatArray  # (k, 3, 2) start, middle and end of each driven side
+
+
+def drawn_state(
     problem: Problem,
-    space: RowSpace,
-    parameter: float,
-    displacement: FloatArray,
-    per_element: tuple[int, int] | None = None,
-    maximum_openings: FloatArray | None = None,
-) -> BodyState:
-    """Return a state of the body for pictures, from the coefficients (size, 2) of a displacement.
+    space: SpaceOfBodies,
+    state: StoredState,
+    per_element: Mapping[str, tuple[int, int]] | None = None,
+) -> DrawnState:
+    """Return a state of all bodies for pictures.
 
-    An irreversible joint needs its `maximum_openings` (`InterfacePoints.state`). By default an element has so
-    many cells that curves and fields look smooth, on coarse and on graded meshes too. Raises as
-    `sample_fields`.
+    By default an element has so many cells that curves and fields look smooth, on coarse and on graded meshes
+    too; `per_element` has other numbers of cells by names of bodies. Raises as `sample_fields` and
+    `InterfacePoints.state`.
     """
-    adhesion = problem.adhesion
-    along = np.linspace(adhesion.start, adhesion.end, 10 * max(space.elements) + 1)
-    interface = InterfacePoints(problem, space, along[:, None]).state(displacement, maximum_openings)
-    opposite = side_positions(problem, space, displacement, _OPPOSITE[adhesion.side], along)
-    driven = side_positions(problem, space, displacement, problem.drive.side, np.array([0.0, 0.5, 1.0]))
-    largest = (np.diff(axis.breakpoints).max() for axis in (space.rows[0], space.across))
-    smooth = [ceil(cells * size) for cells, size in zip(SMOOTH, largest, strict=True)]
-    cells = per_element or (smooth[0], smooth[1])
-    return BodyState(
-        parameter,
-        sample_fields(problem, space, displacement, cells),
-        interface.position[:, 0],
-        -interface.normal_traction[:, 0],
-        opposite,
-        driven,
+    spaces, u = spaces_by_name(problem, space), state.displacement
+    cells = per_element or {name: smooth_cells(own) for name, own in spaces.items()}
+    faces = {}
+    for name, interface in zip(problem.interface_names, problem.interfaces, strict=True):
+        body = interface.boundary.body
+        along = np.linspace(interface.start, interface.end, 10 * max(spaces[body].elements) + 1)
+        points = InterfacePoints(problem, space, along[:, None], interface=name)
+        found = points.state(u, state.maximum_openings)
+        opposite = side_positions(problem, space, u, _OPPOSITE[interface.side], along, body)
+        faces[name] = Face(found.position[:, 0], -found.normal_traction[:, 0], opposite)
+    ends, driven = np.array([0.0, 0.5, 1.0]), driven_boundaries(problem)
+    return DrawnState(
+        state.parameter,
+        {name: sample_fields(problem, space, u, cells[name], name) for name in spaces},
+        faces,
+        np.stack([side_positions(problem, space, u, one.side, ends, one.body) for one in driven]),
     )
 
 
-def stress_scale(states: Iterable[BodyState]) -> float:
+def smooth_cells(space: RowSpace) -> tuple[int, int]:
+    """Return numbers of cells of an element with which curves and fields look smooth."""
+    largest = (np.diff(axis.breakpoints).max() for axis in (space.rows[0], space.across))
+    along, across = (ceil(cells * size) for cells, size in zip(SMOOTH, largest, strict=True))
+    return along, across
+
+
+def stress_scale(states: Iterable[DrawnState]) -> float:
     """Return the largest |I1| of all states, which is the end of the colour scale."""
     # an invariant below 1e-6 is the round-off of a body at rest
-    return max(1e-6, *(float(np.nanmax(np.abs(state.fields.first_invariant))) for state in states))
+    found = (fields.first_invariant for state in states for fields in state.bodies.values())
+    return max(1e-6, *(float(np.nanmax(np.abs(values))) for values in found))
 
 
-def whole_window(states: Iterable[BodyState]) -> Window:
-    """Return a window around the body in all states, with space for labels."""
-    points = np.concatenate([state.fields.position.reshape(-1, 2) for state in states])
+def whole_window(states: Iterable[DrawnState]) -> Window:
+    """Return a window around the bodies in all states, with space for labels."""
+    fields = (fields for state in states for fields in state.bodies.values())
+    points = np.concatenate([one.position.reshape(-1, 2) for one in fields])
     low, high = points.min(axis=0), points.max(axis=0)
     margin = 0.05 * float(np.max(high - low))
     (left, bottom), (right, top) = (low - margin).tolist(), (high + margin).tolist()
     return Window((left, right), (bottom, top))
 
 
-def front_window(problem: Problem, state: BodyState) -> Window:
-    """Return a window around the strongest attraction, with a margin."""
-    attraction = state.attraction
+def front_window(problem: Problem, state: DrawnState, interface: str) -> Window:
+    """Return a window around the strongest attraction on an interface, with a margin."""
+    face = state.faces[interface]
+    attraction = face.attraction
     # where there is no attraction yet, a front will start at the end next to the drive
-    from_drive = np.linalg.norm(state.adhering - state.driven[1], axis=1)
-    pulls = attraction.max() > _NO_PULL * problem.body.material.youngs_modulus
+    from_drive = np.linalg.norm(face.position - state.driven[:, None, 1], axis=2).min(axis=0)
+    body = problem.body_of(problem.interface_of(interface).boundary.body)
+    pulls = attraction.max() > _NO_PULL * body.material.youngs_modulus
     # of several places with nearly the same attraction, such as the troughs of a wave, the one next to the
     # drive
     front = attraction > _ALIKE * attraction.max() if pulls else np.full(len(attraction), True)
     at = int(np.argmin(np.where(front, from_drive, np.inf)))
-    through = state.opposite[at] - state.adhering[at]
-    length = float(np.linalg.norm(np.diff(state.adhering, axis=0), axis=1).sum())
+    through = face.opposite[at] - face.position[at]
     thickness = float(np.linalg.norm(through))
     # of a body that is thick for its adhering part, such as a cylinder, only the part next to the substrate
-    size = min(thickness, length / 2)
-    x, y = (state.adhering[at] + through * size / thickness / 2).tolist()
+    size = min(thickness, face.length / 2)
+    x, y = (face.position[at] + through * size / thickness / 2).tolist()
     half_width, half_height = 1.6 * size, 0.65 * size
     return Window((x - half_width, x + half_width), (y - half_height, y + half_height))
 
 
+def substrates(problem: Problem) -> list[Substrate]:
+    """Return the substrates of all interfaces, each once."""
+    found: list[Substrate] = []
+    for interface in problem.interfaces:
+        if interface.substrate not in found:
+            found.append(interface.substrate)
+    return found
+
+
 def adheres_to(problem: Problem) -> str:
-    """Return what the body adheres to, in words."""
-    return "mirror plane" if isinstance(problem.adhesion.law, Mirrored) else "substrate"
+    """Return what the bodies adhere to, in words."""
+    words = [
+        "mirror plane" if isinstance(interface.law, Mirrored) else "substrate"
+        for interface in problem.interfaces
+    ]
+    return ", ".join(dict.fromkeys(words)) or "substrate"
 
 
 def common_view(
-    problem: Problem,
-    space: RowSpace,
-    fields: Mapping[float, FloatArray],
-    maximum_openings: Mapping[float, FloatArray] | None = None,
+    problem: Problem, space: SpaceOfBodies, states: Sequence[StoredState]
 ) -> tuple[Window, float]:
     """Return a window for all states of a run, and their largest |I1|; one state at a time, to save memory.
 
-    `fields` maps parameters to coefficients (size, 2) of displacements, and `maximum_openings` to those of an
-    irreversible joint. The window holds the body. Where the body is thick for its adhering part, such as a
-    cylinder, it holds the fronts only, which would be invisible otherwise.
+    The window holds all bodies. Where the only one is thick for its adhering part, such as a cylinder, it
+    holds the fronts only, which would be invisible otherwise.
     """
-    windows, scale, history = [], 0.0, maximum_openings or {}
-    for value, displacement in fields.items():
-        state = body_state(problem, space, value, displacement, maximum_openings=history.get(value))
-        length = float(np.linalg.norm(np.diff(state.adhering, axis=0), axis=1).sum())
-        thickness = float(np.linalg.norm(state.opposite - state.adhering, axis=1).max())
-        windows.append(whole_window([state]) if thickness < length else front_window(problem, state))
+    windows, scale = [], 0.0
+    for stored in states:
+        state = drawn_state(problem, space, stored)
+        window = whole_window([state])
+        if problem.is_single:
+            ((name, face),) = state.faces.items()
+            thickness = float(np.linalg.norm(face.opposite - face.position, axis=1).max())
+            window = window if thickness < face.length else front_window(problem, state, name)
+        windows.append(window)
         scale = max(scale, stress_scale([state]))
     x, y = (
         (min(low for low, _ in ends), max(high for _, high in ends))

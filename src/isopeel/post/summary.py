@@ -28,8 +28,8 @@ def summarize(
     `readings` are in laboratory units, each with its own unit. All other numbers are those of the curve:
     parameter and reaction in the units of their columns, named in `units`, slopes per unit of the parameter.
     A jump is a step of that kind, or one that released more than a thousandth of the range of the energies.
-    `wall_time` (seconds) is that of the whole run, with its compilation. `changes` are those on a finer
-    space, by `mesh_changes`.
+    The process zones of several interfaces have their names. `wall_time` (seconds) is that of the whole run,
+    with its compilation. `changes` are those on a finer space, by `mesh_changes`.
     """
     curve, attributes, failure = run.curve, run.attributes, run.failure
     window, plateau, closed_form = found.window, found.plateau, found.closed_form
@@ -63,7 +63,7 @@ def summarize(
         "window": plateau and list(plateau.window),
         "onset": onset,
         "closed_form": closed_form and asdict(closed_form),
-        "process_zone": found.zones.summary(parameter.name),
+        "process_zone": _zones(found, parameter.name),
         "notes": [
             {"subject": note.subject, "text": note.text}
             for note in with_one_remedy([*run_notes(run, found, onset), *mesh_notes(run, found, changes)])
@@ -112,6 +112,12 @@ def _reading(reading: Reading, curve: Curve, laboratory: Laboratory) -> dict[str
         "deviation_percent": None if deviation is None else 100 * deviation,
         "in_case_units": internal and {"value": reading.value, "unit": internal},
     }
+
+
+def _zones(found: Findings, parameter: str) -> dict[str, Any]:
+    """Return the process zone of the only interface, or those of several by their names."""
+    zones = {name: one.summary(parameter) for name, one in found.zones.items()}
+    return next(iter(zones.values())) if len(zones) == 1 else zones
 
 
 def _finer(change: MeshChange, parameter: Column, reaction: Column) -> dict[str, float | None]:

@@ -27,7 +27,9 @@ def summary_rows(summary: Mapping[str, Any], curve: Curve, found: Findings) -> l
     """Return the rows of a summary in words; cells without content are empty."""
     laboratory = found.laboratory
     parameter = curve.parameter_column
-    rows = [Row("space", f"{summary['space']}, {summary['mesh']}, {summary['dofs']} DOFs")]
+    spaces = zip(summary["space"].split(", "), summary["mesh"].split(", "), strict=True)
+    described = "; ".join(f"{space}, {mesh}" for space, mesh in spaces)
+    rows = [Row("space", f"{described}{';' if ';' in described else ','} {summary['dofs']} DOFs")]
     if not len(curve):
         rows.append(Row("reached", "-"))
     else:
@@ -95,17 +97,21 @@ def _row(reading: Reading, parameter: Column, laboratory: Laboratory) -> Row:
 
 
 def _zone_rows(found: Findings, parameter: Column) -> list[Row]:
-    """Return a row on the elements that the process zone has, and needs; empty where unknown."""
-    laboratory, zones = found.laboratory, found.zones
-    counts, needed = [], None
-    if zones.last is not None:
-        at, zone = zones.last
-        counts.append(f"{zone.elements:.2g} at {laboratory.parameter(parameter, at)}")
-        needed = zone.needed
-    if zones.estimated is not None:
-        counts.append(f"{zones.estimated.elements:.2g} estimated")
-        needed = zones.estimated.needed
-    return [Row("elements in the zone", f"{', '.join(counts)}; {needed:.2g} needed")] if counts else []
+    """Return a row on the elements that each process zone has, and needs; none where unknown."""
+    laboratory, rows = found.laboratory, []
+    for name, zones in found.zones.items():
+        counts, needed = [], None
+        if zones.last is not None:
+            at, zone = zones.last
+            counts.append(f"{zone.elements:.2g} at {laboratory.parameter(parameter, at)}")
+            needed = zone.needed
+        if zones.estimated is not None:
+            counts.append(f"{zones.estimated.elements:.2g} estimated")
+            needed = zones.estimated.needed
+        if counts:
+            where = f", {name}" if len(found.zones) > 1 else ""
+            rows.append(Row(f"elements in the zone{where}", f"{', '.join(counts)}; {needed:.2g} needed"))
+    return rows
 
 
 def _angle(value: float | None) -> str:

@@ -8,13 +8,13 @@ from collections.abc import Mapping
 from pathlib import Path
 from types import MappingProxyType
 
-from isopeel.post.crack import Front, crack_lengths, load_position
+from isopeel.post.crack import Fronts, crack_lengths, load_position
 from isopeel.post.laboratory import Laboratory
 from isopeel.problem import Column, Problem
 from isopeel.results.curve import Curve, write_table
 
-#: No state with a front.
-NO_FRONTS: Mapping[float, Front] = MappingProxyType({})
+#: No state with a front on any interface.
+NO_FRONTS: Mapping[str, Fronts] = MappingProxyType({})
 
 
 def write_curve(
@@ -22,21 +22,24 @@ def write_curve(
     curve: Curve,
     problem: Problem,
     laboratory: Laboratory,
-    fronts: Mapping[float, Front] = NO_FRONTS,
+    fronts: Mapping[str, Fronts] = NO_FRONTS,
 ) -> None:
     """Write the curve of a problem with all digits; one line for each step.
 
-    The column crack_length has a value where the displacement is stored and there is a front; a problem whose
-    load acts on the whole body has no such column. Raises OSError.
+    The column crack_length has a value where the displacement is stored and there is a front; of several
+    interfaces each has one, with its name. A body on the whole of which the load acts has no such column, and
+    neither has one that is not loaded. Raises OSError.
     """
     table = {}
     for column, values in curve.table():
         factor = laboratory.column(column).factor
         # a factor of one does not change whole numbers and texts
         table[laboratory.heading(column)] = (values if factor == 1.0 else values * factor).tolist()
-    if load_position(problem) is not None:
-        column = Column("crack_length", "L0")
-        lengths = crack_lengths(curve, fronts) * laboratory.column(column).factor
+    for name in problem.interface_names:
+        if load_position(problem, name) is None:
+            continue
+        column = Column(f"crack_length {name}" if len(problem.interfaces) > 1 else "crack_length", "L0")
+        lengths = crack_lengths(curve, fronts.get(name, {})) * laboratory.column(column).factor
         table[laboratory.heading(column)] = [
             None if length != length else length for length in lengths.tolist()
         ]

@@ -1,11 +1,13 @@
 """Which states of a run are kept with their fields."""
 
-from collections.abc import Iterable
-from typing import NamedTuple
+from collections.abc import Iterable, Sequence
+from typing import NamedTuple, Self
 
 import numpy as np
 
-from isopeel.common.arrays import FloatArray
+from isopeel.common.arrays import FloatArray, frozen
+from isopeel.problem import Drive
+from isopeel.solve.step import Step
 
 _ROUND_OFF = 1e-9
 
@@ -13,14 +15,25 @@ _ROUND_OFF = 1e-9
 class StoredState(NamedTuple):
     """The state of a step, by its number: its parameter, in the unit of the curve's column, and its fields.
 
-    They are the displacement coefficients (functions, 2), and the maximum openings at the Gauss points of the
-    interface, (elements, points).
+    They are the displacement coefficients (functions, 2) of all bodies, and the maximum openings at the Gauss
+    points of the interfaces, (elements, points), as a step has them; only irreversible adhesion needs those.
     """
 
     step: int
     parameter: float
     displacement: FloatArray
-    maximum_openings: FloatArray
+    maximum_openings: FloatArray = frozen(np.empty((0, 0)))
+
+    @classmethod
+    def of(cls, step: Step, drive: Drive) -> Self:
+        """Return the state of a step of a drive."""
+        parameter = float(drive.parameter_column.shown(step.parameter))
+        return cls(step.number, parameter, step.displacement, step.maximum_openings)
+
+
+def nearest(states: Sequence[StoredState], parameter: float) -> StoredState:
+    """Return the state nearest to a parameter; of several at one parameter, the last."""
+    return min(reversed(states), key=lambda state: abs(state.parameter - parameter))
 
 
 class KeptStates:

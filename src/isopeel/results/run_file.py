@@ -20,12 +20,13 @@ from uuid import uuid4
 import h5py
 import numpy as np
 
+from isopeel.assembly.spaces import SpaceOfBodies, spaces_by_name
 from isopeel.common.arrays import FloatArray, frozen
 from isopeel.common.errors import InputError
 from isopeel.problem import Column, Problem
 from isopeel.results import schema, untrusted
 from isopeel.results.curve import Curve
-from isopeel.results.fields import KeptStates, StoredState
+from isopeel.results.fields import KeptStates, StoredState, nearest
 from isopeel.results.files import check_readable, replacing
 from isopeel.results.journal import Record, read_journal
 from isopeel.results.provenance import Provenance
@@ -89,25 +90,26 @@ class StoredRun:
     journaled: int = 0
     space: tuple[RowSpace, NurbsSurface] | None = None
 
-    @property
-    def fields(self) -> Mapping[float, FloatArray]:
-        """Displacement coefficients (functions, 2) by the parameter; of two states at one, the last."""
-        return MappingProxyType({state.parameter: state.displacement for state in self.states})
+    def nearest(self, parameter: float) -> StoredState:
+        """Return the stored state nearest to a parameter, in the unit of the curve's column.
 
-    @property
-    def maximum_openings(self) -> Mapping[float, FloatArray]:
-        """Maximum openings (E, Q) by the parameter, likewise."""
-        return MappingProxyType({state.parameter: state.maximum_openings for state in self.states})
+        Of several at one parameter, on different branches, it is the last.
+        """
+        return nearest(self.states, parameter)
 
 
-def run_attributes(problem: Problem, space: RowSpace, provenance: Provenance) -> dict[str, str | int]:
-    """Describe the discretization and the provenance of a run; `git_revision` only where there is one."""
+def run_attributes(problem: Problem, space: SpaceOfBodies, provenance: Provenance) -> dict[str, str | int]:
+    """Describe the discretization and the provenance of a run; `git_revision` only where there is one.
+
+    Space and mesh of several bodies are listed in their order; the traction once where it is the same.
+    """
     revision = provenance.git_revision
+    spaces = spaces_by_name(problem, space).values()
     return {
-        "space": space.name,
-        "mesh": "{}x{}".format(*space.elements),
-        "dofs": 2 * space.size,
-        "traction": problem.adhesion.traction,
+        "space": ", ".join(one.name for one in spaces),
+        "mesh": ", ".join("{}x{}".format(*one.elements) for one in spaces),
+        "dofs": 2 * sum(one.size for one in spaces),
+        "traction": ", ".join(dict.fromkeys(interface.traction for interface in problem.interfaces)),
         "platform": provenance.platform,
         "started": provenance.started,
         "command_line": provenance.command_line,

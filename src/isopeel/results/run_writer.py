@@ -122,8 +122,7 @@ class RunWriter:
         if step.resumes:
             self._last = step.state
         number = len(self._run.curve) + len(self._rows) - 1
-        shown = float(self._drive.parameter_column.shown(step.parameter))
-        state = StoredState(number, shown, step.displacement, step.maximum_openings)
+        state = StoredState.of(step, self._drive)._replace(step=number)
         self._kept.take(state)
         if self._is_behind:
             return

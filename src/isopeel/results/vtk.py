@@ -6,11 +6,11 @@ their parameter, then the rows inside; those of curves as both ends, then the in
 """
 
 import zlib
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from struct import pack
-from typing import Any
+from typing import Any, NamedTuple
 from xml.sax.saxutils import quoteattr
 
 import numpy as np
@@ -97,11 +97,20 @@ def write_grid(path: Path, grid: Grid, time: float, notes: Mapping[str, str]) ->
         part.write_bytes(file.content())
 
 
-def write_series(path: Path, times: Mapping[str, float]) -> None:
-    """Write a .pvd file that lists other files, relative to its folder, and their times. Raises OSError."""
+class Part(NamedTuple):
+    """A file of a series: its time, and the number of the part that it is at that time."""
+
+    file: str
+    time: float
+    number: int = 0
+
+
+def write_series(path: Path, parts: Sequence[Part]) -> None:
+    """Write a .pvd file that lists other files, relative to its folder, in their order. Raises OSError."""
     sets = "".join(
-        f"<DataSet timestep={quoteattr(repr(time))} part={quoteattr('0')} file={quoteattr(name)}/>\n"
-        for name, time in times.items()
+        f"<DataSet timestep={quoteattr(repr(part.time))} part={quoteattr(str(part.number))}"
+        f" file={quoteattr(part.file)}/>\n"
+        for part in parts
     )
     with replacing(path) as part:
         part.write_text(

@@ -29,7 +29,7 @@ REPORT = "report.html"
 #: Folder inside that of a run for later figures, and the names of these, in any format.
 FIGURES, DRAWN = "figures", ("curve", "plateau", "shapes", "front", "tractions", "animation")
 #: Folder inside that of a run for exported files, and the names of these.
-PARAVIEW, EXPORTED = "paraview", re.compile(r"(body|adhesive-side)(-\d{4,}\.vtu|\.pvd)")
+PARAVIEW, EXPORTED = "paraview", re.compile(r"(body|adhesive-side)((-[\w.-]+)?-\d{4,}\.vtu|\.pvd)")
 #: The file that a process locks while it writes to a folder, and the beginning of the names of stage folders.
 LOCK, STAGE_FOLDER = ".lock", re.compile(r"\d{1,9}(?=-)")
 #: Files that file managers leave everywhere, and temporary files of a killed process.

@@ -386,10 +386,7 @@ def _write_results(
         curve, plateau, closed_form, _ = in_laboratory(run.curve, found)
         for name, figure in (
             ("curve.png", reaction_figure(curve, plateau, closed_form)),
-            (
-                "shapes.png",
-                shapes_figure(stage.problem, space, run.fields, found.laboratory, (), run.maximum_openings),
-            ),
+            ("shapes.png", shapes_figure(stage.problem, space, run.states, found.laboratory)),
         ):
             check()
             with replacing(out / name) as part:

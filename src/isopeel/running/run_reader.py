@@ -58,7 +58,7 @@ def _read_stage(file: Path) -> StoredStage:
     # two stages may have the same name, but not the same folder
     numbers = [number for number, stage in enumerate(stages, start=1) if stage.name == name]
     number = _number(file) if _number(file) in numbers else min(numbers, default=0)
-    kept = [*run.fields.values(), *([] if run.base is None else [run.base])]
+    kept = [*(state.displacement for state in run.states), *([] if run.base is None else [run.base])]
     sizes = {len(displacement) for displacement in kept}
     of_case = space.name, "{}x{}".format(*space.elements)
     same = (run.attributes.get("space"), run.attributes.get("mesh")) == of_case

@@ -22,16 +22,20 @@ function pointsOf(packed) {
   return points.map((value) => value * packed.unit);
 }
 
-/** A state of a body with all that is drawn of it. */
+/** A state with all that is drawn of it: of its bodies, and of the faces that adhere. */
 function unpackedState(packed) {
   return {
     step: packed.step,
-    nodes: pointsOf(packed.nodes),
-    stress: numbersOf(packed.stress, Uint8Array),
-    adhering: pointsOf(packed.adhering),
-    front: packed.front,
-    adhesion: numbersOf(packed.adhesion, Float32Array),
-    body: numbersOf(packed.body, Float32Array),
+    bodies: packed.bodies.map(({ nodes, stress }) => ({
+      nodes: pointsOf(nodes),
+      stress: numbersOf(stress, Uint8Array),
+    })),
+    faces: packed.faces.map(({ adhering, front, adhesion, body }) => ({
+      adhering: pointsOf(adhering),
+      front,
+      adhesion: numbersOf(adhesion, Float32Array),
+      body: numbersOf(body, Float32Array),
+    })),
     residuals: packed.residuals,
   };
 }

@@ -1,4 +1,4 @@
-// The deformed body, coloured by its stress.
+// The deformed bodies, coloured by their stress.
 
 const BLANK = 255; // where there is no stress
 
@@ -32,32 +32,53 @@ function fillTriangle(picture, width, height, x, y, level) {
   }
 }
 
-/** Draws states of the body of a stage. */
-class Body {
+/** The nodes of the cells of one body. */
+class Grid {
+  constructor([elementsX, elementsY, a, b]) {
+    Object.assign(this, { elementsX, elementsY, a, b });
+    this.across = elementsY * b + 1; // numbers of nodes
+    this.along = elementsX * a + 1;
+  }
+
+  /** Nodes around the body. */
+  get ring() {
+    const ring = [];
+    const [n, m] = [this.along, this.across];
+    for (let k = 0; k < n; k++) ring.push(k * m);
+    for (let k = 1; k < m; k++) ring.push((n - 1) * m + k);
+    for (let k = n - 2; k >= 0; k--) ring.push(k * m + m - 1);
+    for (let k = m - 2; k >= 0; k--) ring.push(k);
+    return ring;
+  }
+
+  /** Nodes along each edge of the elements. */
+  *edges() {
+    for (let i = 0; i <= this.elementsX; i++) {
+      yield Array.from({ length: this.across }, (_, k) => i * this.a * this.across + k);
+    }
+    for (let j = 0; j <= this.elementsY; j++) {
+      yield Array.from({ length: this.along }, (_, k) => k * this.across + j * this.b);
+    }
+  }
+}
+
+/** Draws states of the bodies of a stage. */
+class Bodies {
   constructor(stage, palette) {
-    this.grid = stage.grid;
-    this.substrate = stage.substrate;
+    this.grids = stage.grids.map((grid) => new Grid(grid));
+    this.substrates = stage.substrates;
     this.palette = palette;
-  }
-
-  /** Number of nodes across. */
-  get across() {
-    return this.grid[1] * this.grid[3] + 1;
-  }
-
-  /** Number of nodes along. */
-  get along() {
-    return this.grid[0] * this.grid[2] + 1;
   }
 
   /** Draw a state into axes; `close` as the front is, with its elements. Keeps the picture for `levelAt`. */
   draw(axes, state, close) {
     const { left, top, right, bottom, dots } = axes;
     axes.inside((context) => {
-      this.drawSubstrate(context, axes);
+      for (const substrate of this.substrates) this.drawSubstrate(context, axes, substrate);
       const width = Math.max(1, Math.round((right - left) * dots));
       const height = Math.max(1, Math.round((bottom - top) * dots));
-      const picture = this.pictureOf(axes, state, width, height);
+      const picture = new Uint8Array(width * height).fill(BLANK);
+      this.grids.forEach((grid, k) => this.fill(picture, axes, grid, state.bodies[k], width, height));
       const canvas = document.createElement("canvas");
       [canvas.width, canvas.height] = [width, height];
       const image = new ImageData(width, height);
@@ -68,13 +89,14 @@ class Body {
       }
       canvas.getContext("2d").putImageData(image, 0, 0);
       context.drawImage(canvas, left, top, width / dots, height / dots);
-      if (close) this.drawElements(context, axes, state);
-      this.drawOutline(context, axes, state);
-      const line = Array.from({ length: state.adhering.length / 2 }, (_, k) => this.place(axes, state.adhering, k));
-      for (const [color, extra] of [[axes.colors.paper, 1.5], [axes.colors.mark, 0]]) {
-        context.strokeStyle = color;
-        context.lineWidth = (close ? 3 : 2) + extra;
-        strokeLine(context, line);
+      this.grids.forEach((grid, k) => this.drawLines(context, axes, grid, state.bodies[k].nodes, close));
+      for (const { adhering } of state.faces) {
+        const line = Array.from({ length: adhering.length / 2 }, (_, k) => this.place(axes, adhering, k));
+        for (const [color, extra] of [[axes.colors.paper, 1.5], [axes.colors.mark, 0]]) {
+          context.strokeStyle = color;
+          context.lineWidth = (close ? 3 : 2) + extra;
+          strokeLine(context, line);
+        }
       }
       this.kept = { picture, width, height, axes };
     });
@@ -85,11 +107,10 @@ class Body {
     return [axes.x(points[2 * k]), axes.y(points[2 * k + 1])];
   }
 
-  /** Two triangles for each cell, as in shapes.png. */
-  pictureOf(axes, state, width, height) {
-    const picture = new Uint8Array(width * height).fill(BLANK);
-    const [elementsX, elementsY, a, b] = this.grid;
-    const { nodes, stress } = state;
+  /** Two triangles for each cell of a body, as in shapes.png. */
+  fill(picture, axes, grid, body, width, height) {
+    const { elementsX, elementsY, a, b } = grid;
+    const { nodes, stress } = body;
     const count = nodes.length / 2;
     const [x, y] = [new Float64Array(count), new Float64Array(count)];
     for (let k = 0; k < count; k++) {
@@ -102,8 +123,8 @@ class Body {
       corners.every((n) => y[n] < 0) || corners.every((n) => y[n] > height);
     for (let i = 0; i < elementsX; i++) for (let j = 0; j < elementsY; j++)
       for (let k = 0; k < a; k++) for (let m = 0; m < b; m++) {
-        const node = (i * a + k) * this.across + j * b + m;
-        const corners = [node, node + this.across, node + this.across + 1, node + 1];
+        const node = (i * a + k) * grid.across + j * b + m;
+        const corners = [node, node + grid.across, node + grid.across + 1, node + 1];
         if (outside(corners)) continue;
         // an element has its stresses to itself: they jump where those of the solution do
         const value = ((i * elementsY + j) * (a + 1) + k) * (b + 1) + m;
@@ -113,10 +134,9 @@ class Body {
             triangle.map((n) => y[corners[n]]), triangle.map((n) => levels[n]));
         }
       }
-    return picture;
   }
 
-  /** The level of the stress at a place on the canvas drawn last; BLANK outside of the body. */
+  /** The level of the stress at a place on the canvas drawn last; BLANK outside of all bodies. */
   levelAt(px, py) {
     if (!this.kept) return BLANK;
     const { picture, width, height, axes } = this.kept;
@@ -125,37 +145,24 @@ class Body {
     return column < 0 || row < 0 || column >= width || row >= height ? BLANK : picture[row * width + column];
   }
 
-  drawOutline(context, axes, state) {
-    const ring = [];
-    const [n, m] = [this.along, this.across];
-    for (let k = 0; k < n; k++) ring.push(k * m);
-    for (let k = 1; k < m; k++) ring.push((n - 1) * m + k);
-    for (let k = n - 2; k >= 0; k--) ring.push(k * m + m - 1);
-    for (let k = m - 2; k >= 0; k--) ring.push(k);
+  /** Draw the outline of a body; `close` with the edges of its elements below it. */
+  drawLines(context, axes, grid, nodes, close) {
+    const stroke = (line) => strokeLine(context, line.map((node) => this.place(axes, nodes, node)));
+    if (close) {
+      context.strokeStyle = "rgba(0, 0, 0, 0.45)";
+      context.lineWidth = 0.5;
+      for (const edge of grid.edges()) stroke(edge);
+    }
     context.strokeStyle = axes.colors.ink;
     context.lineWidth = 1;
-    strokeLine(context, ring.map((node) => this.place(axes, state.nodes, node)));
+    stroke(grid.ring);
   }
 
-  drawElements(context, axes, state) {
-    const [elementsX, elementsY, a, b] = this.grid;
-    context.strokeStyle = "rgba(0, 0, 0, 0.45)";
-    context.lineWidth = 0.5;
-    for (let i = 0; i <= elementsX; i++) {
-      strokeLine(context, Array.from({ length: this.across },
-        (_, k) => this.place(axes, state.nodes, i * a * this.across + k)));
-    }
-    for (let j = 0; j <= elementsY; j++) {
-      strokeLine(context, Array.from({ length: this.along },
-        (_, k) => this.place(axes, state.nodes, k * this.across + j * b)));
-    }
-  }
-
-  /** Hatch what the substrate occupies, and draw its surface. */
-  drawSubstrate(context, axes) {
+  /** Hatch what a substrate occupies, and draw its surface. */
+  drawSubstrate(context, axes, substrate) {
     context.save();
     context.beginPath();
-    for (const ring of this.substrate.rings) {
+    for (const ring of substrate.rings) {
       for (let k = 0; k < ring.length / 2; k++) {
         const [x, y] = this.place(axes, ring, k);
         if (k) context.lineTo(x, y);
@@ -174,7 +181,7 @@ class Body {
     context.restore();
     context.strokeStyle = axes.colors.ink;
     context.lineWidth = 1;
-    for (const line of this.substrate.surface) {
+    for (const line of substrate.surface) {
       strokeLine(context, Array.from({ length: line.length / 2 }, (_, k) => this.place(axes, line, k)));
     }
   }

@@ -185,16 +185,16 @@ class Curve {
   }
 }
 
-/** Tractions along the face that adheres. */
+/** Tractions along one of the faces that adhere. */
 class Tractions {
-  constructor(stage, states) {
-    this.units = stage.units;
-    this.position = numbersOf(stage.side.position, Float32Array);
-    this.points = stage.side.points;
+  constructor(units, side, faces) {
+    this.units = units;
+    this.position = numbersOf(side.position, Float32Array);
+    this.points = side.points;
     this.whole = [this.position[0], this.position[this.position.length - 1]]; // the ends of the face
-    this.places = numbersOf(stage.side.places, Float32Array); // of the points of the deformed face
+    this.places = numbersOf(side.places, Float32Array); // of the points of the deformed face
     // one scale for all states, so that a peak that moves keeps its size
-    const all = states.flatMap((state) => Array.from(state.adhesion)).filter(Number.isFinite);
+    const all = faces.flatMap((face) => Array.from(face.adhesion)).filter(Number.isFinite);
     const low = all.reduce((a, b) => Math.min(a, b), 0);
     const high = all.reduce((a, b) => Math.max(a, b), 0);
     const margin = 0.12 * (high - low || 1);
@@ -202,17 +202,17 @@ class Tractions {
   }
 
   /** The part of the face that is seen in the picture of the front. */
-  partOf(state) {
-    const [left, right, low, high] = state.front;
+  partOf(face) {
+    const [left, right, low, high] = face.front;
     const seen = this.places.filter((_, k) => {
-      const [x, y] = [state.adhering[2 * k], state.adhering[2 * k + 1]];
+      const [x, y] = [face.adhering[2 * k], face.adhering[2 * k + 1]];
       return x >= left && x <= right && y >= low && y <= high;
     });
     return seen.length > 1 && seen.length < this.places.length ? [seen[0], seen[seen.length - 1]] : this.whole;
   }
 
-  draw(canvas, state, close) {
-    const part = this.partOf(state);
+  draw(canvas, face, close) {
+    const part = this.partOf(face);
     const { length, stress } = this.units;
     const names = {
       x: `place along the undeformed face / ${length.name}`,
@@ -229,7 +229,7 @@ class Tractions {
       context.strokeStyle = line;
       context.lineWidth = 1;
       strokeLine(context, [[axes.left, axes.y(0)], [axes.right, axes.y(0)]]);
-      for (const [values, color, width] of [[state.body, curve, 1], [state.adhesion, mark, 2]]) {
+      for (const [values, color, width] of [[face.body, curve, 1], [face.adhesion, mark, 2]]) {
         context.strokeStyle = color;
         context.lineWidth = width;
         strokeLine(context, this.line(axes, values));

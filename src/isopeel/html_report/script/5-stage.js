@@ -11,10 +11,12 @@ class Stage {
     this.curve = new Curve(content.curve);
     this.states = content.states.map(unpackedState);
     this.steps = this.states.map((state) => state.step);
-    this.tractions = new Tractions(content, this.states);
-    this.whole = new Body(content, palette);
-    this.front = new Body(content, palette);
+    this.tractions = content.sides.map(
+      (side, k) => new Tractions(content.units, side, this.states.map((state) => state.faces[k])));
+    this.whole = new Bodies(content, palette);
+    this.front = new Bodies(content, palette);
     this.view = content.views[0];
+    this.interface = 0; // the number of the one that is shown
     this.close = false;
     this.hovered = null;
     this.slider = this.find("input");
@@ -24,6 +26,9 @@ class Stage {
     this.fillViews(this.find(".curve-views"), content.views, (view) => { this.view = view; });
     this.fillViews(this.find(".side-views"), [{ name: "whole face" }, { name: "at the front" }],
       (view) => { this.close = view.name === "at the front"; });
+    this.fillViews(this.find(".interface-views"), content.sides,
+      (side) => { this.interface = content.sides.indexOf(side); });
+    for (const figure of section.querySelectorAll(".on-interface")) figure.hidden = !content.sides.length;
     this.listen();
     this.choose(this.states.length - 1);
     // where the window changes or a screen is turned; later, as drawing changes heights
@@ -148,14 +153,17 @@ class Stage {
     const { name, factor } = content.units.length;
     const names = { x: `x / ${name}`, y: `y / ${name}`, factors: { x: factor, y: factor } };
     const [left, right, low, high] = content.whole;
-    const [l, r, b, t] = state.front;
     this.fit(canvas.body, (right - left) / (high - low));
-    this.fit(canvas.front, (r - l) / (t - b));
     const axes = new Axes(canvas.body, [left, right], [low, high], names, { equal: true });
     this.whole.draw(axes, state, false);
-    this.drawFrontFrame(axes, state.front);
-    this.front.draw(new Axes(canvas.front, [l, r], [b, t], names, { equal: true }), state, true);
-    this.tractions.draw(canvas.tractions, state, this.close);
+    const face = state.faces[this.interface];
+    if (face) {
+      const [l, r, b, t] = face.front;
+      this.fit(canvas.front, (r - l) / (t - b));
+      this.drawFrontFrame(axes, face.front);
+      this.front.draw(new Axes(canvas.front, [l, r], [b, t], names, { equal: true }), state, true);
+      this.tractions[this.interface].draw(canvas.tractions, face, this.close);
+    }
     this.iterationAxes = this.curve.drawIterations(canvas.iterations, state.step);
     const exponent = drawColorBar(canvas.colors, this.palette, content.scale);
     this.find(".power").textContent = exponent ? `, in ${powerOfTen(exponent)}` : "";

@@ -73,9 +73,8 @@ def blocks(results: Results, meshes: Sequence[str]) -> Iterator[Block]:
     def draw() -> Figure:
         profiles = {}
         for run in (Run(space, _MESH) for space in _SHOWN):
-            case, fields = run.case, results.stored(run).fields
-            angle = min(fields, key=lambda angle: abs(angle - FRONT_DEG))
-            profiles[run.space] = front_profile(case.problem(), case.space(), fields[angle])
+            case, state = run.case, results.stored(run).nearest(FRONT_DEG)
+            profiles[run.space] = front_profile(case.problem(), case.space(), state.displacement)
         return front_figure(profiles, _SIZE)
 
     yield Picture(

@@ -24,7 +24,7 @@ def blocks(results: Results, meshes: Sequence[str]) -> Iterator[Block]:
 
     def draw() -> Figure:
         case = run.case
-        return shapes_figure(case.problem(), case.space(), results.stored(run).fields)
+        return shapes_figure(case.problem(), case.space(), results.stored(run).states)
 
     yield Picture(
         "shapes",

@@ -128,7 +128,7 @@ def lies_free(problem: Problem, strip: FreeStrip) -> bool:
     at_rest = abs(float(gap[0]) - adhesion.law.equilibrium_gap) < _ROUND_OFF * strip.length
     up_to_the_end = (adhesion.start if driven == "right" else 1 - adhesion.end) == 0
     far = {"left": "right", "right": "left"}.get(driven)
-    held_there = all(support.side == far for support in problem.supports)
+    held_there = all(support.side == far and support.boundary.is_whole for support in problem.supports)
     slender = strip.length > _SLENDER * strip.height
     return at_rest and up_to_the_end and held_there and slender
 

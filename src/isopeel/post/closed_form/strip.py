@@ -36,7 +36,9 @@ class FreeStrip:
 
 
 def free_strip(problem: Problem) -> FreeStrip | None:
-    """Measure a strip; None where the problem has another shape, substrate or driven side."""
+    """Measure a strip; None where the problem has another shape, substrate, driven side, or other bodies."""
+    if not problem.is_single:
+        return None
     adhesion, drive, shape = problem.adhesion, problem.drive, problem.body.shape
     if (
         drive.side not in ("left", "right")

@@ -1,4 +1,6 @@
-"""Parts of a picture of a deformed body: its field, its elements, its outline, and the substrate."""
+"""Parts of a picture of deformed bodies: field, elements, outline, and the substrate."""
+
+from collections.abc import Iterable
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -8,7 +10,7 @@ from matplotlib.tri import Triangulation
 from isopeel.physics.batch import evaluate_substrate
 from isopeel.physics.substrates import Substrate
 from isopeel.post.fields import SampledFields
-from isopeel.post.states import BodyState, Window
+from isopeel.post.states import DrawnState, Face, Window
 from isopeel.post.style import FIELD_MAP, SHADE, VERMILION
 
 FIELD_LABEL = r"$I_1 = \mathrm{tr}\,\sigma / E$"
@@ -58,18 +60,32 @@ def draw_elements(axes: Axes, fields: SampledFields, order: float) -> None:
     )
 
 
-def draw_substrate(axes: Axes, substrate: Substrate, window: Window) -> None:
-    """Hatch the part of a window that the substrate occupies, where the gap is negative."""
+def draw_bodies(
+    axes: Axes, state: DrawnState, scale: float, order: float, *, elements: bool = False
+) -> TriMesh:
+    """Draw all bodies with their fields and outlines, and with their `elements`; return the last field."""
+    for fields in state.bodies.values():
+        mesh = draw_field(axes, fields, scale, order)
+        if elements:
+            draw_elements(axes, fields, order + 1)
+        draw_outline(axes, fields, order + (2 if elements else 0.2))
+    return mesh
+
+
+def draw_substrates(axes: Axes, substrates: Iterable[Substrate], window: Window) -> None:
+    """Hatch the part of a window that substrates occupy, where a gap is negative."""
     x, y = np.meshgrid(np.linspace(*window.x, 201), np.linspace(*window.y, 201))
-    gap, _, _ = evaluate_substrate(substrate.kernel, substrate.parameters, np.stack([x, y], axis=-1))
-    lowest = float(np.nanmin(gap))  # a substrate from a formula may have no value somewhere
-    if lowest < 0:
-        axes.contourf(x, y, gap, levels=[2 * lowest, 0], colors=[SHADE], hatches=["/////"], zorder=0)
-        axes.contour(x, y, gap, levels=[0.0], colors="black", linewidths=0.8, zorder=0.5)
+    for substrate in substrates:
+        gap, _, _ = evaluate_substrate(substrate.kernel, substrate.parameters, np.stack([x, y], axis=-1))
+        lowest = float(np.nanmin(gap))  # a substrate from a formula may have no value somewhere
+        if lowest < 0:
+            axes.contourf(x, y, gap, levels=[2 * lowest, 0], colors=[SHADE], hatches=["/////"], zorder=0)
+            axes.contour(x, y, gap, levels=[0.0], colors="black", linewidths=0.8, zorder=0.5)
 
 
-def mark_adhering(axes: Axes, state: BodyState, width: float, order: float) -> None:
-    """Draw the adhering part of the side."""
-    # the white seam separates the mark from the field in print without colours
-    for color, total in (("white", width + 1), (VERMILION, width)):
-        axes.plot(*state.adhering.T, color=color, linewidth=total, zorder=order, solid_capstyle="butt")
+def mark_adhering(axes: Axes, faces: Iterable[Face], width: float, order: float) -> None:
+    """Draw the adhering parts of sides."""
+    for face in faces:
+        # the white seam separates the mark from the field in print without colours
+        for color, total in (("white", width + 1), (VERMILION, width)):
+            axes.plot(*face.position.T, color=color, linewidth=total, zorder=order, solid_capstyle="butt")

@@ -1,30 +1,26 @@
-"""The peeling front of one state: its stress, the adhesive forces, and the tractions in the body."""
+"""The peeling fronts of one state: stress, adhesive forces, and tractions in the body."""
 
-from typing import Any
+from dataclasses import dataclass, replace
+from typing import Any, Self
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
-from matplotlib.figure import Figure
+from matplotlib.figure import Figure, SubFigure
 from numpy.typing import NDArray
 
+from isopeel.assembly.spaces import SpaceOfBodies
 from isopeel.common.arrays import FloatArray
-from isopeel.post.figures.body import (
-    FIELD_LABEL,
-    draw_elements,
-    draw_field,
-    draw_outline,
-    draw_substrate,
-    mark_adhering,
-)
-from isopeel.post.figures.labels import plane_axes, scaled_axis, shown_parameter
-from isopeel.post.figures.tractions import ALONG, broken, draw_length, shade_element
-from isopeel.post.front import FrontProfile, ProcessZone, front_profile, process_zone
+from isopeel.common.errors import InputError
+from isopeel.post.figures.body import FIELD_LABEL, draw_bodies, draw_substrates, mark_adhering
+from isopeel.post.figures.labels import of_interface, plane_axes, rows_of, scaled_axis, shown_parameter
+from isopeel.post.figures.tractions import ALONG, broken, draw_length, least_traction, shade_element
+from isopeel.post.front import POINTS, FrontProfile, ProcessZone, front_profile, process_zone
 from isopeel.post.laboratory import Laboratory
-from isopeel.post.states import Window, body_state, front_window
+from isopeel.post.states import DrawnState, Window, drawn_state, front_window, substrates
 from isopeel.post.style import BLUE, ORANGE, TWO_COLUMNS, style
 from isopeel.problem import Problem
-from isopeel.splines.rows import RowSpace
+from isopeel.results.fields import StoredState
 
 _LONGEST_ARROW = 0.3  # of the height of the window
 _ARROWS = 80  # across the window, at most
@@ -32,62 +28,99 @@ _MARGIN = 0.25  # of a process zone that is wider than the window, beside it
 
 
 def front_figure(
-    problem: Problem,
-    space: RowSpace,
-    parameter: float,
-    displacement: FloatArray,
-    units: Laboratory | None = None,
-    maximum_openings: FloatArray | None = None,
+    problem: Problem, space: SpaceOfBodies, state: StoredState, units: Laboratory | None = None
 ) -> Figure:
-    """Draw the front of coefficients (size, 2) of a displacement, at a parameter in its column's unit.
+    """Draw the front on each interface in a state, one below the other.
 
     The upper panel has the body with I1 on its elements, and arrows for the adhesive force. The lower panel
     has, along the same part of the face, the tension of the adhesion and that in the body, which are equal in
-    equilibrium, and the length of the process zone, if there is a front. Every other element is shaded. An
-    irreversible joint needs its `maximum_openings`.
+    equilibrium, and the length of the process zone, if there is a front. Every other element is shaded.
+    Raises InputError where there is no interface, or maximum openings of an irreversible joint are missing.
     """
-    state = body_state(problem, space, parameter, displacement, maximum_openings=maximum_openings)
-    profile = front_profile(problem, space, displacement, maximum_openings=maximum_openings)
-    zone = process_zone(profile)
-    window = front_window(problem, state)
-    if zone is not None:
-        window = _widened(window, profile, zone)
-    arrows = _arrows(profile, window)
-    window = _fitted(window, arrows, state.fields.position)
-    seen = _seen(profile, window)
-    if zone is not None:
-        seen = min(seen[0], zone.start), max(seen[1], zone.end)
-    inside = _inside(state.fields.position, window)
-    # of the visible part: stresses far from the front would dominate
-    scale = max(1e-6, float(np.nanmax(np.abs(state.fields.first_invariant[inside]), initial=0.0)))
+    if not problem.interfaces:
+        raise InputError("interfaces", 0, "a front is that of an interface")
+    drawn, openings = drawn_state(problem, space, state), state.maximum_openings
+    profiles = {
+        name: front_profile(problem, space, state.displacement, POINTS, openings, name)
+        for name in problem.interface_names
+    }
+    least = least_traction(list(profiles.values()))
+    views = {name: _View.of(problem, drawn, name, profile, least) for name, profile in profiles.items()}
+    scale = max(view.scale for view in views.values())
     with style():
-        width = TWO_COLUMNS - 1.4  # without labels and colour bar
-        height = min(width / window.aspect, 4.5)
-        figure = Figure(figsize=(TWO_COLUMNS, height + 3.3), layout="constrained")
-        upper, lower = figure.subplots(2, 1, height_ratios=(height, 1.9))
-        upper.set(xlim=window.x, ylim=window.y, aspect="equal")
-        plane_axes(upper, units)
-        draw_substrate(upper, problem.adhesion.substrate, window)
-        mesh = draw_field(upper, state.fields, scale, 1)
-        draw_elements(upper, state.fields, 2)
-        draw_outline(upper, state.fields, 3)
-        mark_adhering(upper, state, 1.8, 4)
-        shafts = LineCollection(list(_evenly(arrows, window)), colors=BLUE, linewidths=0.7, zorder=3.5)
-        upper.add_collection(shafts, autolim=False)
-        upper.plot(*arrows[:, 1].T, color=BLUE, linewidth=1.0, zorder=3.5)
-        at = shown_parameter(problem.drive.parameter_column, parameter, units)
-        upper.set_title(f"front at {at}: $I_1$ of the body, and the force of the adhesion on it", loc="left")
-        figure.colorbar(mesh, ax=upper, label=FIELD_LABEL, aspect=20, pad=0.02)
-        _draw_tensions(lower, profile, seen, units)
+        heights = [view.height + 3.3 for view in views.values()]
+        figure = Figure(figsize=(TWO_COLUMNS, sum(heights)), layout="constrained")
+        parts = rows_of(figure, heights)
+        for part, (name, view) in zip(parts, views.items(), strict=True):
+            at = shown_parameter(problem.drive.parameter_column, state.parameter, units)
+            title = f"front{of_interface(problem, name)} at {at}"
+            _draw(part, problem, drawn, replace(view, scale=scale), title, units)
         return figure
 
 
-def _arrows(profile: FrontProfile, window: Window) -> FloatArray:
+@dataclass(frozen=True, eq=False)
+class _View:
+    """What is seen of the front on an interface."""
+
+    profile: FrontProfile
+    window: Window
+    arrows: FloatArray
+    seen: tuple[float, float]  # of the face
+    scale: float  # of I1
+    least: float  # traction that is seen
+
+    @classmethod
+    def of(cls, problem: Problem, drawn: DrawnState, name: str, profile: FrontProfile, least: float) -> Self:
+        fields = drawn.bodies[problem.interface_of(name).boundary.body]
+        zone = process_zone(profile)
+        window = front_window(problem, drawn, name)
+        if zone is not None:
+            window = _widened(window, profile, zone)
+        arrows = _arrows(profile, window, least)
+        window = _fitted(window, arrows, fields.position)
+        seen = _seen(profile, window)
+        if zone is not None:
+            seen = min(seen[0], zone.start), max(seen[1], zone.end)
+        inside = _inside(fields.position, window)
+        # of the visible part: stresses far from the front would dominate
+        scale = max(1e-6, float(np.nanmax(np.abs(fields.first_invariant[inside]), initial=0.0)))
+        return cls(profile, window, arrows, seen, scale, least)
+
+    @property
+    def height(self) -> float:
+        """Of the picture, without labels, in inches."""
+        return min((TWO_COLUMNS - 1.4) / self.window.aspect, 4.5)
+
+
+def _draw(
+    figure: Figure | SubFigure,
+    problem: Problem,
+    state: DrawnState,
+    view: _View,
+    title: str,
+    units: Laboratory | None,
+) -> None:
+    window = view.window
+    upper, lower = figure.subplots(2, 1, height_ratios=(view.height, 1.9))
+    upper.set(xlim=window.x, ylim=window.y, aspect="equal")
+    plane_axes(upper, units)
+    draw_substrates(upper, substrates(problem), window)
+    mesh = draw_bodies(upper, state, view.scale, 1, elements=True)
+    mark_adhering(upper, state.faces.values(), 1.8, 4)
+    shafts = LineCollection(list(_evenly(view.arrows, window)), colors=BLUE, linewidths=0.7, zorder=3.5)
+    upper.add_collection(shafts, autolim=False)
+    upper.plot(*view.arrows[:, 1].T, color=BLUE, linewidth=1.0, zorder=3.5)
+    upper.set_title(f"{title}: $I_1$ of the body, and the force of the adhesion on it", loc="left")
+    figure.colorbar(mesh, ax=upper, label=FIELD_LABEL, aspect=20, pad=0.02)
+    _draw_tensions(lower, view, units)
+
+
+def _arrows(profile: FrontProfile, window: Window, least: float) -> FloatArray:
     """Return the forces on the face in a window as arrows (n, 2, 2), from the face to the tip."""
     places, normals = profile.deformed.reshape(-1, 2), profile.normal.reshape(-1, 2)
     inside = _inside(places, window)
     start, tractions = places[inside], profile.adhesive_traction.ravel()[inside]
-    size = _LONGEST_ARROW * float(np.ptp(window.y)) / np.abs(tractions).max(initial=1e-300)
+    size = _LONGEST_ARROW * float(np.ptp(window.y)) / np.abs(tractions).max(initial=max(least, 1e-300))
     return np.stack([start, start + size * tractions[:, None] * normals[inside]], axis=1)
 
 
@@ -141,9 +174,8 @@ def _seen(profile: FrontProfile, window: Window) -> tuple[float, float]:
     return max(middle - reach, float(x[0])), min(middle + reach, float(x[-1]))
 
 
-def _draw_tensions(
-    axes: Axes, profile: FrontProfile, seen: tuple[float, float], units: Laboratory | None
-) -> None:
+def _draw_tensions(axes: Axes, view: _View, units: Laboratory | None) -> None:
+    profile, seen = view.profile, view.seen
     x = profile.position
     axes.axhline(0, color="black", linewidth=0.5, zorder=1)
     curves = (
@@ -170,6 +202,8 @@ def _draw_tensions(
     inside = (x >= seen[0]) & (x <= seen[1])
     values = np.concatenate([-profile.adhesive_traction[inside], -profile.body_traction[inside]])
     low, high = float(np.nanmin(values, initial=0.0)), float(np.nanmax(values, initial=0.0))
+    if max(-low, high) < view.least:
+        low, high = -view.least, view.least
     room = 0.08 * (high - low or 1.0)
     axes.set(xlim=seen, ylim=(low - room, high + room))
     scaled_axis(axes.xaxis, ALONG, "length", units)

@@ -1,15 +1,17 @@
 """Labels of axes and marks: quantities with their units, and numbers."""
 
 import re
+from collections.abc import Sequence
 from math import floor, log10
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis
+from matplotlib.figure import Figure, SubFigure
 
 from isopeel.common.arrays import FloatArray
 from isopeel.post.laboratory import Kind, Laboratory
-from isopeel.problem import Column
+from isopeel.problem import Column, Problem
 
 
 def axis_label(column: Column) -> str:
@@ -60,6 +62,19 @@ def shown_parameter(column: Column, value: float, laboratory: Laboratory | None 
     if laboratory is not None and column.unit != "degree":
         return laboratory.parameter(column, value)
     return f"{value:g}" + ("°" if column.unit == "degree" else f" {mathematical(column.unit)}")
+
+
+def rows_of(figure: Figure, heights: Sequence[float]) -> list[Figure | SubFigure]:
+    """Return parts of a figure below each other, of relative heights; the figure itself where it is one."""
+    if len(heights) == 1:
+        return [figure]
+    parts = figure.subfigures(len(heights), 1, squeeze=False, height_ratios=heights)
+    return list(np.ravel(np.asarray(parts)))
+
+
+def of_interface(problem: Problem, name: str) -> str:
+    """Return " of upper.bottom" where a problem has several interfaces, else nothing."""
+    return f" of {name}" if len(problem.interfaces) > 1 else ""
 
 
 def power_of_ten(values: FloatArray, scale: float) -> int:

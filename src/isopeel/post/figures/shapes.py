@@ -1,6 +1,6 @@
-"""The deformed body along a run, and its delamination front."""
+"""The deformed bodies along a run, and their delamination fronts."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -8,22 +8,24 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, Rectangle
 
-from isopeel.common.arrays import FloatArray
+from isopeel.assembly.spaces import SpaceOfBodies
 from isopeel.common.errors import InputError
-from isopeel.post.figures.body import (
-    FIELD_LABEL,
-    draw_elements,
-    draw_field,
-    draw_outline,
-    draw_substrate,
-    mark_adhering,
-)
-from isopeel.post.figures.labels import plane_axes, shown_parameter
+from isopeel.post.driven import driven_boundaries
+from isopeel.post.figures.body import FIELD_LABEL, draw_bodies, draw_substrates, mark_adhering
+from isopeel.post.figures.labels import of_interface, plane_axes, shown_parameter
 from isopeel.post.laboratory import Laboratory
-from isopeel.post.states import BodyState, adheres_to, body_state, front_window, stress_scale, whole_window
+from isopeel.post.states import (
+    DrawnState,
+    adheres_to,
+    drawn_state,
+    front_window,
+    stress_scale,
+    substrates,
+    whole_window,
+)
 from isopeel.post.style import DASHES, SHADE, TWO_COLUMNS, VERMILION, style
 from isopeel.problem import Problem
-from isopeel.splines.rows import RowSpace
+from isopeel.results.fields import StoredState
 
 MOST_SHAPES = 6
 
@@ -32,56 +34,54 @@ _CLOSEST_ENDS = 0.03  # of the largest extent: closer shapes and their labels wo
 
 def shapes_figure(
     problem: Problem,
-    space: RowSpace,
-    fields: Mapping[float, FloatArray],
+    space: SpaceOfBodies,
+    states: Sequence[StoredState],
     units: Laboratory | None = None,
-    at: Sequence[float] = (),
-    maximum_openings: Mapping[float, FloatArray] | None = None,
+    *,
+    every: bool = False,
 ) -> Figure:
-    """Draw deformed shapes coloured by I1 = tr(sigma)/E, and below the delamination front of the last one.
+    """Draw deformed shapes coloured by I1 = tr(sigma)/E, and below the delamination fronts of the last one.
 
-    `fields` maps values of the drive's parameter, in the unit of its column, to displacement coefficients
-    (size, 2), in the order of the run. The last one is drawn, and up to MOST_SHAPES - 1 before it, evenly
-    spread, whose driven ends are far enough apart to be distinguished; or all states `at` given parameters.
-    Lengths are in `units`, by default in L0. An irreversible joint needs its
-    `maximum_openings` in each state. Raises InputError where there are no fields, or openings are
-    missing.
+    The states are in the order of the run. The last one is drawn, and up to MOST_SHAPES - 1 before it, evenly
+    spread, whose driven ends are far enough apart to be distinguished; or `every` one. Each interface has a
+    picture of its front. Lengths are in `units`, by default in L0. Raises InputError where there are no
+    states, or maximum openings of an irreversible joint are missing.
     """
-    if not fields:
-        raise InputError("fields", dict(fields), "give the displacement of at least one state")
-    shown = at or spread(list(fields), MOST_SHAPES)
-    history = maximum_openings or {}
-    states = [
-        body_state(problem, space, value, fields[value], maximum_openings=history.get(value))
-        for value in shown
+    if not states:
+        raise InputError("states", [], "give one state at least")
+    drawn = [
+        drawn_state(problem, space, state) for state in (states if every else spread(states, MOST_SHAPES))
     ]
-    states = states if at else _apart(states)
-    last = states[-1]
-    whole, front = whole_window(states), front_window(problem, last)
-    scale = stress_scale(states)
+    drawn = drawn if every else _apart(drawn)
+    last = drawn[-1]
+    whole = whole_window(drawn)
+    fronts = {name: front_window(problem, last, name) for name in problem.interface_names}
+    scale = stress_scale(drawn)
     with style():
         width = TWO_COLUMNS - 1.4  # without labels and colour bar
-        heights = [min(width / window.aspect, 4.5) for window in (whole, front)]
-        figure = Figure(figsize=(TWO_COLUMNS, sum(heights) + 1.6), layout="constrained")
-        upper, lower = figure.subplots(2, 1, height_ratios=heights)
-        for axes, window in ((upper, whole), (lower, front)):
+        windows = [whole, *fronts.values()]
+        heights = [min(width / window.aspect, 4.5) for window in windows]
+        # of titles, labels of axes and the legend
+        around = 0.6 + 0.5 * len(windows)
+        figure = Figure(figsize=(TWO_COLUMNS, sum(heights) + around), layout="constrained")
+        panels = figure.subplots(len(windows), 1, height_ratios=heights, squeeze=False)[:, 0].tolist()
+        for axes, window in zip(panels, windows, strict=True):
             axes.set(xlim=window.x, ylim=window.y, aspect="equal")
             plane_axes(axes, units)
-            draw_substrate(axes, problem.adhesion.substrate, window)
-        for order, state in enumerate(states, start=1):
-            draw_field(upper, state.fields, scale, order)
-            draw_outline(upper, state.fields, order + 0.2)
-            mark_adhering(upper, state, 1.2, order + 0.4)
+            draw_substrates(axes, substrates(problem), window)
+        upper, *lower = panels
+        for order, state in enumerate(drawn, start=1):
+            mesh = draw_bodies(upper, state, scale, order)
+            mark_adhering(upper, state.faces.values(), 1.2, order + 0.4)
             _label_state(upper, problem, state, units)
-        corner, size = (front.x[0], front.y[0]), (np.ptp(front.x), np.ptp(front.y))
-        upper.add_patch(Rectangle(corner, *size, fill=False, linewidth=0.8, linestyle=DASHES, zorder=9))
-        mesh = draw_field(lower, last.fields, scale, 1)
-        draw_elements(lower, last.fields, 2)
-        draw_outline(lower, last.fields, 3)
-        mark_adhering(lower, last, 1.8, 4)
         at_last = shown_parameter(problem.drive.parameter_column, last.parameter, units)
-        lower.set_title(f"front at {at_last}", loc="left")
-        figure.colorbar(mesh, ax=[upper, lower], label=FIELD_LABEL, aspect=40, pad=0.02)
+        for axes, (name, front) in zip(lower, fronts.items(), strict=True):
+            corner, size = (front.x[0], front.y[0]), (np.ptp(front.x), np.ptp(front.y))
+            upper.add_patch(Rectangle(corner, *size, fill=False, linewidth=0.8, linestyle=DASHES, zorder=9))
+            draw_bodies(axes, last, scale, 1, elements=True)
+            mark_adhering(axes, last.faces.values(), 1.8, 4)
+            axes.set_title(f"front{of_interface(problem, name)} at {at_last}", loc="left")
+        figure.colorbar(mesh, ax=panels, label=FIELD_LABEL, aspect=40, pad=0.02)
         handles = [
             Line2D([], [], color=VERMILION, linewidth=1.5, label="face that adheres"),
             Patch(
@@ -89,38 +89,40 @@ def shapes_figure(
             ),
             Line2D([], [], color="black", linewidth=0.8, linestyle=DASHES, label="enlarged below"),
         ]
-        figure.legend(handles=handles, loc="outside upper left", ncols=3)
+        if fronts:
+            figure.legend(handles=handles, loc="outside upper left", ncols=3)
         return figure
 
 
-def spread(parameters: Sequence[float], most: int) -> list[float]:
-    """Return at most so many of the values, spread evenly, in their order; the last one is included."""
-    values = np.array(parameters)
+def spread(states: Sequence[StoredState], most: int) -> list[StoredState]:
+    """Return at most so many of the states, spread evenly, in their order; the last one is included."""
+    values = np.array([state.parameter for state in states])
     wanted = np.linspace(values[0], values[-1], most)
     nearest = np.unique(np.abs(values[:, None] - wanted).argmin(axis=0))
-    return [float(value) for value in values[nearest]]
+    return [states[number] for number in nearest.tolist()]
 
 
-def _apart(states: list[BodyState]) -> list[BodyState]:
+def _apart(states: list[DrawnState]) -> list[DrawnState]:
     """Return the last state, and those whose driven ends keep a distance from those of all later ones."""
-    closest = _CLOSEST_ENDS * float(np.ptp(states[-1].fields.reference_position.reshape(-1, 2), axis=0).max())
-    kept: list[BodyState] = []
+    rest = [fields.reference_position.reshape(-1, 2) for fields in states[-1].bodies.values()]
+    closest = _CLOSEST_ENDS * float(np.ptp(np.concatenate(rest), axis=0).max())
+    kept: list[DrawnState] = []
     for state in reversed(states):
-        if all(np.linalg.norm(state.driven[1] - other.driven[1]) > closest for other in kept):
+        if all(np.linalg.norm(state.driven[0, 1] - other.driven[0, 1]) > closest for other in kept):
             kept.insert(0, state)
     return kept
 
 
-def _label_state(axes: Axes, problem: Problem, state: BodyState, units: Laboratory | None) -> None:
-    """Write the parameter next to the driven side, on the outside."""
-    side = problem.drive.side
-    along = state.driven[2] - state.driven[0]
+def _label_state(axes: Axes, problem: Problem, state: DrawnState, units: Laboratory | None) -> None:
+    """Write the parameter next to the first driven side, on the outside."""
+    side, ends = driven_boundaries(problem)[0].side, state.driven[0]
+    along = ends[2] - ends[0]
     outwards = np.array([along[1], -along[0]]) / np.linalg.norm(along)
     outwards *= 1 if side in ("right", "bottom") else -1
     x, y = outwards
     axes.annotate(
         shown_parameter(problem.drive.parameter_column, state.parameter, units),
-        state.driven[1],
+        ends[1],
         4 * outwards,  # in points
         textcoords="offset points",
         ha="left" if x > 0.3 else "right" if x < -0.3 else "center",
