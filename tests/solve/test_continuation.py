@@ -117,7 +117,7 @@ def test_a_joint_that_only_opens_snaps_back_as_if_it_could_heal() -> None:
 
 
 def test_a_curve_is_not_left_for_a_stretch_that_passes_nearby() -> None:
-    """Projected forces have no energy to tell; on a coarse mesh the curve runs back and forth."""
+    """Projected forces have no energy balance to check; on a coarse mesh the curve runs back and forth."""
     degrees = np.arange(0.0, 96.0)
     problem, space = strip(traction="projected"), row_space("N4", (60, 2))
     settings = NewtonSettings(path_control="continuation")

@@ -135,10 +135,10 @@ def test_stored_data_of_states_equal_those_computed_anew() -> None:
         y = 0.1 * (np.sin(parameter) * shape[0] + np.cos(2 * parameter) * shape[1])
         u, _ = system.state(y, parameter)
         for one in (kept, fresh):
-            one.remember(AcceptedState(parameter, y, 0.0, 0.0, parameter**2 - 1), u)
+            one.add(AcceptedState(parameter, y, 0.0, 0.0, parameter**2 - 1), u)
             if k == 130:
-                one.forget()
-                one.remember(AcceptedState(parameter, y, 0.0, 0.0, parameter**2 - 1), u)
+                one.clear()
+                one.add(AcceptedState(parameter, y, 0.0, 0.0, parameter**2 - 1), u)
         fresh._misses.fill(np.nan)
         ahead = parameter + (0.02 if k < 119 else -0.02)
         np.testing.assert_array_equal(kept.guess(ahead), fresh.guess(ahead))

@@ -1,1 +1,1 @@
-"""Equilibria along a path: Newton's method, chord tangents, predictors, path control; no problem by name."""
+"""Equilibria along a path: Newton's method, chord tangents, predictors, path control."""

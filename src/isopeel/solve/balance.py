@@ -2,7 +2,7 @@
 
 The energy of a body in equilibrium, dissipated energy included, grows by the work of its drive alone. A step
 that gains more lies on another branch, which the body cannot have reached; Newton's method, which only solves
-equations, cannot detect this. A step that gains less has passed a fall of energy: a jump, or physics that a
+equations, cannot detect this. In a step that gains less, energy was released: by a jump, or by physics that a
 long step has missed.
 """
 
@@ -13,21 +13,21 @@ import numpy as np
 from isopeel.assembly.system import System
 from isopeel.solve.step import AcceptedState
 
-#: Energy that any step may gain, as a share of the work of adhesion times the adhering length.
+#: Energy that any step may gain without work, as a share of the work of adhesion times the adhering length.
 GAIN = 1e-6
 #: Share of the drive's work in a step above which energy from elsewhere is examined. The smallest jumps over
 #: a snap-back release about 1e-2 of the work; the trapezoidal rule misses about 1e-4 where a path is steep.
 MISFIT = 1e-3
 #: Share of the work of the largest recent reaction that the error of the trapezoidal rule may reach. A larger
-#: error means that the reaction is not straight between the ends of the step. Steps of the shipped cylinder,
+#: error means that the reaction is not linear between the ends of the step. Steps of the shipped cylinder,
 #: whose results are right, miss up to 1.5e-2 as it snaps on.
 SLIGHT = 2e-2
 #: On a smooth branch the error of the trapezoidal rule falls by a factor of eight with half of the step, to
 #: fifth order; the energy that a jump releases stays. An energy that falls by this factor is such an error.
 CUBIC = 1 / 5
-#: Factor on the error of the trapezoidal rule, estimated from the last states, that a step may be off. Eight
-#: paths of tapes, cantilevers and pads have the same rows for 0.5 to 16; but branches are followed inside of
-#: steps 28 times at 4, 45 times at 2 and 153 times at 0.5.
+#: Factor on the estimated error of the trapezoidal rule up to which the misfit of a step is accepted. Eight
+#: paths of tapes, cantilevers and pads have the same rows for factors of 0.5 to 16; but branches are followed
+#: inside steps 28 times at 4, 45 times at 2 and 153 times at 0.5.
 _SAFETY = 4.0
 #: Round-off of an energy, as a share of the sums that it is made of.
 ROUND_OFF = 1e-12

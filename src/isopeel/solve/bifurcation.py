@@ -26,11 +26,12 @@ _SMALLEST = 1e-6
 #: Most halvings to locate it.
 _MOST_HALVINGS = 30
 #: Distance beyond the bifurcation at which the other branch is first looked for, as a share of the rest of
-#: the step. There the two branches are apart, by the root of the distance, and the energy still falls along
-#: the critical motion only. The ends of six paths, of which five buckle, are the same to seven digits for
-#: 1/128 to 1; a small share shows how the branches part, by about two rows for each quarter.
+#: the step. There the distance of the two branches goes with the root of this distance, and the energy still
+#: decreases along the critical motion only. The ends of six paths, of which five buckle, are the same to
+#: seven digits for 1/128 to 1. With a small share the curve has more rows where the branches part.
 _BEYOND = 1 / 32
-#: Size of the first disturbance, as a share of the body's size; it is doubled as long as the energy falls.
+#: Size of the first disturbance, as a share of the body's size; it is doubled as long as the energy
+#: decreases.
 _DISTURBANCE = 1e-5
 _MOST_DOUBLINGS = 16
 #: Most disturbances in a row, where the state that the first one reaches is unstable too.
@@ -48,13 +49,12 @@ class Bracket(NamedTuple):
     unstable: Found
 
 
-def gone_over(path: Path, found: Found) -> Iterator[Found]:
+def change_branch(path: Path, found: Found) -> Iterator[Found]:
     """Yield the states from the bifurcation to a stable equilibrium, given an unstable one.
 
-    The stable equilibrium lies at or before the parameter of the unstable one. Yields the bifurcation first,
-    where there was a stable state before. Where the unstable equilibrium is of another branch than the path,
-    yields a stable state of the path's branch instead. Raises ConvergenceError where no stable branch is
-    found.
+    The stable equilibrium lies at or before the parameter of the unstable one. If there was a stable state
+    before, the bifurcation is yielded first. If the unstable equilibrium is not on the branch of the path, a
+    stable state of this branch is yielded instead. Raises ConvergenceError if no stable branch is found.
     """
     path.forget()
     if not path.history or path.history[-1].parameter == found.parameter:
@@ -221,7 +221,7 @@ def _stable(path: Path, unstable: Found, parameter: float) -> Found:
 
 
 def _disturbed(path: Path, y: FloatArray, motion: FloatArray, parameter: float) -> FloatArray:
-    """Return the unknowns (count,) moved along a motion as far as the energy falls."""
+    """Return the unknowns (count,) moved along a motion as far as the energy decreases."""
     size = _DISTURBANCE * path.extent
     best = potential_energy(path.system, y + size * motion, parameter)
     for _ in range(_MOST_DOUBLINGS):

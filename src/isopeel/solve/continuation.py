@@ -21,7 +21,7 @@ _DIFFERENCE = 1e-3
 _MOST_TANGENTS = 4
 #: Number of tangents that the radius is chosen for.
 USUAL_TANGENTS = 2
-#: A chord tangent is kept where each correction leaves at most this share of the energy residual. A new
+#: A chord tangent is used again if each correction leaves at most this share of the energy residual. A new
 #: tangent takes as long as about twenty corrections.
 _QUICK = 0.3
 #: Share of Newton's tolerance for corrections with a chord tangent.
@@ -37,7 +37,7 @@ _TURNED = 1e-6
 #: Share of the parameter's change in a step to which a value is approached before Newton's method finishes
 #: it.
 _MET = 1e-10
-#: A trial of a root search along the curve is slow where it keeps more than this share of the value before.
+#: A trial of a root search along the curve is slow if more than this share of the last value remains.
 _SLOW = 0.5
 #: Number of points that such a search interpolates.
 _INTERPOLATED = 4

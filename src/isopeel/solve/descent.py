@@ -23,8 +23,8 @@ _SHORTEST = 2.0**-30  # of a step
 _SUFFICIENT = 1e-4  # of the decrease that the slope promises
 _ROUND_OFF = 1e-12  # of the displacement
 _FLAT = 1e-13  # of the energy: a decrease below it is round-off
-#: A body that moves by more than so many of its sizes, under a prescribed force, flies away. A body that
-#: folds over moves by two of its sizes at most.
+#: A body that moves by more than this multiple of its size, under a prescribed force, is taken to move away
+#: for ever. A body that folds over moves by two of its sizes at most.
 _AWAY = 10.0
 
 
@@ -41,9 +41,9 @@ def descend(system: System, start: FloatArray, parameter: float, most: int = _MO
     """Descend in energy from a start y (count,), at one value of the parameter, to near a minimum.
 
     Newton's method with a shifted tangent, K + shift x 1 where K is not positive definite, and steps halved
-    until the energy falls (Nocedal and Wright, Numerical Optimization, Algorithms 3.2 and 3.3). No element
-    may be inverted at the start. Returns the best y after at `most` so many iterations; it may not have
-    converged, which Newton's method from there decides.
+    until the energy decreases (Nocedal and Wright, Numerical Optimization, Algorithms 3.2 and 3.3). No
+    element may be inverted at the start. Returns the best y after at `most` this number of iterations. It may
+    not have converged; Newton's method is tried from there.
     """
     y = start
     shift = 0.0

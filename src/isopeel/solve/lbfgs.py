@@ -14,9 +14,9 @@ from isopeel.matrix.cholesky import BandCholesky, Floats, scaled, solve
 #: time to read.
 Singles: TypeAlias = NDArray[np.float32]
 
-#: Most pairs that are kept; more of them gain little.
+#: Most pairs that are stored; more of them gain little.
 MOST_PAIRS = 10
-#: Rows of an array of pairs: those beyond the kept pairs are room for the next.
+#: Rows of an array of pairs: the rows beyond the stored pairs are for the next ones.
 _ROWS = 3 * MOST_PAIRS
 
 
@@ -70,7 +70,7 @@ class LbfgsPairs:
         return type(self)(rows, products, 0, end)
 
     def followed_by(self, correction: FloatArray, change: FloatArray) -> Self:
-        """Return these and a new pair, if its product is positive; only the newest MOST_PAIRS are kept."""
+        """Return these and a new pair, if its product is positive; only the newest MOST_PAIRS are stored."""
         pairs = self.with_room(1)
         first, end = follow(pairs.rows, pairs.products, pairs.first, pairs.end, correction, change)
         return self if end == pairs.end else type(self)(pairs.rows, pairs.products, first, end)
@@ -114,7 +114,7 @@ def correct(
 def follow(
     rows: Singles, products: FloatArray, first: int, end: int, correction: FloatArray, change: FloatArray
 ) -> tuple[int, int]:
-    """Store a pair in the row `end`, if its product is positive; return first and end of the kept pairs."""
+    """Store a pair in the row `end`, if its product is positive; return first and end of the stored pairs."""
     products[end] = _keep(correction, change, rows[0, end], rows[1, end])
     if not products[end] > 0.0:
         return first, end

@@ -55,18 +55,18 @@ class Path:
         self.extent: float = extent(system.problem)
         self.points: FloatArray = system.spaces.control_points()
         accepted = start[-1].accepted_states if start else ()
-        for kept in accepted:
+        for one in accepted:
             if any(
                 y is not None and y.shape != (system.count,)
-                for y in (kept.unknown_values, kept.fully_converged)
+                for y in (one.unknown_values, one.fully_converged)
             ):
                 allowed = f"the system has {system.count} unknowns"
-                raise InputError("start", kept.unknown_values.shape, allowed)
-            self._predictor.remember(kept, system.state(kept.unknown_values, kept.parameter)[0])
+                raise InputError("start", one.unknown_values.shape, allowed)
+            self._predictor.add(one, system.state(one.unknown_values, one.parameter)[0])
         for state in () if accepted else start:
             y = system.unknown_values(state.displacement, state.parameter)
             u, load = system.state(y, state.parameter)
-            self._predictor.remember(
+            self._predictor.add(
                 self.accepted_state(state.parameter, y, u, load, system.equilibrium(u, load)), u
             )
         self._quasi_newton: QuasiNewton | None = None
@@ -90,11 +90,11 @@ class Path:
         last = self.history[-1] if self.history else None
         if found.kind == "jump" or found.is_elsewhere:
             # states of the old branch must not be extrapolated
-            self._predictor.forget()
+            self._predictor.clear()
             self.branch.forget()
         state = self.accepted_state_of(result, parameter)
         reaction = state.rate if system.load is None else system.reaction(at, u, result.load, parameter)
-        self._predictor.remember(state, u)
+        self._predictor.add(state, u)
         if not result.exact:
             # along the path dE/dp = dE/dp at fixed y + R . dy/dp: so the error is of second order in R
             missed = self._predictor.slope(at.residual)

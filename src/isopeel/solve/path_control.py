@@ -11,7 +11,7 @@ from threadpoolctl import ThreadpoolController
 from isopeel.common.interrupts import check, deferred
 from isopeel.matrix.factor import SingularError
 from isopeel.solve.balance import NO_MISFIT, Misfit
-from isopeel.solve.bifurcation import gone_over
+from isopeel.solve.bifurcation import change_branch
 from isopeel.solve.branch import LEAST_REST
 from isopeel.solve.continuation import (
     CALM_COSINE,
@@ -164,7 +164,7 @@ def _cut(path: Path, parameters: Iterable[float]) -> Iterator[Found]:
                 # a stable state must be stored as there
                 found = found._replace(negative=path.negative_eigenvalues(found, always=True) or None)
             if found.negative:
-                for over in gone_over(path, found):
+                for over in change_branch(path, found):
                     whole_rest = over.kind != "bifurcation" and over.parameter == parameter
                     last, before = over.parameter, last
                     yield over._replace(resumes=whole_rest)
@@ -207,7 +207,7 @@ def _shortest(path: Path, whole: float) -> float:
 def _without_gain(path: Path, found: Found) -> Found:
     """Return an equilibrium that has gained no energy without work; raises ConvergenceError otherwise.
 
-    A fall of energy to another branch is accepted, as in published studies; a rise is not.
+    A step to another branch of less energy is accepted, as in published studies; one of more energy is not.
     """
     misfit = path.misfit(found)
     if misfit is NO_MISFIT or not misfit.gains:

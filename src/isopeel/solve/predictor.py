@@ -21,13 +21,13 @@ from isopeel.solve.translation_predictor import TranslationPredictor
 
 #: Number of accepted states that are stored: those of two elements and some more. A front of the published
 #: study passes an element in 9 to 14 steps.
-STATES_TO_GO_ON = 36
+MOST_STORED_STATES = 36
 #: Most states from which a slope is computed: more of them gain nothing over their own errors.
 SLOPE_STATES = 5
 #: Approximate number of places along the adhesive side where states are compared.
 _PLACES = 100
 #: Rows of the arrays of data of states: those beyond the stored states are room for the next.
-_ROWS = 3 * STATES_TO_GO_ON
+_ROWS = 3 * MOST_STORED_STATES
 
 
 class Predictor:
@@ -61,10 +61,10 @@ class Predictor:
         """Rows of the data of the states."""
         return slice(self._end - len(self.states), self._end)
 
-    def remember(self, state: AcceptedState, displacement: FloatArray) -> None:
+    def add(self, state: AcceptedState, displacement: FloatArray) -> None:
         """Store an accepted state, whose coefficients are the displacement (size, 2)."""
         parameter, translation = state.parameter, self._translation
-        # where a drive turns back and meets a parameter again, the last state there is kept
+        # if a drive turns back and meets a parameter again, only the last state there is stored
         (known,) = np.nonzero(self._numbers[0, self._rows] != parameter)
         if self._end == _ROWS or len(known) < len(self.states):
             rows = self._rows.start + known
@@ -75,7 +75,7 @@ class Predictor:
             self._numbers[:, : self._end] = self._numbers[:, rows]
             self._bends[: self._end] = self._bends[rows]
             self._misses[: self._end] = self._misses[rows]
-        self.states = [*self.states[1 - STATES_TO_GO_ON :], state]
+        self.states = [*self.states[1 - MOST_STORED_STATES :], state]
         ahead = np.nan if translation is None else translation.parameter(parameter, displacement)
         for row, number in enumerate((parameter, ahead, state.adhesive_energy)):
             self._numbers[row, self._end] = number
@@ -84,7 +84,7 @@ class Predictor:
         self._end += 1
         self._displacement = displacement
 
-    def forget(self) -> None:
+    def clear(self) -> None:
         """Drop all states."""
         self.states, self._end = [], 0
 

@@ -31,8 +31,8 @@ _MOST_CORRECTIONS = 12
 _WELL_PREDICTED = 3e-4
 _SHARE = 1e-3
 #: Share of the tolerance that the last correction may leave, estimated from the last two corrections. Where
-#: corrections fall slowly, most of the error is left: a step of L4 whose last two corrections had the ratio
-#: 0.4 missed its moment by 1.1e-8.
+#: corrections decrease slowly, most of the error is left: a step of L4 whose last two corrections had the
+#: ratio 0.4 missed its moment by 1.1e-8.
 _LEFT = 0.1
 #: Share of the threshold below which the evaluation of the forces after the last correction is skipped.
 #: Energies and reactions are known to second order in that correction, and its L-BFGS pair would gain little.
@@ -40,20 +40,19 @@ _SKIP_SHARE = 1e-2
 #: Share of the tolerance, times _SHARE, where Newton's method has begun: its own last correction would square
 #: the error. The slope of a path that has just snapped on would correct no reaction.
 _EXACT = 1e-3
-#: Steps after that of its tangent in which the stiffness of its softest motion is evaluated again. A
-#: stiffness that has kept nine tenths after a tenth of the steps that a tangent serves, and falls evenly,
-#: does not vanish while it serves. This costs one evaluation of the forces, a hundredth of the time of these
-#: steps.
+#: Number of steps after which the stiffness of the softest motion of a tangent is evaluated again. If nine
+#: tenths of it remain after a tenth of the steps that a tangent serves, and it decreases evenly, it does not
+#: vanish in these steps. This costs one evaluation of the forces, a hundredth of the time of these steps.
 _LOOK = _MOST_STEPS // 10
-_KEPT = 9 / 10
-#: A motion that keeps at most this share of its stiffness may contain one along which the energy falls.
+_REMAINING = 9 / 10
+#: If at most this share of the stiffness of a motion remains, the energy may decrease along a part of it.
 _SOFT = 1 / 4
-#: Size of the motion over which forces are compared, as a share of the body's size. Its strain, which goes
-#: with the square, is below its bending in bodies some hundred times as long as high; and the forces that
-#: corrections leave are a few hundredths of those that bend the body by it.
+#: Size of the motion over which forces are compared, as a share of the body's size. In bodies some hundred
+#: times as long as high, its strain, which is of second order, is smaller than its bending. The residual
+#: forces after the corrections are a few hundredths of the forces of this bending.
 _SMALL_MOTION = 3e-5
-#: A correction is poor where the energy residual keeps more than this share. The second poor one ends a
-#: tangent.
+#: A correction is poor if more than this share of the energy residual remains. The second poor correction
+#: ends the use of a tangent.
 _POOR = 0.5
 
 # outcomes of the corrections
@@ -119,7 +118,7 @@ class QuasiNewton:
         return system.storage == "symmetric" and not system.load_is_unknown
 
     def has_softened(self, result: NewtonResult, parameter: float) -> tuple[bool, bool]:
-        """Return whether the softest motion of the tangent has softened, and whether its energy may fall.
+        """Return whether the softest motion of the tangent has softened, and whether its energy may decrease.
 
         A body may lose its stability while the tangent of an earlier stable state still serves. The check
         costs one evaluation of the forces, once for each tangent that serves long; once the motion has become
@@ -139,7 +138,7 @@ class QuasiNewton:
         change = self.system.equilibrium(u, load).residual - result.equilibrium.residual
         now = float(motion @ change)
         if served == _LOOK:
-            self._softens = not now >= _KEPT * before
+            self._softens = not now >= _REMAINING * before
             return self._softens, not now > 0
         return False, not now > _SOFT * before
 

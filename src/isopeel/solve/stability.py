@@ -28,9 +28,9 @@ class Stability(NamedTuple):
 def stability(system: System, y: FloatArray, parameter: float) -> Stability | None:
     """Count the negative eigenvalues of K at an equilibrium y (count,) of forces with a potential.
 
-    By Sylvester's law of inertia. An unknown load prescribes the displacement along one direction c: on the
-    motions that keep it, K has one negative eigenvalue less where c . K^-1 c < 0 (Haynsworth's additivity of
-    the inertia, Linear Algebra Appl. 1, 1968). Returns None where the tangent is singular.
+    By Sylvester's law of inertia. With an unknown load, the displacement along one direction c is prescribed:
+    on the motions that do not change it, K has one negative eigenvalue less if c . K^-1 c < 0 (Haynsworth's
+    additivity of the inertia, Linear Algebra Appl. 1, 1968). Returns None if the tangent is singular.
     """
     u, load = system.state(y, parameter)
     _, matrix = system.linearize(u, "symmetric", load)
@@ -60,7 +60,7 @@ def critical_motion(system: System, factor: Factor) -> FloatArray:
     # fractional parts of multiples of the golden ratio: a start with a share of all eigenvectors
     motion: FloatArray = np.mod(np.arange(system.count) * GOLDEN_RATIO, 1.0) - 0.5
     for _ in range(_ITERATIONS):
-        motion[n:] = 0.0  # the prescribed displacement of a load is kept
+        motion[n:] = 0.0  # the motion does not change the prescribed displacement of a load
         motion = factor.solve(motion)
         motion /= np.abs(motion[:n]).max()
     motion[n:] = 0.0

@@ -13,7 +13,7 @@ PARABOLA_POINTS = 3
 
 
 class AcceptedState(NamedTuple):
-    """An accepted state, as the solver keeps it to extrapolate the path: unknowns (count,) at a parameter."""
+    """An accepted state, which the solver stores to extrapolate the path: unknowns (count,) and more."""
 
     parameter: float
     unknown_values: FloatArray
@@ -81,14 +81,14 @@ class Step:
     negative_eigenvalues: int | None = None  # of the tangent: 0 where stable, None where not counted
     resumes: bool = True  # whether a path continues from its state bit for bit to the next requested value
     accepted_states: tuple[AcceptedState, ...] = ()  # of the solver, up to this one
-    #: Of the solver, which keeps it until the next step.
+    #: Of the solver, which stores it until the next step.
     solver_state: "ReferenceType[SolverState] | None" = None
 
     @property
     def state(self) -> State:
         """The state that another path can continue from; with the solver state until the next step is made.
 
-        To keep the solver state of every step would take more memory than the rest of the step.
+        The solver state of every step would take more memory than the rest of the step.
         """
         solver_state = None if self.solver_state is None else self.solver_state()
         return State(

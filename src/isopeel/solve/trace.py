@@ -83,5 +83,5 @@ def _check_path_control(problem: Problem, settings: NewtonSettings) -> None:
     if settings.path_control == "jump" and (
         any(one.traction == "projected" for one in problem.interfaces) or (load is not None and load.follows)
     ):
-        allowed = "projected and following forces have no energy that could fall; take continuation"
+        allowed = "projected and following forces have no energy to minimize; take continuation"
         raise InputError("drive.path_control", "jump", allowed)
