@@ -1,4 +1,4 @@
-"""The case file: keys, units and stages, each made into a problem and its parameters."""
+"""The case file: keys, units and stages. Each stage is converted to a problem and its parameters."""
 
 from isopeel.case.case import Case, load_case, parse_mesh, shipped_cases
 from isopeel.case.changes import assignment

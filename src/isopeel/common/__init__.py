@@ -1,1 +1,1 @@
-"""What all layers share: array types, errors, units, compilation, processes, Ctrl-C, component discovery."""
+"""Code that all layers use: array types, errors, units, compilation, processes, Ctrl-C, plug-in discovery."""

@@ -6,7 +6,7 @@ A layer is a folder of the package. `tests/package/test_layers.py` reads all imp
 from collections.abc import Mapping
 from types import MappingProxyType
 
-#: For each layer those directly to its left, in the order of the flow. What lies left of those may be
+#: For each layer the layers directly to its left, in the order of the flow. Layers further to the left may be
 #: imported too, see `left_of`.
 LAYERS: Mapping[str, tuple[str, ...]] = MappingProxyType(
     {
@@ -32,5 +32,5 @@ LAYERS: Mapping[str, tuple[str, ...]] = MappingProxyType(
 
 
 def left_of(layer: str) -> frozenset[str]:
-    """Return the layers that a layer may import; raises KeyError where there is no such layer."""
+    """Return the layers that a layer may import; raises KeyError if there is no such layer."""
     return frozenset(LAYERS[layer]).union(*map(left_of, LAYERS[layer]))

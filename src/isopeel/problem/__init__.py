@@ -1,4 +1,4 @@
-"""A body and its shape, where it adheres, what is held, the drive; no meshes, no solvers."""
+"""Bodies and their shapes, interfaces, supports and the drive, as data; no meshes, no solvers."""
 
 from isopeel.problem.drives import Column, Drive, Load, MovedSide, PulledSide, RotatedSide
 from isopeel.problem.problem import Body, Boundary, Interface, Problem, Support, Traction

@@ -1,1 +1,1 @@
-"""A run with its files: it is followed, stored, read back and resumed."""
+"""A run with its files: it is computed, stored, read and resumed."""
