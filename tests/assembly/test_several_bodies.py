@@ -190,7 +190,11 @@ def test_a_support_holds_a_part_of_a_side(part: tuple[float, float], count: int)
     ("problem", "spaces", "message"),
     [
         (ALONE, {"pad": SPACES["pad"]}, "each body needs one: strip"),
-        (replace(both(ALONE.drive, "strip"), supports=()), SPACES, "nothing holds the body against it"),
+        (
+            replace(both(ALONE.drive, "strip"), supports=()),
+            SPACES,
+            "nothing prevents this motion of the body",
+        ),
     ],
 )
 def test_what_does_not_fit_is_refused(problem: Problem, spaces: Mapping[str, RowSpace], message: str) -> None:

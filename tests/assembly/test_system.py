@@ -306,7 +306,7 @@ def test_an_inverted_element_is_found() -> None:
 
 def test_a_held_side_that_the_drive_moves_is_refused() -> None:
     problem = strip().changed(supports=(Support(Boundary("body", "right"), (0,)),))
-    with pytest.raises(InputError, match="meets the side right, which the drive moves"):
+    with pytest.raises(InputError, match="the drive moves the side right, which shares points with it"):
         System(problem, row_space("L1", (20, 2)))
 
 

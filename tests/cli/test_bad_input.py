@@ -45,17 +45,17 @@ LAW = 'law = "van-der-waals"\nhamaker_constant = "1e-19 J"\nequilibrium_distance
         ),
         pytest.param(
             STRIP.replace('name = "strip"', 'name = "strip"\nheld = {}'),
-            "held: 'a motion along x' cannot be used; nothing holds the body against it",
+            "held: 'a motion along x' cannot be used; nothing prevents this motion of the body",
             id="a free motion",
         ),
         pytest.param(
             CYLINDER.replace("[body]", "[held]\n[body]"),
-            "held: 'a motion along x' cannot be used; nothing holds the body against it",
+            "held: 'a motion along x' cannot be used; nothing prevents this motion of the body",
             id="a cylinder that may roll or slide",
         ),
         pytest.param(
             STRIP.replace('name = "strip"', 'name = "strip"\nheld = { right = "x" }'),
-            "held: 'right' cannot be used; it meets the side right, which the drive moves",
+            "held: 'right' cannot be used; the drive moves the side right, which shares points with it",
             id="held and driven",
         ),
         pytest.param(

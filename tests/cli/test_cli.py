@@ -155,7 +155,7 @@ def test_ctrl_c_ends_with_130_and_keeps_what_converged(
     monkeypatch.setattr(RunWriter, "append", interrupted)
     assert main(["run", "strip", *SMALL]) == 130
     assert "interrupted" in (error := the_error(capsys))
-    assert "`isopeel resume out/strip` continues it" in error
+    assert "`isopeel resume out/strip` continues the run" in error
     out = Path("out/strip")
     # figures take longer than one who pressed Ctrl-C should wait
     assert {path.name for path in out.iterdir()} == {"curve.csv", "run.h5", "summary.json"}
@@ -378,7 +378,10 @@ def test_ctrl_c_ends_the_paper_at_once(paper: subprocess.Popen[bytes], wait: flo
     os.killpg(paper.pid, signal.SIGINT)
     _, error = paper.communicate(timeout=PATIENCE)
     assert paper.returncode == 130
-    assert error == b"isopeel: interrupted; finished runs are in out/paper, and the same command continues\n"
+    assert (
+        error
+        == b"isopeel: interrupted; finished runs are in out/paper; the same command continues the study\n"
+    )
 
 
 def test_a_killed_worker_ends_the_paper_with_one_line(paper: subprocess.Popen[bytes]) -> None:

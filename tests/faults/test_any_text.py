@@ -92,7 +92,7 @@ def test_a_run_of_any_text_continues(about: str, tmp_path: Path, capsys: pytest.
 
 @pytest.mark.parametrize("about", ["\ud800", "a\udc80b"])
 def test_half_of_a_pair_is_no_text(about: str) -> None:
-    with pytest.raises(InputError, match="CASE: 'text' cannot be used; half of a pair"):
+    with pytest.raises(InputError, match="CASE: 'text' cannot be used; it contains half"):
         Case.parse(f"name = 'text'\nabout = '{about}'\n{BODY}")
 
 

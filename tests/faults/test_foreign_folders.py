@@ -92,7 +92,7 @@ def test_what_is_of_no_run_is_refused_and_stays(
     named, before = plant(Path("mine")), contents(Path("mine"))
     assert main(["run", "strip", *SMALL, "1", "--out", "mine"]) == 2
     error = the_error(capsys)
-    assert f"'mine' cannot be used; it holds {named}" in error or f"{named} in it is no run" in error
+    assert f"'mine' cannot be used; it contains {named}" in error or f"{named} in it is no run" in error
     assert "--force" in error
     assert contents(Path("mine")) == before
 
@@ -117,7 +117,7 @@ def test_notes_beside_a_run_of_the_case_are_refused_too(capsys: pytest.CaptureFi
         (OUT / name).write_text("mine")
     before = contents(OUT)
     assert main(["run", "strip", *SMALL, "1"]) == 2
-    assert "it holds a.md, b.md, c.md and 1 more that are of no run" in the_error(capsys)
+    assert "it contains a.md, b.md, c.md and 1 more, which are of no run" in the_error(capsys)
     assert contents(OUT) == before
 
 
@@ -128,7 +128,7 @@ def test_a_run_of_another_case_is_refused(capsys: pytest.CaptureFixture[str]) ->
     before = contents(Path("mine"))
     capsys.readouterr()
     assert main(["run", "other.toml", *SMALL, "3", "--out", "mine"]) == 2
-    assert "it holds a run of the case 'strip'" in the_error(capsys)
+    assert "it contains a run of the case 'strip'" in the_error(capsys)
     assert contents(Path("mine")) == before
     assert main(["run", "other.toml", *SMALL, "1", "--out", "mine", "--force"]) == 0
     assert isopeel.Case.parse(isopeel.read_run(Path("mine/run.h5")).case_text).name == "other"
@@ -143,7 +143,7 @@ def test_a_finished_run_is_not_replaced_by_a_shorter_one(
     capsys.readouterr()
     assert main(["run", "strip", *SMALL, *options]) == 2
     error = the_error(capsys)
-    assert "it holds a longer run of 'strip': 4 steps, to 3 deg, and this one has" in error
+    assert "it contains a longer run of 'strip': 4 steps, to 3 deg, and this one has" in error
     assert contents(OUT) == before
     assert main(["run", "strip", *SMALL, *options, "--force"]) == 0
     assert contents(OUT) != before
@@ -224,7 +224,7 @@ def test_a_run_with_fewer_stages_is_shorter(capsys: pytest.CaptureFixture[str]) 
     before = contents(OUT)
     capsys.readouterr()
     assert main(["run", "one.toml", *SMALL, "1"]) == 2
-    assert "'out/strip' cannot be used; it holds" in the_error(capsys)
+    assert "'out/strip' cannot be used; it contains" in the_error(capsys)
     assert contents(OUT) == before
 
 
@@ -377,7 +377,7 @@ def test_a_report_is_written_to_no_folder_of_something_else(
     named, before = plant(Path("mine")), contents(Path("mine"))
     only = "table3" if command == "paper" else "bending"
     assert main([command, "--only", only, "--out", "mine"]) == 2
-    assert f"'mine' cannot be used; it holds {named} that is of no report" in the_error(capsys)
+    assert f"'mine' cannot be used; it contains {named}, which is of no report" in the_error(capsys)
     assert contents(Path("mine")) == before
 
 
@@ -390,7 +390,7 @@ def test_a_report_replaces_a_report_and_says_so(
     (Path("mine") / "spaces" / "notes.txt").write_text("mine")
     capsys.readouterr()
     assert main(["paper", "--only", "spaces", "--out", "mine"]) == 2
-    assert "it holds spaces/notes.txt that is of no report" in the_error(capsys)
+    assert "it contains spaces/notes.txt, which is of no report" in the_error(capsys)
     assert main(["paper", "--only", "spaces", "--out", "mine", "--force"]) == 0
     assert "replaces the report in mine/spaces" in capsys.readouterr().out
     assert (Path("mine") / "spaces" / "notes.txt").read_text() == "mine"

@@ -65,7 +65,7 @@ TURNED = 'kind = "rotation"\nto = "2 deg"\nstep = "1 deg"'
         ('{ right = "y" }', "20x2", "right", MOVED.format(90), "the side right, which the drive moves"),
         ('{ bottom = "x" }', "20x2", "right", MOVED.format(30), "the side right, which the drive moves"),
         ('{ top = "y" }', "20x2", "right", TURNED, "the side right, which the drive moves"),
-        ('{ left = "xy" }', "1x1", "right", MOVED.format(0), "on this mesh all of the body is held"),
+        ('{ left = "xy" }', "1x1", "right", MOVED.format(0), "on this mesh the whole body is held"),
     ],
 )
 def test_what_is_held_and_driven_is_refused(

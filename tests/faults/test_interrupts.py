@@ -94,7 +94,7 @@ def test_a_run_may_be_interrupted_at_any_time(times: int, whole: tuple[isopeel.S
             found = isopeel.read_run(file)
             np.testing.assert_array_equal(found.curve.reaction, run.curve.reaction[: len(found.curve)])
             if code:
-                assert "`isopeel resume" in said or "continues it" not in said
+                assert "`isopeel resume" in said or "continues the run" not in said
     assert codes.count(130) > 5
 
 

@@ -63,7 +63,7 @@ def test_a_lock_that_nobody_holds_is_none() -> None:
 def test_a_link_at_its_name_is_refused() -> None:
     Path("mine").write_text("mine")
     Path("out", LOCK).symlink_to(Path("mine").absolute())
-    refused = pytest.raises(InputError, match=r"\.lock in it must be a file, and it is a symbolic link")
+    refused = pytest.raises(InputError, match=r"\.lock in it must be a file, but it is a symbolic link")
     with refused, alone_in(Path("out"), "--out"):
         pass
     assert Path("mine").read_text() == "mine"

@@ -91,7 +91,7 @@ def check(document: dict[str, Any], options: list[str], around: tuple[str, str],
         case 3:
             assert error.startswith("isopeel: no equilibrium at ")
         case 130:
-            assert error.startswith("isopeel: interrupted; what converged before is in ")
+            assert error.startswith("isopeel: interrupted; the converged steps are in ")
         case _:
             pytest.fail(f"exit code {code}: {error}")
 

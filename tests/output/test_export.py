@@ -216,4 +216,4 @@ def test_files_that_lie_are_one_line(run: Path, capsys: pytest.CaptureFixture[st
         assert message in the_error(capsys)
     write_run(run / "run.h5", replace(stored, states=(), last=None))
     assert main(["export", "out"]) == 2
-    assert "it has none yet" in the_error(capsys)
+    assert "has no converged step yet" in the_error(capsys)

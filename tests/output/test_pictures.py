@@ -231,7 +231,7 @@ def test_what_cannot_be_viewed(
     for name in ("DISPLAY", "WAYLAND_DISPLAY"):
         monkeypatch.delenv(name, raising=False)
     monkeypatch.setattr(sys, "platform", "linux")
-    assert "there is none to open a window on" in refused(capsys, "view", one)
+    assert "there is no display for a window" in refused(capsys, "view", one)
     assert "must end in .png" in refused(capsys, "view", one, "--screenshot", tmp_path / "a.jpg")
     assert "the path goes from 0 deg to 20 deg" in refused(capsys, "view", one, "--at", "26")
     monkeypatch.setitem(sys.modules, "pyvista", None)

@@ -148,7 +148,7 @@ BROKEN: dict[str, tuple[object, str]] = {
     "no list": ({"Name": "SplineGroup"}, "SplineList is missing: a list with exactly one spline"),
     "no spline": ({"SplineList": []}, "SplineList: a list with exactly one spline"),
     "two": ({"SplineList": document()["SplineList"] * 2}, "SplineList: a list with exactly one spline"),
-    "type": (document(SplineType="TSpline"), "SplineType: it is one of NURBS, BSpline"),
+    "type": (document(SplineType="TSpline"), "SplineType: it must be one of NURBS, BSpline"),
     "volume": (document(para_dim=3, degrees=[1, 1, 1]), "para_dim: it must be 2, for a surface"),
     "in space": (document(dim=3), "dim: it must be 2, for a shape in the plane"),
     "no degrees": (document(degrees=None), "degrees is missing: two whole numbers"),

@@ -58,7 +58,7 @@ def test_an_interrupted_run_continues(
         interrupt_at(3, patch)
         assert main(["run", "strip", *SMALL]) == 130
     message = (
-        "interrupted; what converged before is in out/strip, and `isopeel resume out/strip` continues it"
+        "interrupted; the converged steps are in out/strip; `isopeel resume out/strip` continues the run"
     )
     assert capsys.readouterr().err == f"isopeel: {message}\n"
     assert rows() == rows(Path("whole"))[:4]
@@ -233,9 +233,7 @@ def test_ctrl_c_ends_with_all_written(again: float | None) -> None:
         process.send_signal(signal.SIGINT)
     _, error = process.communicate(timeout=30)
     assert process.returncode == 130, error
-    assert error.startswith(
-        b"isopeel: interrupted; what converged before is in out/strip, and `isopeel resume "
-    )
+    assert error.startswith(b"isopeel: interrupted; the converged steps are in out/strip; `isopeel resume ")
     assert error.count(b"\n") == 1
     assert {path.name for path in OUT.iterdir()} == {"run.h5", "curve.csv", "summary.json"}
     assert isopeel.read_run(OUT / "run.h5").ending == "interrupted"

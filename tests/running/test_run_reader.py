@@ -86,5 +86,5 @@ def test_a_space_of_another_case_is_refused(name: str, value: str, staged: Path,
     copytree(staged, folder)
     with h5py.File(stage_files(folder)[0], "r+", libver="latest") as file:
         file.attrs[name] = value
-    with pytest.raises(InputError, match="holds fields, a space or a stage of another case"):
+    with pytest.raises(InputError, match="has fields, a space or a stage of another case"):
         read_stages(folder)

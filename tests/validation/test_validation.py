@@ -155,7 +155,7 @@ def test_a_deviation_beyond_what_is_allowed_ends_with_3(
     monkeypatch.setattr(report, "compute_all", in_this_process)
     assert main(["validate", "--only", "curvature", "--out", "here"]) == 3
     output = capsys.readouterr()
-    assert output.err == "isopeel: deviations above the allowance: 1, see here/curvature/report.md\n"
+    assert output.err == "isopeel: rows with too large a deviation: 1; see here/curvature/report.md\n"
     assert "FAIL" in output.out
 
 

@@ -153,14 +153,14 @@ def constrain(
         for component in support.components:
             if drive.freedoms[component] in ("tied", "prescribed") and np.isin(held, driven).any():
                 raise InputError(
-                    "held", support.side, f"it meets the side {drive.side}, which the drive moves"
+                    "held",
+                    support.side,
+                    f"the drive moves the side {drive.side}, which shares points with it",
                 )
             groups[held, component] = HELD
             offset[held, component] = u0[held, component]
     if (groups == HELD).all():
-        allowed = (
-            "on this mesh all of the body is held or moved by the drive; refine the mesh or hold less of it"
-        )
+        allowed = "on this mesh the whole body is held or moved by the drive; take a finer mesh, or hold less"
         raise InputError("held", [support.side for support in problem.supports], allowed)
     unknowns = np.empty(groups.shape, dtype=np.int64)
     count = 0

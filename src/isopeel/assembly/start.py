@@ -59,7 +59,7 @@ def check_start(
         free = _free_motion(np.concatenate(rows), extent_of(body))
         if free is not None:
             raise InputError(
-                "held", free, "nothing holds the body against it; hold a side, or let it adhere there"
+                "held", free, "nothing prevents this motion of the body; hold a side, or let it adhere"
             )
     return tangents
 
@@ -81,7 +81,7 @@ def _check_interface(
         raise InputError("substrate.gap", place, "the body must not overlap the substrate at the start")
     if (1 + curvature * gap <= 0).any():
         allowed = (
-            "the body must lie nearer to it than its centre of curvature, where the closest point is one"
+            "the body must be nearer to it than its centre of curvature, so that the closest point is unique"
         )
         raise InputError("substrate", f"curvature radius {np.abs(1 / curvature).min():.4g}", allowed)
     seen = curvature if substrate.constant_curvature else np.zeros_like(curvature)
@@ -106,10 +106,10 @@ def check_rigid(space: RowSpace, shape: NurbsSurface) -> None:
     ):
         if misfit <= RIGID:
             continue
-        means = "the shape's lines of reduced continuity, which `row_space` takes over from its `shape`"
+        means = "the shape's lines of reduced continuity: `row_space` adds them, if it gets the `shape`"
         if degree < needed:
             means = f"degree {needed}" + (f" in all rows, such as 'N{needed}'" if field == "space" else "")
-        allowed = f"turning the body would strain it, as its shape is not in the space; take {means}"
+        allowed = f"a rotation would strain the body, as its shape is not in the space; take {means}"
         raise InputError(field, value, allowed)
 
 

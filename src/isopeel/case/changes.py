@@ -24,9 +24,7 @@ def changed(document: Mapping[str, Any], values: Mapping[str, Any]) -> dict[str,
     for key, value in values.items():
         parts = key.split(".")
         if len(parts) > MOST_PARTS or not all(_PART.fullmatch(part) for part in parts):
-            raise InputError(
-                key or "key", value, "a key is names with points between them, such as body.length"
-            )
+            raise InputError(key or "key", value, "a key is a dotted name, such as body.length")
         tables = _with(tables, parts, _plain(key, value), key)
     return dict(tables)
 
@@ -44,7 +42,7 @@ def _with(table: Any, parts: list[str], value: Any, key: str) -> Any:
         item = _with(table[number - 1], rest, value, key) if rest else value
         return [*table[: number - 1], item, *table[number:]]
     if not isinstance(table, Mapping):
-        raise InputError(key, value, f"{name!r} is looked for in {table!r}, which is no table")
+        raise InputError(key, value, f"there is no key {name!r} in {table!r}, which is no table")
     if value is None and name not in table:
         return dict(table)
     if rest:

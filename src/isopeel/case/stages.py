@@ -89,7 +89,7 @@ def check_work(counts: Sequence[int]) -> None:
 def check_number(stages: object) -> object:
     """Raise InputError where there are too many stages for each of them to be read."""
     if isinstance(stages, list) and len(stages) > MOST_STAGES:
-        allowed = f"at most {MOST_STAGES} stages are run one after the other"
+        allowed = f"a case has at most {MOST_STAGES} stages"
         raise InputError("drive", f"{len(stages)} stages", allowed)
     return stages
 

@@ -34,7 +34,7 @@ def document_of(text: str, source: str) -> dict[str, Any]:
     text = text.removeprefix("\ufeff")
     size = size_of(text)
     if size is None:
-        raise InputError("CASE", source, "half of a pair that encodes a character is no character")
+        raise InputError("CASE", source, "it contains half of a surrogate pair, which is no character")
     if size > LARGEST_TEXT:
         raise InputError("CASE", source, f"a case has at most {LARGEST_TEXT} bytes")
     # texts may be keys, too

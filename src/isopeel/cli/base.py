@@ -84,5 +84,5 @@ def unwritten(error: OSError, folder: Path | None = None) -> str:
 def interrupted_message(folder: Path) -> str:
     """Return the message on an interrupted run in a folder."""
     return (
-        f"what converged before is in {folder}, and `isopeel resume {shlex.quote(str(folder))}` continues it"
+        f"the converged steps are in {folder}; `isopeel resume {shlex.quote(str(folder))}` continues the run"
     )

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from isopeel.running.run import Result
 
 _ForceOption = Annotated[
-    bool, typer.Option("--force", help="Write to DIR whatever is in it; files of other names stay.")
+    bool, typer.Option("--force", help="Write to DIR even if it has other files; these stay.")
 ]
 _ControlOption = Annotated[
     str | None,
@@ -78,13 +78,13 @@ def run(
     ] = False,
     force: Annotated[
         bool,
-        typer.Option("--force", help="Replace a longer or another run in DIR, whatever else is in it."),
+        typer.Option("--force", help="Replace a longer or another run in DIR; other files stay."),
     ] = False,
 ) -> int:
-    """Run CASE and leave its curve, figures, summary and fields in a folder.
+    """Run CASE, and write its curve, figures, summary and fields to a folder.
 
-    A run of the same case in the folder is replaced if it is not longer. Without --force the command refuses
-    a folder with anything else in it.
+    A run of the same case in the folder is replaced if it is not longer. Without --force, a folder with
+    other content is rejected.
     """
     folder: Path | None = None
     try:
@@ -182,21 +182,21 @@ def paper(
 ) -> int:
     """Run the published study, and write a report that compares it with the published figures.
 
-    Finished runs are kept, so that the same command continues an interrupted study.
+    Finished runs are stored, so that the same command continues an interrupted study.
     """
-    kept = f"finished runs are in {out}, and the same command continues"
+    stored = f"finished runs are in {out}; the same command continues the study"
     try:
         from isopeel.common.processes import WorkerLostError
         from isopeel.paper.report import chosen_meshes, chosen_parts, make_report
 
         try:
-            with reporting(f"interrupted; {kept}"):
+            with reporting(f"interrupted; {stored}"):
                 parts, meshes = chosen_parts(only or []), chosen_meshes(mesh or [])
                 page = make_report(parts, meshes, out, console(), force=force)
         except WorkerLostError as error:
-            return fail(BAD_INPUT, f"{error}; {kept}")
+            return fail(BAD_INPUT, f"{error}; {stored}")
     except KeyboardInterrupt:
-        return fail(INTERRUPTED, f"interrupted; {kept}")
+        return fail(INTERRUPTED, f"interrupted; {stored}")
     console().print(f"the report is {page}", soft_wrap=True)
     return COMPLETED
 
@@ -220,5 +220,5 @@ def validate(
         return fail(BAD_INPUT, str(error))
     console().print(f"the report is {found.page}", soft_wrap=True)
     if found.failed:
-        return fail(NOT_CONVERGED, f"deviations above the allowance: {found.failed}, see {found.page}")
+        return fail(NOT_CONVERGED, f"rows with too large a deviation: {found.failed}; see {found.page}")
     return COMPLETED

@@ -71,7 +71,7 @@ def export(
     force: _ForceOption = False,
 ) -> int:
     """Write the fields of a run for ParaView, as Bezier cells, which represent curved shapes exactly."""
-    message = "interrupted; the same command writes all files anew"
+    message = "interrupted; the same command writes all files again"
     try:
         with reporting(message):
             from isopeel.output.export import export_run

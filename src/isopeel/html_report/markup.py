@@ -44,15 +44,13 @@ def ending(stored: StoredStage) -> str:
                 stored.laboratory.sentence(run.failure.reason),
                 _units(value(run.failure.parameter)),
             )
-            + paragraph(f"What converged before: {steps}.")
+            + paragraph(f"Converged: {steps}.")
         )
     match run.ending:
         case "completed":
             return paragraph(f"Completed: {steps}.")
         case "interrupted":
-            words = (
-                f"This run was interrupted. What converged before: {steps}. `isopeel resume` continues it."
-            )
+            words = f"This run was interrupted. Converged: {steps}. `isopeel resume` continues it."
         case _:
             words = (
                 f"This run was killed, or is still running: {steps}."

@@ -48,7 +48,7 @@ def animate_run(
     OSError where a file cannot be written. If it is ended early, there is no file, or the earlier one.
     """
     if suffix not in _WRITERS:
-        raise InputError("--format", suffix, f"it is one of {', '.join(_WRITERS)}")
+        raise InputError("--format", suffix, f"it must be one of {', '.join(_WRITERS)}")
     if fps is not None and not FEWEST <= fps <= MOST:
         raise InputError("--fps", fps, f"{FEWEST:g} to {MOST:g} pictures per second are possible")
     pixels = _pixels(size)
@@ -74,7 +74,7 @@ def _pixels(size: str) -> tuple[int, int]:
     parts = re.fullmatch(r"(\d{1,5})x(\d{1,5})", size)
     pixels = (int(parts[1]), int(parts[2])) if parts else (0, 0)
     if not all(SMALLEST_SIZE <= length <= LARGEST_SIZE and length % 2 == 0 for length in pixels):
-        allowed = f"even numbers of pixels, {SMALLEST_SIZE} to {LARGEST_SIZE}, are needed, such as 1280x600"
+        allowed = f"even numbers of pixels from {SMALLEST_SIZE} to {LARGEST_SIZE} are needed, as in 1280x600"
         raise InputError("--size", size, allowed)
     return pixels
 

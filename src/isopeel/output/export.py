@@ -33,10 +33,10 @@ def export_run(
     file cannot be written.
     """
     if linear is not None and not 1 <= linear <= MOST_PIECES:
-        raise InputError("--linear", linear, f"an element is cut into 1 to {MOST_PIECES} each way")
+        raise InputError("--linear", linear, f"an element can be cut into 1 to {MOST_PIECES} per direction")
     stages = read_stages(folder)
     if not any(stage.run.states for stage in stages):
-        raise InputError("DIR", str(folder), "a run with a converged step is needed, and it has none yet")
+        raise InputError("DIR", str(folder), "its run has no converged step yet")
     for stage in stages:
         run = stage.run
         if run.states:

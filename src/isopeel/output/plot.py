@@ -65,11 +65,11 @@ def plot_run(
     check_format(suffix)
     for part in only:
         if part not in PARTS:
-            raise InputError("--only", part, f"it is one of {', '.join(PARTS)}")
+            raise InputError("--only", part, f"it must be one of {', '.join(PARTS)}")
     stages = shown_stages(folder)
     if at and len(stages) > 1:
         folders = ", ".join(str(stage.folder) for stage in stages)
-        allowed = f"parameters are those of one stage; give its folder: {folders}"
+        allowed = f"parameters belong to one stage; give the folder of one stage: {folders}"
         raise InputError("--at", " ".join(at), allowed)
     for stage in stages:
         shown = _Shown(

@@ -24,7 +24,7 @@ def shown_stages(folder: Path) -> tuple[StoredStage, ...]:
     """
     stages = tuple(stage for stage in read_stages(folder) if len(stage.run.curve) and stage.run.states)
     if not stages:
-        allowed = "no step of the run in it converged, so that there is nothing to show"
+        allowed = "its run has no converged step, so there is nothing to show"
         raise InputError("DIR", str(folder), allowed)
     return stages
 
@@ -34,7 +34,8 @@ def shown_stage(folder: Path) -> StoredStage:
     stage, *others = shown_stages(folder)
     if others:
         folders = ", ".join(str(one.folder) for one in (stage, *others))
-        raise InputError("DIR", str(folder), f"it holds several stages; give the folder of one: {folders}")
+        allowed = f"it contains several stages; give the folder of one stage: {folders}"
+        raise InputError("DIR", str(folder), allowed)
     return stage
 
 

@@ -83,7 +83,7 @@ def _pyvista() -> ModuleType:
     try:
         import pyvista
     except ImportError as error:
-        allowed = f"it is not installed ({error}); pip install 'isopeel[view]' does that"
+        allowed = f"it is not installed ({error}); pip install 'isopeel[view]' installs it"
         raise InputError("view", "pyvista", allowed) from error
     return pyvista
 
@@ -93,7 +93,7 @@ def _check_display() -> None:
     if sys.platform.startswith("linux") and not (
         os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")
     ):
-        allowed = "there is none to open a window on; --screenshot FILE writes a picture instead"
+        allowed = "there is no display for a window; --screenshot FILE writes a picture instead"
         raise InputError("view", "display", allowed)
 
 

@@ -66,7 +66,7 @@ def style() -> Iterator[None]:
 def check_format(suffix: str) -> None:
     """Raise InputError, for --format, unless figures can be written in a format, such as png."""
     if f".{suffix}" not in FORMATS:
-        raise InputError("--format", suffix, f"it is one of {', '.join(name[1:] for name in FORMATS)}")
+        raise InputError("--format", suffix, f"it must be one of {', '.join(name[1:] for name in FORMATS)}")
 
 
 def save(figure: Figure, path: Path) -> None:

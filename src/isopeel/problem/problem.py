@@ -77,7 +77,9 @@ class Interface:
     def __post_init__(self) -> None:
         """Check the kind of traction and the sliding length."""
         if self.traction not in get_args(Traction):
-            raise InputError("adhesion.traction", self.traction, f"it is {' or '.join(get_args(Traction))}")
+            raise InputError(
+                "adhesion.traction", self.traction, f"it must be {' or '.join(get_args(Traction))}"
+            )
         if self.sliding_length is None:
             return
         if not 0 < self.sliding_length < float("inf"):

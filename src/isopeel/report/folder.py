@@ -22,9 +22,9 @@ def take_folder(out: Path, part: str, is_part: Callable[[str], bool], *, force: 
     make_folder(out)
     others = sorted(str(path.relative_to(out)) for path in _foreign(out, is_part))
     if others and not force:
-        what = "that is of no report" if len(others) == 1 else "that are of no report"
+        what = "which is of no report" if len(others) == 1 else "which are of no report"
         allowed = (
-            f"it holds {first_names(others)} {what}; give another folder, or --force, which replaces the"
+            f"it contains {first_names(others)}, {what}; give another folder, or --force, which replaces the"
             " files of a report in it, and leaves all others"
         )
         raise InputError("--out", str(out), allowed)

@@ -95,10 +95,10 @@ def run_files(folder: Path) -> list[Path]:
     Raises InputError where there is none.
     """
     if not folder.is_dir():
-        raise InputError("DIR", str(folder), "the folder of a run is needed, and it is no folder")
+        raise InputError("DIR", str(folder), "the folder of a run is needed, but it is no folder")
     files = [folder / FILES[0]] if (folder / FILES[0]).exists() else stage_files(folder)
     if not files:
-        allowed = f"the folder of a run is needed, and there is no {FILES[0]} in it"
+        allowed = f"the folder of a run is needed, but there is no {FILES[0]} in it"
         raise InputError("DIR", str(folder), allowed)
     return files
 
@@ -154,7 +154,7 @@ def check_overwritten(
         except OSError:
             continue  # it does not exist, or writing it raises the error
         if kind:
-            raise InputError(field, str(path), f"it is {kind}, and no file that could be replaced")
+            raise InputError(field, str(path), f"it is {kind}, which is never replaced")
         if not force and not _is_ours(path):
             others.append(str(path))
     if others:
@@ -192,7 +192,7 @@ def _check_kind(field: str, folder: Path, path: Path) -> None:
     except FileNotFoundError:
         return
     if kind:
-        raise InputError(field, str(folder), f"{path.name} in it must be a file, and it is {kind}")
+        raise InputError(field, str(folder), f"{path.name} in it must be a file, but it is {kind}")
 
 
 @contextmanager

@@ -59,10 +59,10 @@ def check_foreign(out: Path) -> None:
         return
     others = sorted(str(path.relative_to(out)) for path in _foreign(out, stages_too=True))
     if others:
-        what = "that is of no run" if len(others) == 1 else "that are of no run"
+        what = "which is of no run" if len(others) == 1 else "which are of no run"
         allowed = (
-            f"it holds {first_names(others)} {what}; {_ANOTHER}, which replaces the files of a run in it, and"
-            " leaves all others"
+            f"it contains {first_names(others)}, {what}; {_ANOTHER}, which replaces the files of a run in it,"
+            " and leaves all others"
         )
         raise InputError("--out", str(out), allowed)
 
@@ -88,25 +88,25 @@ def check_previous(case: Case, stages: Sequence[Stage], out: Path) -> str:
             whose = (
                 f"a run of the case {other!r}" if isinstance(other, str) else "a run of a case without a name"
             )
-            raise InputError("--out", str(out), f"it holds {whose}; {_ANOTHER}, which replaces it")
+            raise InputError("--out", str(out), f"it contains {whose}; {_ANOTHER}, which replaces it")
         differing = [f"[{table}]" for table in _PHYSICS if _table(document, table) != _table(own, table)]
         if differing:
             whose = f"a run of another case {name!r}, with other values in {', '.join(differing)}"
-            raise InputError("--out", str(out), f"it holds {whose}; {_ANOTHER}, which replaces it")
+            raise InputError("--out", str(out), f"it contains {whose}; {_ANOTHER}, which replaces it")
     if not any(len(run.curve) for run in runs):
         return ""
     there = [_reached(run) for run in runs]
     lengths = "; then ".join(length.words for length in there)
     if runs[-1].ending in ("running", "interrupted"):
         allowed = (
-            f"it holds a run of {name!r} that was interrupted: {lengths}; `isopeel resume {quote(str(out))}`"
+            f"it contains an interrupted run of {name!r}: {lengths}; `isopeel resume {quote(str(out))}`"
             " continues it, and --force starts a new run"
         )
         raise InputError("--out", str(out), allowed)
     new = [_planned(stage) for stage in stages]
     if _is_shorter(new, there):
         shorter = "; then ".join(length.words for length in new)
-        allowed = f"it holds a longer run of {name!r}: {lengths}, and this one has {shorter}; {_ANOTHER}"
+        allowed = f"it contains a longer run of {name!r}: {lengths}, and this one has {shorter}; {_ANOTHER}"
         raise InputError("--out", str(out), f"{allowed}, which replaces it")
     return f"replaces the run of {name} in {out}: {lengths}"
 

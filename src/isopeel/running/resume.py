@@ -58,7 +58,7 @@ def _found(folder: Path, to: str | None, path_control: str | None) -> tuple[Case
         elif stored:
             break
     if not stored:
-        raise InputError("DIR", str(folder), f"{newest} is of another case than its name says")
+        raise InputError("DIR", str(folder), f"{newest} is not a stage of the case in this folder")
     return case, stored
 
 
@@ -71,5 +71,5 @@ def _check_steps(case: Case, run: StoredRun, stage: Stage, folder: Path, to: str
         field, value = ("DIR", str(folder)) if to is None else ("--to", to)
         laboratory = Laboratory.of(case.units.system(), stage.problem)
         reached = f"{len(run.curve)} to {laboratory.parameter(column, float(run.curve.parameter[-1]))}"
-        allowed = f"the steps so far, {reached}, are not on the way to it"
+        allowed = f"it does not continue the steps so far, {reached}"
         raise InputError(field, value, allowed)

@@ -64,7 +64,7 @@ def _read_stage(file: Path) -> StoredStage:
     same = (run.attributes.get("space"), run.attributes.get("mesh")) == of_case
     if missing or not number or not sizes <= {space.size} or not same:
         reason = (
-            f"lacks {', '.join(missing)}" if missing else "holds fields, a space or a stage of another case"
+            f"lacks {', '.join(missing)}" if missing else "has fields, a space or a stage of another case"
         )
         raise InputError("FILE", str(file), f"the file of a run is needed: it {reason}")
     stage = stages[number - 1]

@@ -33,7 +33,7 @@ class MovedSide:
         """Check the side, the angle and the constraint across the motion."""
         check_side("drive.side", self.side)
         if self.transverse not in get_args(Transverse):
-            allowed = f"it is {' or '.join(get_args(Transverse))}"
+            allowed = f"it must be {' or '.join(get_args(Transverse))}"
             raise InputError("drive.transverse", self.transverse, allowed)
         if not np.isfinite(self.angle):
             raise InputError("drive.angle", self.angle, "it must be finite")

@@ -37,7 +37,9 @@ class PulledSide:
         if not np.isfinite(self.angle):
             raise InputError("drive.angle", self.angle, "it must be finite")
         if self.control not in get_args(LoadControl):
-            raise InputError("drive.control", self.control, f"it is {' or '.join(get_args(LoadControl))}")
+            raise InputError(
+                "drive.control", self.control, f"it must be {' or '.join(get_args(LoadControl))}"
+            )
         if not 0 <= self.start < self.end <= 1:
             raise InputError("drive", (self.start, self.end), "need 0 <= start < end <= 1 along the side")
 

@@ -37,7 +37,7 @@ class CurvedStrip:
         """Check the lengths and the bend."""
         check_positive(length=self.length, height=self.height, radius=self.radius)
         if self.bends not in get_args(Bend):
-            raise InputError("body.bends", self.bends, f"it is {' or '.join(get_args(Bend))}")
+            raise InputError("body.bends", self.bends, f"it must be {' or '.join(get_args(Bend))}")
         if not self.length / self.radius < pi:
             raise InputError("body.length", self.length, f"it must be below pi radii, {pi * self.radius:g}")
         if self.bends == "up" and not self.height < self.radius:

@@ -59,7 +59,7 @@ class _Spline(_Part):
     """The keys of a spline, with their names in the file; each description states the allowed values."""
 
     SplineType: Literal["NURBS", "BSpline", "RationalBezier", "Bezier"] = Field(
-        description=f"it is one of {', '.join(PARTS)}"
+        description=f"it must be one of {', '.join(PARTS)}"
     )
     para_dim: Literal[2] = Field(description="it must be 2, for a surface")
     dim: Literal[2] = Field(description="it must be 2, for a shape in the plane")
