@@ -1,4 +1,4 @@
-"""The parts that a load step calls: how often, and how long they take."""
+"""Counts and times of the parts of a load step."""
 
 from collections import Counter, defaultdict
 from collections.abc import Callable, Iterator

@@ -1,4 +1,4 @@
-"""Programs that trace the same path in turn, and are compared by their moments."""
+"""Programs trace the same path in turn; their moments are compared."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -13,24 +13,24 @@ MOMENT_TOLERANCE = 1e-8  # E0 L0^3
 
 
 class Traced(Protocol):
-    """A program, as programs.Program is one."""
+    """The interface of a program, such as `programs.Program`."""
 
     label: str
     versions: dict[str, str]
 
     def begin(self, angles: Sequence[float]) -> None:
-        """Let the program find the equilibria at these angles (radians)."""
+        """Start the computation of the equilibria at these angles (radians)."""
 
     def finish(self) -> Block:
-        """Wait for what was begun. Raises GoneError where the program has ended."""
+        """Return the result of the computation. Raises GoneError if the program has ended."""
 
     def close(self) -> None:
-        """Let the program end."""
+        """End the program."""
 
 
 @dataclass
 class Entry:
-    """A program in the comparison, its timed blocks of load steps and the most memory it took."""
+    """A program in the comparison, its timed blocks of load steps, and its peak memory."""
 
     program: Traced
     blocks: list[list[LoadStep]] = field(default_factory=list)
@@ -46,8 +46,8 @@ class Entry:
 class Comparison:
     """Programs that agree so far, isopeel first, and notes on the others.
 
-    The largest difference is from isopeel's moments, of as many steps as were compared. `ended` where a
-    program found no equilibrium: there is nothing to compare beyond.
+    The largest difference from isopeel's moments is over all compared steps. `ended` is set if a program
+    found no equilibrium: the comparison ends there.
     """
 
     entries: list[Entry]
@@ -57,9 +57,9 @@ class Comparison:
     ended: bool = False
 
     def trace(self, angles: Sequence[float], *, timed: bool) -> None:
-        """Trace the next angles by all programs, in turn if timed; leave out those that end or differ.
+        """Trace the next angles by all programs, in turn if timed; exclude programs that end or differ.
 
-        Raises GoneError where isopeel itself ends."""
+        Raises GoneError if isopeel itself ends."""
         blocks = {}
         if not timed:
             for entry in self.entries:

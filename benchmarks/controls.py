@@ -1,4 +1,4 @@
-"""How far the runs of the published study get with each path control, how fast, and how well they agree."""
+"""The runs of the published study with each path control: last angle, time, and agreement."""
 
 import argparse
 from collections import defaultdict
@@ -11,18 +11,18 @@ import isopeel
 from isopeel.common.path_control import PathControl
 from isopeel.paper.study import MESHES, SPACES, Run
 
-#: What continuation may cost of a step of plain Newton, where that works.
+#: Allowed time of a step by continuation over that of plain Newton, where plain Newton converges.
 ALLOWED = 1.5
 
 
 class Outcome(NamedTuple):
-    """How a run ended."""
+    """The result of a run."""
 
-    moments: dict[float, list[float]]  # at the angles in degrees; several, where the curve turns back
+    moments: dict[float, list[float]]  # by the angle in degrees; several if the curve turns back
     reached: float  # degrees
     steps: int
     limit_points: int
-    seconds: float  # of this process, which other ones disturb less than the wall clock
+    seconds: float  # processor time, which other programs disturb less than the wall time
     ending: str
 
 

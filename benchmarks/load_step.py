@@ -1,4 +1,4 @@
-"""Time of a load step of the peeled strip: isopeel against the same problem in other libraries."""
+"""Time of a load step of the peeled strip, in isopeel and in other libraries."""
 
 import os
 import platform
@@ -26,10 +26,10 @@ ONSET = 50.0
 
 
 def start(space: str, mesh: str, peers: str) -> Comparison:
-    """Start isopeel and the peers, each at the start of its path; note which cannot take part."""
+    """Start isopeel and the peers, each at the start of its path, with notes on unavailable ones."""
     elements = parse_mesh("--mesh", mesh)
     if space not in DEGREES:
-        raise isopeel.InputError("--space", space, f"the peers know {', '.join(DEGREES)}")
+        raise isopeel.InputError("--space", space, f"the peers have {', '.join(DEGREES)}")
     if elements[0] * ADHERING_LENGTH % LENGTH:
         raise isopeel.InputError("--mesh", mesh, "3/4 of the elements along x must adhere")
     names = list(dict.fromkeys(peers.split(",")))
@@ -45,7 +45,7 @@ def start(space: str, mesh: str, peers: str) -> Comparison:
 
 
 def untimed_angles(start: float, step: float) -> FloatArray:
-    """Return the degrees of large steps up to `start`; the last two are as timed, for the predictor."""
+    """Return angles of large steps up to `start`; the last two have the timed size, for the predictor."""
     last = start - step * np.array([2, 1, 0])
     before = np.arange(0, min(ONSET, last[0]), 2 * UNTIMED_STEP)
     return np.concatenate([before, np.arange(ONSET, last[0], UNTIMED_STEP), last[last >= 0]])
@@ -70,7 +70,7 @@ def run(comparison: Comparison, untimed: FloatArray, timed: FloatArray, block: i
     parts = [(part, False) for part in _blocks(untimed, block)] + [
         (part, True) for part in _blocks(timed, block)
     ]
-    # refreshed between blocks only: a thread that draws would take time from the programs
+    # refreshed between blocks only: a drawing thread would take time from the programs
     with Progress(console=Console(stderr=True), auto_refresh=False, transient=True) as bar:
         for part, is_timed in bar.track(parts):
             if not comparison.ended:
@@ -90,7 +90,7 @@ def main(
     peers: Annotated[str, typer.Option(help="What to compare with.")] = ",".join(PEERS),
     block: Annotated[int, typer.Option(min=1, help="Load steps of one program before the next's turn.")] = 5,
 ) -> None:
-    """Time isopeel and its peers in turn on one thread; of programs that disagree no time is shown."""
+    """Time isopeel and its peers in turn on one thread; programs that disagree are excluded."""
     if not (begin >= 0 and 0 < step < 2 * (to - begin)):
         value, allowed = (
             f"{begin:g}, {to:g}, {step:g}",

@@ -1,4 +1,4 @@
-"""How much too stiff a strip is that a moment peels, over Poisson's ratio, degrees and elements across."""
+"""Locking of a strip peeled by a moment, over Poisson's ratio, degree and elements across."""
 
 import argparse
 from collections.abc import Iterator
@@ -15,15 +15,15 @@ from printing import plain_table, wide_console
 
 RATIOS = (0.3, 0.45, 0.49, 0.499, 0.4999)
 SPACES = ("L1", "L2", "N2", "N2.1")
-#: Elements along the strip, at 3 to the thickness and finer than the process zone by 5, and across.
+#: Elements along and across the strip. There are 3 along per thickness, and 5 in the process zone.
 ALONG, ACROSS = 180, (1, 2, 4)
 DEGREES = (1, 2, 3)
-#: Beyond this a discretization is of no use, and its plateau of no interest.
+#: Largest estimated error of a discretization that is run.
 HOPELESS = 10.0
 
 
 def strip(poissons_ratio: float) -> Case:
-    """Rubber after Kendall, bent to 15 times its height."""
+    """Return a strip of rubber (after Kendall), bent to a radius of 15 times its height."""
     return Case.parse(f"""\
 name = "rubber"
 [units]
@@ -49,7 +49,7 @@ step = "1 deg"
 
 
 def plateau(case: Case, space: RowSpace) -> float:
-    """Mean moment of the last ten degrees over that of beam theory; nan where no equilibrium is found."""
+    """Return the mean moment of the last ten degrees over that of beam theory; nan without an equilibrium."""
     (stage,) = case.stages()
     theory = beam_peeling(stage.problem)
     assert theory is not None
@@ -62,7 +62,7 @@ def plateau(case: Case, space: RowSpace) -> float:
 
 
 def rows(spaces: tuple[str, ...]) -> Iterator[tuple[str, ...]]:
-    """Each discretization, its error in percent (its estimate) by Poisson's ratio, and seconds."""
+    """Yield each discretization, its error in percent (and estimate) by Poisson's ratio, and seconds."""
     cases = [strip(ratio) for ratio in RATIOS]
     for name in spaces:
         for degree in DEGREES:

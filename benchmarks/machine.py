@@ -1,4 +1,4 @@
-"""The machine at hand: what it is, how busy, and how fast at best."""
+"""The machine: its processor, its load, and its best speed."""
 
 import os
 import platform
@@ -20,7 +20,7 @@ _PACKAGES = ("isopeel", "numpy", "scipy", "numba")
 
 
 class Ceiling(NamedTuple):
-    """What one core reaches at best."""
+    """The best speed of one core."""
 
     matrix_product: float  # GFlop/s of numpy's dgemm, 512 x 512
     vector_sum: float  # GFlop/s of a compiled y += a x whose arrays stay in the first cache
@@ -28,7 +28,7 @@ class Ceiling(NamedTuple):
 
 
 def ceiling(megabytes: int = 512) -> Ceiling:
-    """Measure, with an array of that size for the copy."""
+    """Return the measured speeds; the array of the copy has the given size."""
     A, x, y = np.random.default_rng(0).random((512, 512)), np.ones(1024), np.ones(1024)
     rounds = 20_000
     _add_scaled(1e-9, x, y, 1)
@@ -39,10 +39,10 @@ def ceiling(megabytes: int = 512) -> Ceiling:
 
 
 def copy_rate(moved: float) -> float:
-    """GB/s of a copy that moves as many bytes, half of them read and half written, wherever they then lie."""
+    """Return the GB/s of a copy that reads half of these bytes and writes the other half, in any cache."""
     one = np.ones(max(1, round(moved / 16)))
     other = np.ones_like(one)
-    # a short one many times, so that the clock's own time is none of it
+    # a short copy is repeated, so that the time of the clock is negligible
     rounds = max(1, int(1e6 / (2 * one.nbytes)))
 
     def copy() -> None:
@@ -65,7 +65,7 @@ def least_seconds(
     budget: float = 0.3,
     fewest: int = 3,
 ) -> float:
-    """Least time of a call, repeated for `budget` seconds: what disturbs a call only ever adds to it."""
+    """Return the least time of a call, repeated for `budget` seconds: disturbances only make calls longer."""
     times: list[float] = []
     end = perf_counter() + budget
     while len(times) < fewest or perf_counter() < end:
@@ -76,10 +76,10 @@ def least_seconds(
 
 
 def peak_megabytes() -> float:
-    """Largest memory of this process so far."""
+    """Return the peak memory of this process so far."""
     status = Path("/proc/self/status")
     if status.exists():
-        # Linux hands the figure of getrusage down from the process that starts another one
+        # on Linux, getrusage includes the peak of the parent process
         lines = dict(line.split(":", 1) for line in status.read_text().splitlines())
         return float(lines["VmHWM"].split()[0]) / 1024
     unit = 2**20 if sys.platform == "darwin" else 1024
@@ -87,7 +87,7 @@ def peak_megabytes() -> float:
 
 
 def description() -> str:
-    """The processor, its cores and load, and the versions in use."""
+    """Return the processor, its cores and load, and the versions of the software."""
     information = Path("/proc/cpuinfo")
     lines = information.read_text().splitlines() if information.exists() else []
     models = [line.partition(":")[2].strip() for line in lines if line.startswith("model name")]

@@ -1,4 +1,4 @@
-"""The peeled strip, peeled to its plateau by large steps, and further by small timed steps."""
+"""A strip peeled to its plateau by large steps, and then by small timed steps."""
 
 from collections.abc import Iterator
 from typing import NamedTuple
@@ -10,11 +10,11 @@ from isopeel.common.arrays import FloatArray
 
 #: Degrees of a timed step, as in the published study.
 STEP = 0.1
-#: Timed steps: as many as a chord tangent serves at most, so that they include its assembly.
+#: Number of timed steps: as many as a chord tangent serves at most, so that they include its assembly.
 TIMED = 40
-#: Small steps before the timed ones: as many as the predictor uses, and some for the chord tangent.
+#: Number of small steps before the timed ones: those that the predictor uses, and some for the chord tangent.
 SETTLING = 10
-#: Of the shipped strip in nm, and of its right end that does not adhere.
+#: Length of the shipped strip in nm, and of its right end that does not adhere.
 LENGTH = 200.0
 FREE_LENGTH = 50.0
 
@@ -28,7 +28,7 @@ class Strip(NamedTuple):
 
     @property
     def problem(self) -> isopeel.Problem:
-        """The shipped strip, longer or not: the same free end is bent up from what adheres."""
+        """The shipped strip with another length: the free end is the same, and the adhering part longer."""
         return isopeel.strip(length=self.length, adhering_length=self.length - FREE_LENGTH)
 
     @property
@@ -38,9 +38,9 @@ class Strip(NamedTuple):
 
 
 def peel(strip: Strip, reach: float, coarse: float, steps: int) -> Iterator[isopeel.Step]:
-    """Trace up to `reach` degrees by coarse steps and some small ones; return the `steps` to come.
+    """Trace up to `reach` degrees by coarse steps and some small ones; return an iterator over `steps` more.
 
-    Coarse steps that fail are cut. Earlier steps are not kept: each step holds solver data.
+    Coarse steps that fail are cut. Earlier steps are not stored, because each has solver data.
     """
     angles = np.radians(angles_deg(reach, coarse, steps))
     settings = isopeel.NewtonSettings(path_control="auto")
@@ -52,12 +52,12 @@ def peel(strip: Strip, reach: float, coarse: float, steps: int) -> Iterator[isop
 
 
 def angles_deg(reach: float, coarse: float, steps: int) -> FloatArray:
-    """Degrees from zero to `reach`, and `steps` beyond."""
+    """Return the angles in degrees from zero to `reach`, and those of `steps` steps beyond."""
     small = reach + STEP * np.arange(-SETTLING, steps + 1)
     return np.concatenate([np.arange(0, small[0] - STEP / 2, coarse), small])
 
 
 def left_out(strip: Strip, error: isopeel.ConvergenceError) -> str:
-    """Say why a strip is not timed: on a coarse mesh the peeling front jumps from element to element."""
+    """Return the reason that a strip is not timed: on a coarse mesh the front jumps between elements."""
     shown = "{} {}x{}".format(strip.space, *strip.mesh)
     return f"{shown} is left out: no equilibrium at {np.degrees(error.parameter):g} degrees"

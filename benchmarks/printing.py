@@ -1,4 +1,4 @@
-"""Tables as all benchmarks print them."""
+"""Tables and the console of all benchmarks."""
 
 import sys
 
@@ -8,7 +8,7 @@ from rich.table import Table
 
 
 def plain_table(title: str, *columns: str, caption: str = "", labels: int = 2) -> Table:
-    """Empty table whose first columns are `labels`, and all others numbers."""
+    """Return an empty table, whose first `labels` columns are texts and the others numbers."""
     table = Table(*columns, title=title, caption=caption, box=SIMPLE_HEAD, pad_edge=False)
     for column in table.columns[labels:]:
         column.justify = "right"
@@ -16,5 +16,5 @@ def plain_table(title: str, *columns: str, caption: str = "", labels: int = 2) -
 
 
 def wide_console() -> Console:
-    """Of standard output; a file that it goes to does not say how wide it is."""
+    """Return a console on standard output; for a file, which has no width, the width is set."""
     return Console(highlight=False, width=None if sys.stdout.isatty() else 130)

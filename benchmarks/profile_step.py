@@ -1,4 +1,4 @@
-"""Where the time of a load step goes, and what bounds it: operations, bytes, and the machine."""
+"""The time of a load step by its parts, and its bounds: operations, bytes, and the machine."""
 
 import sys
 from collections.abc import Iterable
@@ -60,7 +60,7 @@ class Profile:
 
 
 def profile(strip: Strip, reach: float, coarse: float, steps: int) -> Profile:
-    """Time and count the parts of some steps from an angle on; then each part alone, where they ended."""
+    """Time and count the parts of some steps from an angle on; then time each part in the last state."""
     path = peel(strip, reach, coarse, steps)
     clock = Clock()
     timed: list[isopeel.Step] = []
@@ -68,7 +68,7 @@ def profile(strip: Strip, reach: float, coarse: float, steps: int) -> Profile:
     with clock.running():
         for step in path:
             timed.append(step)
-            # only the last step has its solver state
+            # only the newest step has its solver state
             solver_state = step.state.solver_state
             if solver_state is not None and len(solver_state.lbfgs_pairs.corrections) >= len(
                 pairs.corrections
@@ -93,7 +93,7 @@ def profile(strip: Strip, reach: float, coarse: float, steps: int) -> Profile:
 def parts_alone(
     system: System, u: FloatArray, load: float, residual: FloatArray, pairs: LbfgsPairs
 ) -> dict[str, float]:
-    """Least seconds of each part, of coefficients u (size, 2) and a residual (count,)."""
+    """Return the least seconds of each part, for coefficients u (size, 2) and a residual (count,)."""
     matrix = system.linearize(u, load=load)[1]
     alone = {
         "forces": machine.least_seconds(lambda: system.equilibrium(u, load)),
@@ -107,7 +107,7 @@ def parts_alone(
 
 
 def parts_table(profiles: Iterable[Profile]) -> Table:
-    """Sizes, and milliseconds of one call of each part."""
+    """Return the table of sizes, and of milliseconds of one call of each part."""
     table = plain_table(
         "milliseconds of one call",
         *("space", "mesh", "unknowns", "half-band", "forces", "tangent", "factor", "solve", "update"),
@@ -120,7 +120,7 @@ def parts_table(profiles: Iterable[Profile]) -> Table:
 
 
 def steps_table(profiles: Iterable[Profile]) -> Table:
-    """A load step: its time, what it calls, and the share of each part in percent."""
+    """Return the table of a load step: its time, its calls, and the share of each part in percent."""
     table = plain_table(
         "a load step: milliseconds, calls, and shares in percent",
         *("space", "mesh", "ms", "corrections", "forces", "tangents"),
@@ -136,7 +136,7 @@ def steps_table(profiles: Iterable[Profile]) -> Table:
 
 
 def bounds_table(profiles: Iterable[Profile], ceiling: machine.Ceiling) -> Table:
-    """Work of one call of each part, and what the machine reaches in it."""
+    """Return the table of the work of one call of each part, and the speed that it reaches."""
     table = plain_table(
         "work of one call, and what is reached",
         *("space", "mesh", "part", "MFlop", "MB", "ms", "GFlop/s", "GB/s", "copy\nGB/s"),
@@ -168,7 +168,7 @@ def bounds_table(profiles: Iterable[Profile], ceiling: machine.Ceiling) -> Table
 
 
 def least_table(profiles: Iterable[Profile], ceiling: machine.Ceiling) -> Table:
-    """A load step of as many calls of each part, were each as fast as the machine allows."""
+    """Return the table of a load step with the same calls at the best speed of the machine."""
     table = plain_table(
         "a load step at best, in milliseconds",
         *("space", "mesh", "measured", "dgemm", "y += a x", "measured\n/ dgemm", "measured\n/ y += a x"),
@@ -201,7 +201,7 @@ def main(
     coarse: Annotated[float, typer.Option(help="Degrees of an untimed step.")] = 0.5,
     steps: Annotated[int, typer.Option(min=1, help=f"Timed steps, of {STEP} degrees.")] = TIMED,
 ) -> None:
-    """Print where the time of a load step of the peeled strip goes, on one thread."""
+    """Print the time of a load step of the peeled strip by its parts, on one thread."""
     strips = [
         Strip(name, MESHES.get(elements) or parse_mesh("--mesh", elements))
         for name in space or SPACES

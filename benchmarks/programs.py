@@ -1,4 +1,4 @@
-"""Programs in processes of their own, and what passes between them and the benchmark."""
+"""Programs in separate processes, and their communication with the benchmark."""
 
 import json
 import os
@@ -25,12 +25,12 @@ OTHER_SETTINGS = {"NUTILS_MATRIX": "scipy"}
 
 
 class GoneError(Exception):
-    """A program cannot take part, or has ended; says why."""
+    """A program is not available, or has ended; the text is the reason."""
 
 
 @dataclass(frozen=True)
 class Block:
-    """Consecutive load steps of one program, and why it found no more, if so."""
+    """Consecutive load steps of one program, and the reason if it found no more."""
 
     steps: list[LoadStep]
     stopped: str | None = None
@@ -38,10 +38,10 @@ class Block:
 
 
 class Program:
-    """A program on its way along the path."""
+    """A program that traces the path in a separate process."""
 
     def __init__(self, name: str, degree: int, elements: tuple[int, int]) -> None:
-        """Start the process, and wait until it is ready. Raises GoneError where it cannot take part."""
+        """Start the process, and wait until it is ready. Raises GoneError if it is not available."""
         self.label = PROGRAMS[name].label
         self._errors = TemporaryFile()  # noqa: SIM115 - as long as the process
         self._process = subprocess.Popen(
@@ -60,20 +60,20 @@ class Program:
         self.versions: dict[str, str] = answer["ready"]
 
     def begin(self, angles: Sequence[float]) -> None:
-        """Let the program find the equilibria at these angles (radians)."""
+        """Start the computation of the equilibria at these angles (radians)."""
         assert self._process.stdin is not None
-        with suppress(BrokenPipeError):  # then no answer comes, and says the rest
+        with suppress(BrokenPipeError):  # then `finish` gets no answer, and raises the error
             self._process.stdin.write(json.dumps(list(angles)) + "\n")
             self._process.stdin.flush()
 
     def finish(self) -> Block:
-        """Wait for what was begun. Raises GoneError where the program has ended."""
+        """Return the result of the computation. Raises GoneError if the program has ended."""
         answer = self._answer()
         steps = [LoadStep(**step) for step in answer["steps"]]
         return Block(steps, answer["stopped"], answer["peak_megabytes"])
 
     def close(self) -> None:
-        """Let the process end: it has nothing more to read."""
+        """End the process by closing its input."""
         for pipe in (self._process.stdin, self._process.stdout):
             assert pipe is not None
             with suppress(BrokenPipeError):
@@ -95,15 +95,15 @@ class Program:
 
 
 def environment() -> dict[str, str]:
-    """Return the environment of all programs: one thread, and this Python's commands before others."""
+    """Return the environment of all programs: one thread, and the commands of this Python first."""
     kept = {name: value for name, value in os.environ.items() if name not in NOT_HANDED_ON}
-    # NGSolve's compiler is a script that asks the first Python of the path
+    # NGSolve's compiler is a script that runs the first Python of the path
     path = os.pathsep.join([str(Path(sys.executable).parent), kept.get("PATH", os.defpath)])
     return {**kept, **ONE_THREAD, **OTHER_SETTINGS, "PATH": path}
 
 
 def _interpreter(name: str) -> str:
-    """Return the Python of a program: DOLFINx is a package of the system, seldom of a virtual environment."""
+    """Return the Python of a program: that of the system for DOLFINx, which is a package of the system."""
     if name == "dolfinx":
         for python in (sys.executable, SYSTEM_PYTHON):
             if (

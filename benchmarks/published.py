@@ -1,4 +1,4 @@
-"""A run of the published study, computed by a process of its own, of which nothing is kept but its costs."""
+"""A run of the published study, computed by a separate process, which returns only its costs."""
 
 import os
 import time
@@ -16,7 +16,7 @@ from machine import peak_megabytes
 
 @dataclass(frozen=True)
 class Cost:
-    """What a run took, and how far it went."""
+    """The costs of a run, and its last angle."""
 
     run: Run
     steps: int
@@ -30,7 +30,7 @@ class Cost:
 
 @dataclass(frozen=True)
 class Follow:
-    """The task of a run, up to some degrees, or as far as it goes."""
+    """The task of a run, up to an angle in degrees, or until it finds no equilibrium."""
 
     run: Run
     to_deg: float
@@ -47,12 +47,12 @@ class Follow:
                 steps, corrections = steps + 1, corrections + len(step.iterations)
                 seconds, last = seconds + step.seconds, float(angles[step.number])
         except isopeel.ConvergenceError:
-            pass  # as far as it goes
+            pass  # the run ends early
         return Cost(self.run, steps, corrections, seconds, peak_megabytes(), last, began, os.getpid())
 
 
 class Study(NamedTuple):
-    """Runs and what they took, in the order in which they were started."""
+    """Runs and their costs, in the order in which they were started."""
 
     costs: list[Cost]
     seconds: list[float]  # of each run, with its tables
@@ -63,7 +63,7 @@ class Study(NamedTuple):
 def follow_all(
     runs: Sequence[Run], to_deg: float, workers: int, finished: Callable[[], None] = lambda: None
 ) -> Study:
-    """Compute runs in processes of their own, the costliest first."""
+    """Compute runs in separate processes, the costliest first."""
     ordered = sorted(runs, key=lambda run: -run.cost)
     began, clock = time.time(), time.perf_counter()
     done = compute_all([Follow(run, to_deg) for run in ordered], workers, lambda *_: finished())

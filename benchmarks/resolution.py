@@ -1,4 +1,4 @@
-"""Process zones of strips under a moment, measured and estimated, and errors over the elements in them."""
+"""Process zones of strips under a moment, measured and estimated, and errors over their elements."""
 
 import argparse
 from collections.abc import Callable, Iterator
@@ -12,17 +12,17 @@ from isopeel.post.front import front_profile, process_zone
 from isopeel.post.resolution import estimated
 from printing import plain_table, wide_console
 
-#: Keys of laws by their strength, in E of the strip, of which W is 2e-5 E times its height.
+#: Keys of laws by their strength in units of E; W is 2e-5 times E and the height of the strip.
 LAWS: dict[str, Callable[[float], str]] = {
     "exponential": lambda s: f'strength = "{s} MPa"\nwork_of_adhesion = "2e-5 N/mm"',
     "bilinear": lambda s: f'strength = "{s} MPa"\nwork_of_adhesion = "2e-5 N/mm"\nrise = 0.1',
-    # W and strength as those of van der Waals adhesion follow from its two constants
+    # the two constants of van der Waals adhesion that give this W and this strength
     "van-der-waals": lambda s: (
         f'equilibrium_distance = "{1.6122 * 2e-5 / s!r} mm"\n'
         f'hamaker_constant = "{2e-5 * 16 * np.pi * (1.6122 * 2e-5 / s) ** 2 / 15 ** (1 / 3)!r} N mm"'
     ),
 }
-#: With E' W/(sigma^2 h) from 88 down to 0.9, and elements along that resolve the zone.
+#: Strengths, for which E' W/(sigma^2 h) is from 88 to 0.9, and numbers of elements that resolve the zone.
 STRENGTHS = {5e-4: 80, 2e-3: 160, 5e-3: 240}
 SPACES = ("L1", "L2", "N2", "N2.1", "N4")
 #: Elements in the estimated process zone.
@@ -30,7 +30,7 @@ ELEMENTS = (0.3, 0.5, 0.7, 1.0, 1.4, 2.0)
 
 
 def strip(law: str, strength: float, space: str, along: int) -> Case:
-    """A strip of E = 1 MPa bent to 40 heights."""
+    """Return a strip of E = 1 MPa, bent to a radius of 40 heights."""
     return Case.parse(f"""\
 name = "strip"
 [units]
@@ -57,7 +57,7 @@ step = "0.5 deg"
 
 
 def peeled(case: Case) -> tuple[float, float | None]:
-    """Mean moment over the last ten degrees, over beam theory's, and the last length of the process zone."""
+    """Return the mean moment of the last ten degrees over that of beam theory, and the last process zone."""
     (stage,) = case.stages()
     theory = beam_peeling(stage.problem)
     assert theory is not None
@@ -70,7 +70,7 @@ def peeled(case: Case) -> tuple[float, float | None]:
 
 
 def estimates() -> Iterator[tuple[str, ...]]:
-    """Each law and strength with the length of the process zone: measured, estimated, and their ratio."""
+    """Yield each law and strength with the length of the process zone: measured, estimated, and the ratio."""
     for law in LAWS:
         for strength, along in STRENGTHS.items():
             case = strip(law, strength, "N2.1", along)
@@ -82,7 +82,7 @@ def estimates() -> Iterator[tuple[str, ...]]:
 
 
 def errors(law: str, strength: float) -> Iterator[tuple[str, ...]]:
-    """Each space with errors of the plateau in percent, over elements in the zone; * with a note."""
+    """Yield each space with errors of the plateau in percent, over elements in the zone; * with a note."""
     reference = strip(law, strength, "N2.1", STRENGTHS[strength])
     fine, _ = peeled(reference)
     found = estimated(reference.problem(), reference.space())

@@ -1,4 +1,4 @@
-"""How time and memory of a load step grow with the strip and with the mesh, and what more processes gain."""
+"""Time and memory of a load step over the size of strip and mesh, and the gain of more processes."""
 
 import sys
 from collections.abc import Sequence
@@ -24,9 +24,9 @@ from printing import plain_table, wide_console
 from published import follow_all
 
 FAMILIES = ("longer", "along", "across")
-#: How often as long as the shipped one a strip is.
+#: Lengths of strips, in lengths of the shipped strip.
 LENGTHS = (1, 2, 5, 10)
-#: How often as many elements a mesh has.
+#: Factors on the number of elements of a mesh.
 REFINEMENTS = (0.5, 1, 2)
 
 
@@ -43,7 +43,7 @@ class Measured:
 
 
 def family(name: str, space: str, mesh: tuple[int, int]) -> list[Strip]:
-    """Strips that grow from one to the next."""
+    """Return strips of increasing size."""
     x, y = mesh
     if name not in FAMILIES:
         raise InputError("--growth", name, f"a strip can grow {', '.join(FAMILIES)}")
@@ -57,8 +57,8 @@ def family(name: str, space: str, mesh: tuple[int, int]) -> list[Strip]:
 
 
 def measure(strip: Strip, reach: float, coarse: float, steps: int) -> Measured:
-    """Time a strip's steps in a process that has computed nothing else."""
-    # whatever is loaded once is there from now on
+    """Time the steps of a strip in a process that has computed nothing else."""
+    # load everything that is loaded only once
     for _ in peel(Strip(strip.space, (10, 1)), 2.0, 1.0, 1):
         pass
     before = machine.peak_megabytes()
@@ -73,21 +73,21 @@ def measure(strip: Strip, reach: float, coarse: float, steps: int) -> Measured:
 
 
 def measure_alone(strip: Strip, reach: float, coarse: float, steps: int) -> Measured:
-    """Do so in a process of its own."""
+    """Do the same in a separate process."""
     (done,) = compute_all([partial(measure, strip, reach, coarse, steps)], 1, lambda *_: None)
     assert isinstance(done.outcome, Measured)
     return done.outcome
 
 
 def exponent(sizes: Sequence[float], times: Sequence[float]) -> float:
-    """Exponent k of the law time ~ size^k that meets the logarithms best; nan of one size."""
+    """Return the exponent k of time ~ size^k, fitted to the logarithms; nan for one size."""
     if len(sizes) < 2:
         return float("nan")
     return float(np.polyfit(np.log(sizes), np.log(times), 1)[0])
 
 
 def scaling_table(families: Sequence[tuple[str, list[Measured]]]) -> Table:
-    """Times, memory, and the exponents of the times below each family."""
+    """Return the table of times and memory, with the exponents of the times below each family."""
     table = plain_table(
         "a load step, by the size of the strip and its mesh",
         *("space", "growth", "nm", "mesh", "unknowns", "corrections", "median ms", "mean ms"),
@@ -117,7 +117,7 @@ def scaling_table(families: Sequence[tuple[str, list[Measured]]]) -> Table:
 
 
 def print_speed_up(console: Console, to: float) -> None:
-    """Time the start of the published runs on one mesh, in one process and in as many as there are cores."""
+    """Time the first steps of the published runs on one mesh, in one process and in one process per core."""
     runs = table_runs(["m2"])
     studies = {workers: follow_all(runs, to, workers) for workers in dict.fromkeys((1, cores()))}
     table = plain_table(
@@ -145,7 +145,7 @@ def main(
     ] = False,
     to: Annotated[float, typer.Option(min=0, help="Last angle of --processes, in degrees.")] = 40.0,
 ) -> None:
-    """Print how time and memory per load step grow, on one thread, each strip in a process of its own."""
+    """Print time and memory per load step over the size of the strip, on one thread."""
     console = wide_console()
     if processes:
         print_speed_up(console, to)
@@ -156,7 +156,7 @@ def main(
             for chosen in space or ("N2.1", "L4")
             for name in growth or FAMILIES
         ]
-        # refreshed between strips only: a thread that draws would take time from them
+        # refreshed between strips only: a drawing thread would take time from them
         bar = Progress(console=Console(stderr=True), auto_refresh=False, transient=True)
         measured: list[tuple[str, list[Measured]]] = []
         with bar:

@@ -1,4 +1,4 @@
-"""How long a command takes from start to end, and how long the first one after an installation."""
+"""The time of a command from start to end, also for the first command after an installation."""
 
 import os
 import re
@@ -22,7 +22,7 @@ from printing import plain_table, wide_console
 
 
 class Command(NamedTuple):
-    """What is started, and how often."""
+    """A command and the number of its repeats."""
 
     label: str
     arguments: Sequence[str]
@@ -44,7 +44,7 @@ _SMALL = 0.03
 
 
 def commands(repeats: int, long: int, case: Sequence[str]) -> list[Command]:
-    """All commands, the whole run of a case `long` times each."""
+    """Return all commands; those of a whole run are repeated `long` times."""
     script = Path(sysconfig.get_path("scripts")) / "isopeel"
     run = [str(script), "run", *case]
     short = [*run, "--to", "1"]
@@ -60,10 +60,10 @@ def commands(repeats: int, long: int, case: Sequence[str]) -> list[Command]:
 
 
 def timed(command: Command) -> list[Times]:
-    """Time a command, each time in an empty folder."""
+    """Return the times of a command, each time in an empty folder."""
     times = []
     for number in range(-1, command.repeats):
-        # one run before fills the caches that the others find
+        # one run before fills the caches
         if number < 0 and command.first:
             continue
         with TemporaryDirectory() as folder:
@@ -76,23 +76,23 @@ def timed(command: Command) -> list[Times]:
 
 
 def _environment() -> dict[str, str]:
-    """That of this process, but modules are compiled once, as they are where nobody asks for else."""
+    """Return the environment of this process, with Python's cache of compiled modules, as by default."""
     return {name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"}
 
 
 def _processor_seconds() -> float:
-    """User and system time of all processes that have been waited for."""
+    """Return the user and system time of all child processes that have ended."""
     used = resource.getrusage(resource.RUSAGE_CHILDREN)
     return used.ru_utime + used.ru_stime
 
 
 def _empty_caches(folder: str) -> dict[str, str]:
-    """Where Numba keeps its kernels, and Matplotlib what it found out about fonts."""
+    """Return variables for the folders of Numba's compiled kernels and of Matplotlib's font list."""
     return {"NUMBA_CACHE_DIR": f"{folder}/kernels", "MPLCONFIGDIR": f"{folder}/fonts"}
 
 
 def start_up_table(found: Sequence[tuple[Command, list[Times]]]) -> Table:
-    """Tabulate the seconds of all commands."""
+    """Return the table of the seconds of all commands."""
     table = plain_table(
         "seconds from start to end, and of processor time",
         *("command", "repeats", "least", "median", "processor"),
@@ -109,7 +109,7 @@ def start_up_table(found: Sequence[tuple[Command, list[Times]]]) -> Table:
 
 
 def imports(case: Sequence[str], repeats: int) -> Counter[str]:
-    """Seconds that the modules of each package take to import in a short run, the least of some runs."""
+    """Return the seconds to import the modules of each package in a short run, the least of several runs."""
     least: dict[str, list[float]] = {}
     for _ in range(repeats):
         with TemporaryDirectory() as folder:
@@ -126,7 +126,7 @@ def imports(case: Sequence[str], repeats: int) -> Counter[str]:
 
 
 def imports_table(found: Counter[str]) -> Table:
-    """Tabulate the seconds and shares of packages, the slowest first."""
+    """Return the table of the seconds and shares of packages, the slowest first."""
     table = plain_table("imports of the short run", "package", "seconds", "share", labels=1)
     whole = found.total()
     large = [(package, took) for package, took in found.most_common() if took >= _SMALL * whole]
@@ -141,7 +141,7 @@ def main(
     long: Annotated[int, typer.Option(min=1, help="Repeats of first and whole runs.")] = 2,
     case: Annotated[str, typer.Option(help="What to run, with options of `isopeel run`.")] = "strip",
 ) -> None:
-    """Time the start of isopeel, in a process of its own each time."""
+    """Time the start of isopeel, each time in a new process."""
     found = [(command, timed(command)) for command in commands(repeats, long, case.split())]
     console = wide_console()
     console.print(start_up_table(found))

@@ -1,4 +1,4 @@
-"""How far random strips get, far from those of the literature: automatic path control beside plain Newton."""
+"""Last angles of random strips, far from the literature: automatic path control and plain Newton."""
 
 import csv
 from collections.abc import Callable, Iterator, Sequence
@@ -21,7 +21,7 @@ from isopeel.paper.study import SPACES
 from printing import plain_table, wide_console
 
 LENGTH = 200.0  # nm
-#: Ranges that are drawn from, evenly in the logarithm but for Poisson's ratio.
+#: Ranges of the random parameters: uniform in the logarithm, except for Poisson's ratio.
 YOUNGS_MODULUS = (0.2, 200.0)  # GPa
 POISSONS_RATIO = (0.0, 0.49)
 DISTANCE = (0.2, 1.0)  # nm, r0
@@ -29,7 +29,7 @@ HAMAKER = (1e-20, 1e-18)  # J
 HEIGHT = (2.0, 40.0)  # nm
 ELEMENTS = (10, 480)  # along the length: elements of 20 nm, and of the attraction's width
 MOST_ACROSS = 12
-#: Largest attraction, of Young's modulus; stronger draws are drawn again.
+#: Largest attraction as a share of Young's modulus; stronger strips are drawn again.
 STRONGEST = 0.25
 
 CONTROLS: tuple[PathControl, ...] = ("newton", "auto")
@@ -50,16 +50,16 @@ class Draw:
 
     @property
     def strength(self) -> float:
-        """Largest attraction of Young's modulus: sqrt(5)/(9 pi) A_H/r0^3, at r = r0/5^(1/6)."""
+        """Largest attraction over Young's modulus: sqrt(5)/(9 pi) A_H/r0^3, at r = r0/5^(1/6)."""
         stress = np.sqrt(5) / (9 * np.pi) * self.hamaker_j / (self.distance_nm * 1e-9) ** 3
         return float(stress / (self.youngs_modulus_gpa * 1e9))
 
     def case(self, to_deg: float, step_deg: float, path_control: PathControl) -> Case:
-        """As a case, which `isopeel run` takes too."""
+        """Return the strip as a case, which `isopeel run` can use too."""
         return Case.parse(self.toml(to_deg, step_deg, path_control))
 
     def toml(self, to_deg: float, step_deg: float, path_control: PathControl) -> str:
-        """The text of the case."""
+        """Return the text of the case."""
         return f"""\
 name = "stress-{self.number}"
 
@@ -92,7 +92,7 @@ path_control = "{path_control}"
 
 @dataclass(frozen=True)
 class Outcome:
-    """How far a strip got under a path control."""
+    """The result of a strip under a path control."""
 
     path_control: PathControl
     reached_deg: float
@@ -129,7 +129,7 @@ class Attempt:
 
 
 def draws(seed: int, count: int) -> list[Draw]:
-    """Random strips; the first ones are the same whatever their number."""
+    """Return random strips; the first ones do not depend on the number of strips."""
     found = _stream(seed)
     return [next(found) for _ in range(count)]
 
@@ -160,9 +160,9 @@ def _stream(seed: int) -> Iterator[Draw]:
 
 
 def shares(found: Sequence[tuple[Draw, tuple[Outcome, ...]]]) -> Table:
-    """Tabulate how many complete, in the thirds of each range."""
+    """Return the table of complete strips, in thirds of each range."""
     table = plain_table(
-        "strips that come to the last angle, in percent",
+        "strips that reach the last angle, in percent",
         "",
         "from",
         "to",
@@ -203,9 +203,9 @@ def shares(found: Sequence[tuple[Draw, tuple[Outcome, ...]]]) -> Table:
 
 
 def failures(found: Sequence[tuple[Draw, tuple[Outcome, ...]]]) -> Table:
-    """Tabulate the strips that stop before the last angle under automatic control, each with its cause."""
+    """Return the table of strips that stop before the last angle under automatic control, with the causes."""
     table = plain_table(
-        "strips that do not come to the last angle under automatic path control",
+        "strips that do not reach the last angle under automatic path control",
         "",
         "space",
         *("mesh", "E, GPa", "nu", "r0, nm", "A_H, J", "height, nm", "strength/E", "reached", "cause"),
@@ -254,7 +254,7 @@ def main(
     out: Annotated[Path, typer.Option(help="Table of every strip.")] = Path("out/stress.csv"),
     case: Annotated[bool, typer.Option("--case", help="Print the cases instead of running them.")] = False,
 ) -> None:
-    """Draw strips at random, and print how far each gets under automatic path control and by plain Newton."""
+    """Draw random strips, and print the last angles under automatic path control and by plain Newton."""
     chosen = [draw for draw in draws(seed, count) if not only or draw.number in only]
     if case:
         print("\n".join(draw.toml(to, step, "auto") for draw in chosen))

@@ -1,4 +1,4 @@
-"""What the runs of the published study cost: steps, corrections, time and memory of each, and of all."""
+"""Costs of the runs of the published study: steps, corrections, time and memory of each run, and of all."""
 
 import sys
 from typing import Annotated
@@ -17,7 +17,7 @@ from published import Study, follow_all
 
 
 def chosen_runs(spaces: list[str] | None, meshes: list[str] | None) -> list[Run]:
-    """Return the published runs of these spaces and meshes, of all where none is named."""
+    """Return the published runs of these spaces and meshes, by default of all."""
     for option, chosen, known in (("--space", spaces, SPACES), ("--mesh", meshes, MESHES)):
         if unknown := set(chosen or ()) - set(known):
             raise InputError(option, unknown.pop(), f"the study has {', '.join(known)}")
@@ -25,7 +25,7 @@ def chosen_runs(spaces: list[str] | None, meshes: list[str] | None) -> list[Run]
 
 
 def study_table(study: Study) -> Table:
-    """Tabulate the runs, the costliest first."""
+    """Return the table of the runs, the costliest first."""
     table = plain_table(
         "runs of the published study",
         *(

@@ -1,4 +1,4 @@
-"""What a comparison prints."""
+"""The table of a comparison."""
 
 from collections.abc import Iterable
 from statistics import median
@@ -13,7 +13,7 @@ COLUMNS = ("assembly", "solve", "median", "mean", "Newton", "MB", "ratio", "rang
 
 
 def table(entries: list[Entry]) -> Table:
-    """Tabulate times, iterations and memory of programs, the first of which is isopeel."""
+    """Return the table of times, iterations and memory of programs, isopeel first."""
     result = Table(
         "",
         *COLUMNS,
@@ -55,7 +55,7 @@ def _mean(steps: list[LoadStep]) -> float:
 
 
 def _by_block(entry: Entry) -> list[float]:
-    """Seconds per load step of each block."""
+    """Return the seconds per load step of each block."""
     return [_mean(block) for block in entry.blocks]
 
 

@@ -1,4 +1,4 @@
-"""Random cases with a known answer: how many are right, wrong with a note, or wrong and silent."""
+"""Random cases with a known answer: counts of right results, and of wrong ones with and without a note."""
 
 import csv
 import sys
@@ -35,8 +35,8 @@ _COLUMNS = (
 def outcomes(
     trials: Sequence[Trial], processes: int, limit: float, finished: Callable[[Trial, Outcome], None]
 ) -> Found:
-    """Run trials, and report when each is finished; those that take longer than the limit are ended."""
-    # of this process, as those that run out of time leave theirs behind
+    """Run trials, and report when each is finished; trials that take longer than the limit are ended."""
+    # in this process: trials that are ended do not remove their files
     with TemporaryDirectory(prefix="isopeel-trial-") as folder:
         tasks = [Attempt(trial, Path(folder)) for trial in trials]
         done = run_all(
@@ -54,7 +54,7 @@ def _outcome(done: object, limit: float) -> Outcome:
 
 
 def _row(trial: Trial, outcome: Outcome) -> list[object]:
-    """One line of the table of every case."""
+    """Return one line of the table of all cases."""
     drawn, gain = trial.drawn, outcome.gain and outcome.gain.share
     return [
         *(trial.seed, trial.number, trial.family, drawn.kind, verdict(trial, outcome).value),
@@ -95,7 +95,7 @@ def _percent(part: int, whole: int) -> str:
 
 
 def run_shipped(processes: int, console: Console) -> None:
-    """Run the shipped cases, and print what energy each gained without work."""
+    """Run the shipped cases, and print the energy that each gained without work."""
     names = shipped_cases()
     with TemporaryDirectory(prefix="isopeel-trial-") as folder:
         done = run_all([Shipped(name, Path(folder)) for name in names], processes, 600.0, lambda *_: None)
@@ -125,7 +125,7 @@ def main(
         bool, typer.Option("--shipped", help="Check the energy of the shipped cases too.")
     ] = False,
 ) -> None:
-    """Draw cases at random whose answer is known, run them as a user would, and count what is right."""
+    """Draw random cases with a known answer, run them as a user would, and count the right results."""
     seeds, console, began = seed or [1], wide_console(), time.perf_counter()
     trials = [drawn_trial(one, number) for one in seeds for number in only or range(count)]
     trials = [trial for trial in trials if not family or trial.family in family]
