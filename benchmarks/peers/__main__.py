@@ -9,7 +9,7 @@ from peers.protocol import AbsentError, Start, own_output, say, serve, versions
 
 
 def main(name: str, degree: int, elements: tuple[int, int]) -> None:
-    """Say that the program is ready, or why it is absent; then do what comes in."""
+    """Report that the program is ready, or the reason that it is absent; then compute the angles read."""
     output = own_output()
     peer = PROGRAMS[name]
     pending: deque[float] = deque()

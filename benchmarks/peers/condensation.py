@@ -1,4 +1,4 @@
-"""The turned face and what is fixed, taken out of a library's vectors and matrices."""
+"""Condensation of a library's vectors and matrices: the rotated face, and fixed degrees of freedom."""
 
 from dataclasses import dataclass
 from typing import Literal
@@ -11,7 +11,7 @@ from peers.laws import FloatArray, IntArray
 
 @dataclass(frozen=True, eq=False)
 class Freedoms:
-    """The degrees of freedom of a strip in a library's own numbering."""
+    """The degrees of freedom of a strip, in the numbering of a library."""
 
     count: int
     fixed: IntArray
@@ -20,15 +20,15 @@ class Freedoms:
     arm: FloatArray  # heights of these nodes over the middle of the face
 
     def turn(self, theta: float) -> tuple[FloatArray, FloatArray]:
-        """Return the face's displacement along x and y when turned about its centre at rest."""
+        """Return the displacement of the face along x and y, when it is rotated about its fixed centre."""
         return -np.sin(theta) * self.arm, (np.cos(theta) - 1) * self.arm
 
 
 class Condensation:
     """u = T z + u0(theta), with T of zeros and ones: a residual becomes T^T R, a tangent T^T K T.
 
-    The unknowns z keep the library's order; the face's centre comes last, along x and along y. Tangents are
-    CSR, whole or a triangle, always of one pattern; the next overwrites the last.
+    The unknowns z are in the order of the library; the centre of the face comes last, along x and along y.
+    Tangents are CSR, whole or a triangle, always with one pattern; each one overwrites the last.
     """
 
     def __init__(
@@ -52,7 +52,7 @@ class Condensation:
         within = {"lower": j <= i, "upper": i <= j, "whole": np.full(i.shape, True)}[part]
         kept = np.flatnonzero((i < n) & (j < n) & within)
         places, first, position = np.unique(i[kept] * n + j[kept], return_index=True, return_inverse=True)
-        # nearly all entries have a place to themselves; only the face's are summed
+        # nearly all entries have their own place; only those of the face are summed
         self._alone = kept[first]
         shared = np.setdiff1d(np.arange(kept.size), first)
         self._added, self._added_to = kept[shared], position[shared]
@@ -74,13 +74,13 @@ class Condensation:
 
     def tangent(self, entries: FloatArray) -> csr_matrix:
         """Return T^T K T from the entries of K, in the order of its pattern."""
-        # in other modes numpy.take fills a buffer first
+        # with other modes numpy.take uses a buffer
         np.take(entries, self._alone, out=self.pattern.data, mode="clip")
         np.add.at(self.pattern.data, self._added_to, entries[self._added])
         return self.pattern
 
     def moment(self, forces: FloatArray, theta: float) -> float:
-        """Return the work of the internal forces (count,) on the face as it turns."""
+        """Return the work of the internal forces (count,) per rotation of the face."""
         f = self._freedoms
         work = np.cos(theta) * forces[f.face_x] + np.sin(theta) * forces[f.face_y]
         return float(-(f.arm @ work))

@@ -1,6 +1,6 @@
 """The strip in DOLFINx, with CHOLMOD through PETSc; written for the version in Debian 12.
 
-Its elements have the same degree along x and y, so it takes part with linear ones only.
+Its elements have the same degree along x and y, so only linear elements can be compared.
 """
 
 from collections.abc import Iterator
@@ -27,13 +27,13 @@ from peers.laws import (
 from peers.newton import LoadStep, trace
 from peers.protocol import AbsentError
 
-POINTS_DEGREE = 3  # of polynomials that 2 points of Gauss per direction integrate
+POINTS_DEGREE = 3  # degree of the polynomials that 2 Gauss points per direction integrate exactly
 COMPILER_OPTIONS = {"cffi_extra_compile_args": ["-O3", "-march=native"]}
 SMALL = 1e-9
 
 
 class DolfinxStrip:
-    """The strip as Newton's method asks for it."""
+    """The strip, with the interface that Newton's method needs."""
 
     def __init__(self, elements: tuple[int, int]) -> None:
         domain = mesh.create_rectangle(
@@ -91,7 +91,7 @@ class DolfinxStrip:
         return self._condensation.moment(self._forces.array, theta)
 
     def _assemble_stiffness(self) -> tuple[IntArray, IntArray, FloatArray]:
-        """Return its rows' starts, columns and entries."""
+        """Return its row starts, columns and entries."""
         self._matrix.zeroEntries()
         fem.petsc.assemble_matrix(self._matrix, self._stiffness)
         self._matrix.assemble()
@@ -100,7 +100,7 @@ class DolfinxStrip:
 
 
 def _solver(matrix: PETSc.Mat, kind: str, package: str) -> PETSc.KSP:
-    """Return a direct solver; it keeps the analysis of the pattern."""
+    """Return a direct solver, which analyses the pattern only once."""
     solver = PETSc.KSP().create(MPI.COMM_SELF)
     solver.setOperators(matrix)
     solver.setType(PETSc.KSP.Type.PREONLY)
@@ -110,7 +110,7 @@ def _solver(matrix: PETSc.Mat, kind: str, package: str) -> PETSc.KSP:
 
 
 def _residuals(u: fem.Function, domain: mesh.Mesh, length: float) -> tuple[ufl.Form, ufl.Form]:
-    """Return the forms of the whole residual, and of the bulk's in the last elements of this length."""
+    """Return the forms of the whole residual, and of that of the bulk in the last elements of this length."""
     last = mesh.locate_entities(domain, 2, lambda x: x[0] > LENGTH - length - SMALL)
     low = mesh.locate_entities_boundary(
         domain, 1, lambda x: (x[1] < SMALL) & (x[0] < ADHERING_LENGTH + SMALL)
@@ -151,7 +151,7 @@ def _traction(gap: ufl.core.expr.Expr) -> ufl.core.expr.Expr:
 
 
 def start(degree: int, elements: tuple[int, int], angles: Iterator[float]) -> Iterator[LoadStep]:
-    """Start DOLFINx on its path."""
+    """Return the path of DOLFINx."""
     if degree != 1:
         raise AbsentError(f"its elements have the same degree along x and y, not {degree} and 1")
     return trace(DolfinxStrip(elements), angles)

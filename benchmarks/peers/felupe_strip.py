@@ -1,7 +1,7 @@
 """The strip in FElupe, with QDLDL.
 
 A solid body of FElupe's neo-Hooke on a plane field, and adhesion as an integral form on the lower face.
-FElupe keeps the sparsity patterns of both.
+FElupe stores the sparsity patterns of both.
 """
 
 from collections.abc import Iterator
@@ -57,7 +57,7 @@ class LagrangeByLinear:
 
 
 class FelupeStrip:
-    """The strip as Newton's method asks for it."""
+    """The strip, with the interface that Newton's method needs."""
 
     def __init__(self, grid: Grid) -> None:
         points, cells = grid.points, grid.cells
@@ -132,7 +132,7 @@ class FelupeStrip:
 
 
 def _places(part: csr_matrix, whole: csr_matrix) -> IntArray:
-    """Return where the entries of `part` are among those of `whole`."""
+    """Return the indices in `whole` of the entries of `part`."""
     keys = []
     for matrix in (part, whole):
         rows = np.repeat(np.arange(matrix.shape[0]), np.diff(matrix.indptr))
@@ -142,5 +142,5 @@ def _places(part: csr_matrix, whole: csr_matrix) -> IntArray:
 
 
 def start(degree: int, elements: tuple[int, int], angles: Iterator[float]) -> Iterator[LoadStep]:
-    """Start FElupe on its path."""
+    """Return the path of FElupe."""
     return trace(FelupeStrip(Grid(degree, elements)), angles)

@@ -1,4 +1,4 @@
-"""The strip's nodes and elements, for libraries that take them as arrays."""
+"""The nodes and elements of the strip, for libraries that need arrays."""
 
 from dataclasses import dataclass
 
@@ -54,6 +54,6 @@ class Grid:
 
 
 def gauss(count: int) -> tuple[FloatArray, FloatArray]:
-    """Return the points and weights of Gauss on [0, 1]."""
+    """Return the Gauss points and weights on [0, 1]."""
     points, weights = np.polynomial.legendre.leggauss(count)
     return (points + 1) / 2, weights / 2

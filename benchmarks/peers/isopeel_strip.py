@@ -12,7 +12,7 @@ from peers.newton import ENERGY_TOLERANCE, LoadStep
 
 
 def start(degree: int, elements: tuple[int, int], angles: Iterator[float]) -> Iterator[LoadStep]:
-    """Start isopeel on its path."""
+    """Return the path of isopeel."""
     settings = isopeel.NewtonSettings(tolerance=ENERGY_TOLERANCE / (LENGTH * HEIGHT))
     space = isopeel.row_space(f"L{degree}", elements)
     _compile(space, settings)
@@ -24,7 +24,7 @@ def start(degree: int, elements: tuple[int, int], angles: Iterator[float]) -> It
 
 
 def _compile(space: isopeel.RowSpace, settings: isopeel.NewtonSettings) -> None:
-    """Compile what steps call before the first one that is timed: by larger ones, and Newton's method."""
+    """Compile all functions before the first timed step, by larger steps and Newton's method."""
     strip = isopeel.strip()
     next(isopeel.trace(strip, space, [0.0], replace(settings, plain=True)))
     with suppress(isopeel.ConvergenceError):

@@ -1,4 +1,4 @@
-"""The strip's data and laws, written independently of isopeel.
+"""The data and laws of the strip, written independently of isopeel.
 
 Lengths in nm, stresses in units of Young's modulus E0 = 2 GPa, moments in E0 nm^3 for a width of 1 nm.
 """
@@ -53,7 +53,7 @@ def moduli(i: int, k: int, inverse: FloatArray, factor: FloatArray) -> FloatArra
 
 
 def adhesion(gap: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return T and T' of a flat surface's van der Waals law, extended linearly below the equilibrium gap."""
+    """Return T and T' of the van der Waals law of a flat surface, continued linearly below equilibrium."""
     gap_used = np.maximum(gap, EQUILIBRIUM_GAP)
     ratio = INTERACTION_DISTANCE / gap_used
     cube = ratio**3
@@ -62,6 +62,6 @@ def adhesion(gap: FloatArray) -> tuple[FloatArray, FloatArray]:
 
 
 def attraction(gap: Any) -> Any:
-    """Return T beyond the equilibrium gap, of numbers or of a library's symbols."""
+    """Return T beyond the equilibrium gap, for numbers or for the symbols of a library."""
     cube = (INTERACTION_DISTANCE / gap) ** 3
     return TRACTION_SCALE * cube * (cube**2 / 45 - 1 / 3)

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Peer:
-    """Where a program's code is, its name in the table, and the libraries whose versions it tells."""
+    """The module of a program, its name in the table, and the libraries whose versions it reports."""
 
     module: str
     label: str
@@ -13,7 +13,7 @@ class Peer:
 
 
 ISOPEEL = "isopeel"
-# in the order of their turns: the slowest come last, so that the others are close to isopeel's
+# in the order of their turns: the slowest last, so that the turns of the others are close to isopeel's
 PROGRAMS = {
     ISOPEEL: Peer("peers.isopeel_strip", "isopeel", ("isopeel", "numpy", "scipy", "numba")),
     "tuned": Peer("peers.scikit_fem.tuned", "skfem tuned", ("scikit-fem", "pypardiso", "mkl")),

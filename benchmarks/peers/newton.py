@@ -1,4 +1,4 @@
-"""Plain Newton along the path, started from the parabola through the last three states."""
+"""Plain Newton's method along the path, from the parabola through the last three states."""
 
 from collections import deque
 from collections.abc import Iterable, Iterator
@@ -16,14 +16,14 @@ MOST_ITERATIONS = 25
 
 
 class Strip(Protocol):
-    """The strip in a library: what Newton's method asks for.
+    """The strip in a library, with the interface that Newton's method needs.
 
-    A state holds the `unknowns`, then a zero for what is fixed; a displacement is what the library likes."""
+    A state has the `unknowns`, then a zero for fixed degrees of freedom; a displacement is of any type."""
 
     unknowns: int
 
     def displacement(self, state: FloatArray, theta: float) -> FloatArray:
-        """Return the displacement of a state (unknowns + 1,) whose face is turned by theta."""
+        """Return the displacement of a state (unknowns + 1,) whose face is rotated by theta."""
 
     def assemble(self, u: FloatArray) -> tuple[FloatArray, Any]:
         """Return the residual (unknowns,) and the exact tangent, as `solve` takes it."""
@@ -32,14 +32,14 @@ class Strip(Protocol):
         """Factorize a tangent and solve."""
 
     def moment(self, u: FloatArray, theta: float) -> float:
-        """Return dE/dtheta: the work of the stresses as the face turns."""
+        """Return dE/dtheta: the work of the stresses per rotation of the face."""
 
 
 @dataclass(frozen=True)
 class LoadStep:
-    """A converged equilibrium: the moment that holds it, and what it took.
+    """A converged equilibrium: its moment, and its costs.
 
-    Seconds of assembly and solution are None where a program doesn't tell them."""
+    Seconds of assembly and solution are None if a program does not report them."""
 
     moment: float
     iterations: int
@@ -51,7 +51,7 @@ class LoadStep:
 def trace(strip: Strip, angles: Iterable[float]) -> Iterator[LoadStep]:
     """Yield the equilibrium at each angle (radians), from the unstressed strip on.
 
-    Raises ArithmeticError where Newton finds none, with the reason."""
+    Raises ArithmeticError with the reason if Newton's method finds none."""
     history: deque[tuple[float, FloatArray]] = deque(maxlen=3)
     for theta in angles:
         began = perf_counter()
@@ -63,7 +63,7 @@ def trace(strip: Strip, angles: Iterable[float]) -> Iterator[LoadStep]:
 
 
 def _solve(strip: Strip, state: FloatArray, theta: float) -> tuple[int, float, float]:
-    """Bring a state to equilibrium, in place; return the iterations, and seconds to assemble and to solve."""
+    """Correct a state in place until it is in equilibrium; return iterations and seconds of both parts."""
     assembly = solution = 0.0
     for iteration in range(1, MOST_ITERATIONS + 1):
         began = perf_counter()

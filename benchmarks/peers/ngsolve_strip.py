@@ -1,7 +1,7 @@
 """The strip in NGSolve, with its sparse Cholesky.
 
-Symbolic forms, compiled to machine code where there is a compiler. The space is of order one with higher
-functions on the edges along x alone: Lagrange along x times linear along y.
+Symbolic forms, compiled to machine code if there is a compiler. The space has order one, with higher
+functions only on the edges along x: Lagrange along x times linear along y.
 """
 
 from collections.abc import Iterator
@@ -24,7 +24,7 @@ from peers.newton import LoadStep, trace
 
 
 class NgsolveStrip:
-    """The strip as Newton's method asks for it."""
+    """The strip, with the interface that Newton's method needs."""
 
     def __init__(self, grid: Grid) -> None:
         corners = Grid(1, grid.elements)
@@ -95,13 +95,13 @@ def _mesh(grid: Grid) -> ng.Mesh:
 
 
 def _freedoms(grid: Grid, count: int) -> Freedoms:
-    """Those of a space that numbers all x before all y, and in each the corners first."""
+    """Return the degrees of freedom of a space that numbers all x before all y, the corners first in each."""
     first = grid.freedoms()
     return Freedoms(2 * count, first.fixed // 2, first.face_x // 2, first.face_y // 2 + count, first.arm)
 
 
 def _forms(space: ng.FESpace, degree: int) -> tuple[ng.BilinearForm, ng.BilinearForm]:
-    """Return the whole form, assembled once, and the bulk's in the last column."""
+    """Return the whole form, assembled once, and that of the bulk in the last column."""
     (x, weight_x), (y, weight_y) = gauss(degree + 1), gauss(2)
     points = [(a, b) for b in y for a in x]
     bulk = {ng.ET.QUAD: ng.IntegrationRule(points, np.outer(weight_y, weight_x).ravel().tolist())}
@@ -121,7 +121,7 @@ def _forms(space: ng.FESpace, degree: int) -> tuple[ng.BilinearForm, ng.Bilinear
 def _compiled(integrand: ng.CoefficientFunction) -> ng.CoefficientFunction:
     try:
         return integrand.Compile(realcompile=True, wait=True)
-    except Exception:  # what NGSolve raises without a compiler
+    except Exception:  # NGSolve raises it without a compiler
         return integrand.Compile()
 
 
@@ -137,6 +137,6 @@ def _traction(gap: ng.CoefficientFunction) -> ng.CoefficientFunction:
 
 
 def start(degree: int, elements: tuple[int, int], angles: Iterator[float]) -> Iterator[LoadStep]:
-    """Start NGSolve on its path."""
+    """Return the path of NGSolve."""
     ng.SetNumThreads(1)
     return trace(NgsolveStrip(Grid(degree, elements)), angles)

@@ -1,7 +1,7 @@
 """The strip in Nutils, with PARDISO.
 
 Nutils differentiates the residual and compiles it. The geometry is a scaled index of the elements, which it
-evaluates faster than nodes. Its own solvers analyse each tangent anew, so pypardiso solves.
+evaluates faster than nodes. Its own solvers analyse each tangent again, so pypardiso is used.
 """
 
 from collections.abc import Iterator
@@ -30,7 +30,7 @@ from peers.pardiso import SymmetricSolver
 
 
 class NutilsStrip:
-    """The strip as Newton's method asks for it."""
+    """The strip, with the interface that Newton's method needs."""
 
     def __init__(self, grid: Grid) -> None:
         topology, index = mesh.rectilinear(grid.elements)
@@ -78,6 +78,6 @@ def _traction(gap: Array) -> Array:
 
 
 def start(degree: int, elements: tuple[int, int], angles: Iterator[float]) -> Iterator[LoadStep]:
-    """Start Nutils on its path."""
+    """Return the path of Nutils."""
     treelog.current = treelog.NullLog()
     return trace(NutilsStrip(Grid(degree, elements)), angles)

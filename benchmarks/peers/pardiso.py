@@ -1,4 +1,4 @@
-"""PARDISO as an expert uses it: symmetric, with the analysis of the pattern reused."""
+"""PARDISO as an expert uses it: symmetric, with one analysis of the pattern."""
 
 import numpy as np
 from pypardiso import PyPardisoSolver
@@ -10,12 +10,12 @@ from peers.laws import FloatArray
 POSITIVE_DEFINITE, INDEFINITE, NOT_POSITIVE_DEFINITE = 2, -2, -4
 ANALYSIS, FACTORIZATION_AND_SOLUTION = 11, 23
 # own parameters; minimum degree ordering (the fastest on a strip); pivots: perturbed below 1e-8, 1x1 and 2x2.
-# What is absent is 0: above all, no iterative refinement
+# All others are 0: above all, there is no iterative refinement
 PARDISO_PARAMETERS = {1: 1, 2: 0, 10: 8, 21: 1}
 
 
 class SymmetricSolver:
-    """For matrices of one pattern, given as upper triangles: Cholesky, or LDL^T where that fails."""
+    """A solver for matrices of one pattern, given as upper triangles: Cholesky, or LDL^T if that fails."""
 
     def __init__(self) -> None:
         self._solvers: dict[int, PyPardisoSolver] = {}

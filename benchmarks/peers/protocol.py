@@ -1,7 +1,8 @@
-"""How a program talks: a line of JSON comes in, a line of JSON goes out.
+"""The communication of a program: it reads lines of JSON, and writes one line of JSON for each.
 
-First it says {"ready": {library: version}} or {"absent": reason}. A list of angles in radians it answers with
-{"steps": [LoadStep], "stopped": reason or null, "peak_megabytes": number}; once it stopped, it finds no more.
+Its first line is {"ready": {library: version}} or {"absent": reason}. The answer to a list of angles in
+radians is {"steps": [LoadStep], "stopped": reason or null, "peak_megabytes": number}; after a stop there are
+no steps.
 """
 
 import json
@@ -17,23 +18,23 @@ from typing import TextIO, TypeAlias
 
 from peers.newton import LoadStep
 
-#: From a degree, the elements (along x, along y) and the angles to come to the steps there.
+#: Maps a degree, the elements (along x, along y) and an iterator of angles to the steps at these angles.
 Start: TypeAlias = Callable[[int, tuple[int, int], Iterator[float]], Iterator[LoadStep]]
 
 
 class AbsentError(Exception):
-    """A peer cannot take part; says why."""
+    """A peer is not available; the text is the reason."""
 
 
 def own_output() -> TextIO:
-    """Return what standard output was, and send there to standard error: libraries print what they like."""
+    """Return the original standard output, and redirect it to standard error: libraries may print to it."""
     output = os.fdopen(os.dup(sys.stdout.fileno()), "w", buffering=1)
     os.dup2(sys.stderr.fileno(), sys.stdout.fileno())
     return output
 
 
 def serve(steps: Iterator[LoadStep], pending: deque[float], output: TextIO) -> None:
-    """Find the steps at the angles that come in, which the path takes from `pending`."""
+    """Answer each list of angles read with its steps; the path takes the angles from `pending`."""
     for line in sys.stdin:
         pending.extend(json.loads(line))
         done, stopped = [], None
@@ -51,9 +52,9 @@ def say(output: TextIO, **message: object) -> None:
 
 
 def peak_megabytes() -> float:
-    """Return the most memory that this process has had at a time."""
+    """Return the peak memory of this process."""
     status = Path("/proc/self/status")
-    if status.exists():  # Linux counts what the parent had into ru_maxrss
+    if status.exists():  # on Linux, ru_maxrss includes the peak of the parent process
         peak = next(line for line in status.read_text().splitlines() if line.startswith("VmHWM:"))
         return int(peak.split()[1]) * 1024 / 1e6
     unit = 1 if sys.platform == "darwin" else 1024

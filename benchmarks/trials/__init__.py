@@ -1,1 +1,1 @@
-"""Random cases with a known answer: how they are drawn, run and judged."""
+"""Random cases with a known answer: drawing, running and judging them."""

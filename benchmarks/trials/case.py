@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Literal, TypeAlias
 
-#: What a user of a drive reads from a run.
+#: The quantity that a user of a drive reads from a run.
 Reading: TypeAlias = Literal["plateau", "largest", "pull-off", "push", "buckling"]
 
 Value: TypeAlias = "str | float | int | bool | Sequence[object] | Mapping[str, str]"
@@ -14,7 +14,7 @@ Table: TypeAlias = Mapping[str, Value]
 
 @dataclass(frozen=True)
 class Answer:
-    """What the run should say: a reaction per width in SI units (N/m, or N for a moment)."""
+    """The expected result of the run: a reaction per width in SI units (N/m, or N for a moment)."""
 
     reading: Reading
     value: float
@@ -22,10 +22,10 @@ class Answer:
 
 @dataclass(frozen=True)
 class Drawn:
-    """What a family draws: the tables of a case file, files beside it, and the answer.
+    """A draw of a family: the tables of a case file, files beside it, and the answer.
 
-    `kind` says in a few words what was drawn; `element` is the size of an element along the length over that
-    of the process zone, None where nothing of the kind counts.
+    `kind` describes the draw in a few words. `element` is the size of an element along the length over that
+    of the process zone; None if there is no process zone.
     """
 
     kind: str
@@ -37,7 +37,7 @@ class Drawn:
 
 @dataclass(frozen=True)
 class Trial:
-    """Case `number` of a seed."""
+    """The case with a number of a seed."""
 
     seed: int
     number: int

@@ -13,24 +13,24 @@ T = TypeVar("T")
 
 @dataclass(frozen=True)
 class Dice:
-    """A source of random choices; numbers have four digits, as they are written in the case."""
+    """A source of random choices; numbers are rounded to four digits, as they are written in the case."""
 
     random: np.random.Generator
 
     def between(self, low: float, high: float) -> float:
-        """A number that is even between two."""
+        """Return a uniform number between two numbers."""
         return rounded(float(self.random.uniform(low, high)))
 
     def decades(self, low: float, high: float) -> float:
-        """A number whose logarithm is even between two."""
+        """Return a number between two numbers, whose logarithm is uniform."""
         return rounded(float(np.exp(self.random.uniform(np.log(low), np.log(high)))))
 
     def pick(self, choices: Sequence[T]) -> T:
-        """One of several, each as likely."""
+        """Return one of several values, each with the same probability."""
         return choices[int(self.random.integers(len(choices)))]
 
     def chance(self, share: float) -> bool:
-        """Whether something of this probability happens."""
+        """Return whether an event of this probability happens."""
         return bool(self.random.random() < share)
 
     def length(self, metres: float) -> str:

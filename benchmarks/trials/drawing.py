@@ -1,4 +1,4 @@
-"""Which cases a seed draws."""
+"""The cases that a seed draws."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
@@ -12,11 +12,11 @@ from trials.families import cantilevers, columns, cylinders, double_cantilevers,
 
 @dataclass(frozen=True)
 class Family:
-    """A family of cases: how one is drawn, and its weight among all."""
+    """A family of cases: the function that draws one, and its weight among all."""
 
     draw: Callable[[Dice], Drawn]
     weight: float
-    fine: Table  # a discretization on which the closed form is met within 1 %
+    fine: Table  # a discretization on which the closed form holds within 1 %
 
 
 _BEAM: Table = {"mesh": "300x3"}
@@ -34,7 +34,7 @@ FAMILIES = {
 
 
 def trial(seed: int, number: int) -> Trial:
-    """Case `number` of a seed, which the cases before it take no part in."""
+    """Return the case with a number of a seed, which does not depend on the cases before it."""
     random = np.random.default_rng((seed, number))
     weights = np.array([family.weight for family in FAMILIES.values()])
     chosen = list(FAMILIES)[int(random.choice(len(weights), p=weights / weights.sum()))]
@@ -42,7 +42,7 @@ def trial(seed: int, number: int) -> Trial:
 
 
 def refined(one: Trial) -> Trial:
-    """The same case on a fine discretization; a half cylinder cannot be graded towards its middle."""
+    """Return the case on a fine discretization; a half cylinder cannot be graded towards its middle."""
     table = dict(FAMILIES[one.family].fine)
     body = one.drawn.sections["body"]
     assert isinstance(body, Mapping)

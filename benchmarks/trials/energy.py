@@ -1,8 +1,9 @@
-"""Whether a path gained energy that its drive did not give.
+"""The energy that a path gained without work of its drive.
 
-Between two steps of a path the energies of body and joint grow by the work of the drive. That is an integral
-over the reaction, which is known at the steps only: the trapezoidal rule gives it, and `works` estimates how
-far to trust that. What energies grow by beyond the work and this error has come from nowhere.
+Between two steps of a path the energies of body and joint grow by the work of the drive. The work is an
+integral over the reaction, which is known at the steps only: the trapezoidal rule gives it, and `works`
+estimates its error. If the energies grow by more than the work and this error, energy was gained without
+work.
 """
 
 from dataclasses import dataclass
@@ -17,19 +18,19 @@ from isopeel.solve.newton import NewtonSettings
 from isopeel.solve.step import KINDS, State, Step
 from isopeel.solve.trace import trace
 
-#: What may be gained, of the work of adhesion times the adhering length.
+#: Allowed gain, as a share of the work of adhesion times the adhering length.
 ALLOWED = 1e-6
 #: Factor of safety of the error of a smooth curve.
 _SAFETY = 4.0
 #: Parts of a step whose gain is computed again: the error of the trapezoidal rule falls to a thousandth.
 _PARTS = 32
-#: Steps on either side in which the swing of a reaction is looked for.
+#: Number of steps on either side in which the oscillation of a reaction is measured.
 _AROUND = 3
 
 
 @dataclass(frozen=True)
 class Gain:
-    """The largest gain of energy in a step beyond the work, over W times the adhering length, and where."""
+    """The largest gain of energy beyond the work in a step, over W times the adhering length."""
 
     share: float
     parameter: float
@@ -37,24 +38,24 @@ class Gain:
 
     @property
     def forbidden(self) -> bool:
-        """Whether it is larger than allowed."""
+        """Whether the gain is larger than allowed."""
         return self.share > ALLOWED
 
 
 def largest_gain(run: StoredRun, problem: Problem) -> Gain:
-    """The largest gain in a step of a stored run."""
+    """Return the largest gain in a step of a stored run."""
     curve = run.curve
     if len(curve) < 2:
         return Gain(0.0, 0.0)
     parameter = curve.parameter / curve.parameter_column.factor
     reaction = curve.reaction / curve.reaction_column.factor
     load = problem.drive.load
-    # a dead load of a known size works on the displacement that is found
+    # a dead load of a known size does work on its displacement, which is the reaction
     along, force = (reaction, parameter) if load and load.control == "force" else (parameter, reaction)
     energy = curve.stored_energy + curve.adhesive_energy + curve.dissipated_energy
     work, error = works(along, force, jumped=curve.kind == KINDS.index("jump"))
     gained = np.diff(energy) - work - error
-    # differences of energies are known to round-off of these
+    # differences of energies have the round-off of the energies
     rounding = 1e-13 * (np.abs(curve.stored_energy) + np.abs(curve.adhesive_energy)).max()
     at = int(np.argmax(gained))
     share = max(float(gained[at] - rounding), 0.0) / _worth(problem)
@@ -62,7 +63,7 @@ def largest_gain(run: StoredRun, problem: Problem) -> Gain:
 
 
 def gain_in_parts(case: Case, stage_number: int, gain: Gain) -> Gain:
-    """The gain of one step of a stage, by the work in many parts of it: the estimate of its error may be low.
+    """Return the gain of one step, by the work in many parts of it: the estimate of its error may be too low.
 
     The path is computed again up to the step, which gives the same bits.
     """
@@ -86,7 +87,7 @@ def gain_in_parts(case: Case, stage_number: int, gain: Gain) -> Gain:
 
 
 def _gained(path: list[Step], problem: Problem) -> float:
-    """What the energies grow by along a path beyond the work, each step within the error of its work."""
+    """Return the growth of the energies in each step beyond the work and the error of the work."""
     load = problem.drive.load
     parameter, reaction = (np.array([getattr(s, name) for s in path]) for name in ("parameter", "reaction"))
     along, force = (reaction, parameter) if load and load.control == "force" else (parameter, reaction)
@@ -96,19 +97,20 @@ def _gained(path: list[Step], problem: Problem) -> float:
 
 
 def _worth(problem: Problem) -> float:
-    """Work of adhesion times the adhering length."""
+    """Return the work of adhesion times the adhering length."""
     side = problem.body.shape.boundary(problem.adhesion.side)
     adhering = side.length() * (problem.adhesion.end - problem.adhesion.start)
     return problem.adhesion.law.work_of_adhesion * adhering
 
 
 def works(along: FloatArray, force: FloatArray, *, jumped: np.ndarray) -> tuple[FloatArray, FloatArray]:
-    """Work (n - 1,) of a force (n,) along displacements (n,) between each two, and its estimated error.
+    """Return the work (n - 1,) of a force (n,) in each step of displacements (n,), and its estimated error.
 
-    The error is a multiple of that of a smooth curve, by the cubic through the steps around, or what the
-    force swings by there if that is more; and that of a curve with a kink between two steps, where the
-    straight lines from before and after it meet. Where a step `jumped` (n,), the force fell at an unknown
-    place of it: it may have worked at the larger of both sizes all the way.
+    The error is the sum of two parts. One is a multiple of the error of a smooth curve, by the cubic through
+    the neighbouring steps, or the oscillation of the force there if that is larger. The other one is the
+    error of a curve with a kink between two steps, where the straight lines from before and after it meet. In
+    a step that `jumped` (n,), the force fell at an unknown place: it may have had the larger value in the
+    whole step.
     """
     steps = np.diff(along)
     work = 0.5 * steps * (force[1:] + force[:-1])
@@ -122,7 +124,7 @@ def works(along: FloatArray, force: FloatArray, *, jumped: np.ndarray) -> tuple[
 
 
 def _smooth(along: FloatArray, force: FloatArray, k: int) -> float:
-    """Difference of the trapezoidal rule to the cubic through the steps around, three at the ends."""
+    """Return the difference of the trapezoidal rule from the cubic through four steps, three at the ends."""
     start, step = max(k - 1, 0), abs(along[k + 1] - along[k])
     around = slice(start, min(k + 3, len(along)))
     x = along[around] - along[k]
@@ -137,11 +139,11 @@ def _smooth(along: FloatArray, force: FloatArray, k: int) -> float:
 
 
 def _swing(along: FloatArray, force: FloatArray, k: int) -> float:
-    """Half of the swing of the force about a straight line in the steps around, along this one.
+    """Return half of the oscillation of the force about a straight line nearby, times the step.
 
-    While a front passes elements the reaction swings, in a few steps or less for each element: the steps see
-    the swing by chance, and the rule may miss half of it. On good meshes, in steps of a third of an element,
-    that is up to 5e-5 of W times the adhering length, and nothing where steps are a quarter as long.
+    While a front passes elements, the reaction oscillates with a period of a few steps or less. So the steps
+    sample the oscillation by chance, and the rule may miss half of it. On good meshes, with steps of a third
+    of an element, this is up to 5e-5 of W times the adhering length; with steps of a twelfth, it is nothing.
     """
     around = slice(max(k - _AROUND, 0), k + 2 + _AROUND)
     x, values = along[around] - along[k], force[around]
@@ -154,7 +156,7 @@ def _swing(along: FloatArray, force: FloatArray, k: int) -> float:
 
 
 def _kinked(along: FloatArray, force: FloatArray, k: int) -> float:
-    """Area between the chord of a step and the straight lines that lead to it from before and after."""
+    """Return the area between the chord of a step and the lines through the steps before and after."""
     slopes = [
         (force[j + 1] - force[j]) / (along[j + 1] - along[j])
         if 0 <= j < len(along) - 1 and along[j + 1] != along[j]
@@ -167,7 +169,7 @@ def _kinked(along: FloatArray, force: FloatArray, k: int) -> float:
     rises = [abs(slope - chord) for slope in (before, after) if slope is not None]
     step = abs(along[k + 1] - along[k])
     if len(rises) < 2:
-        # where the curve begins or ends, the line may go on all the way
+        # at the ends of the curve, the line may continue through the whole step
         return float(0.5 * step**2 * max(rises, default=0.0))
-    # two lines that meet are this high above the chord; the same of lines that do not, for good measure
+    # two lines that meet are this high above the chord; lines that do not meet get the same value
     return float(0.5 * step**2 * rises[0] * rises[1] / (rises[0] + rises[1] or 1.0))

@@ -1,4 +1,4 @@
-"""Quantities as people write them: a number of a few digits, and one of the units in use."""
+"""Quantities as people write them: a number with a few digits, and a common unit."""
 
 from typing import NamedTuple
 
@@ -6,7 +6,7 @@ import numpy as np
 
 
 class Unit(NamedTuple):
-    """A unit by its name, and how many SI units it is."""
+    """A unit by its name, and its size in SI units."""
 
     name: str
     size: float
@@ -22,12 +22,12 @@ WORKS = (
     Unit("mN/m", 1e-3),
 )
 FORCES = (Unit("N/m", 1.0), Unit("N/mm", 1e3), Unit("mN/m", 1e-3), Unit("uN/m", 1e-6))
-#: Numbers are written between these, in the first units that allow it.
+#: The range of written numbers: the first unit is used that gives a number in this range.
 LEAST, MOST = 0.01, 1000.0
 
 
 def written(random: np.random.Generator, value: float, units: tuple[Unit, ...]) -> str:
-    """Write a value in SI units with one of the units, in which it is neither large nor small."""
+    """Return the text of a value in SI units, with a unit in which it is neither large nor small."""
     handy = [unit for unit in units if LEAST <= abs(value) / unit.size < MOST]
     if not handy:
         handy = [min(units, key=lambda unit: abs(np.log(abs(value) / unit.size)))]
@@ -36,11 +36,11 @@ def written(random: np.random.Generator, value: float, units: tuple[Unit, ...]) 
 
 
 def rounded(value: float, digits: int = 4) -> float:
-    """The value with so many digits, as it is written."""
+    """Return the value rounded to this number of digits, as it is written."""
     return float(f"{value:.{digits - 1}e}")
 
 
 def parsed_length(text: str) -> float:
-    """Metres in a written length."""
+    """Return a written length in metres."""
     number, name = text.split()
     return float(number) * next(unit.size for unit in LENGTHS if unit.name == name)

@@ -1,4 +1,4 @@
-"""Running one case as `isopeel run` does, and what comes of it."""
+"""Run one case like `isopeel run`, and return its outcome."""
 
 import json
 import re
@@ -25,17 +25,17 @@ from isopeel.solve.step import KINDS
 from trials.case import Reading, Trial
 from trials.energy import Gain, gain_in_parts, largest_gain
 
-#: How a case ended: to its last step, before it with a cause, refused as bad input, by an unexpected
-#: error, or stopped for lack of time.
+#: The ending of a case: complete; ended before its last step, with a cause; rejected as bad input; ended by
+#: an unexpected error; or stopped at the time limit.
 Ending: TypeAlias = Literal["completed", "not converged", "refused", "crashed", "too slow"]
 
-#: Subjects of notes that are no doubt about the numbers.
+#: Subjects of notes that do not question the numbers.
 _NO_DOUBT = ("reading", "bifurcation")
 
 
 @dataclass(frozen=True)
 class Outcome:
-    """What came of a case: its ending, the value that a user reads (SI per width), and the doubts noted."""
+    """The outcome of a case: its ending, the value that a user reads (SI per width), and the notes."""
 
     ending: Ending
     value: float = nan
@@ -44,12 +44,12 @@ class Outcome:
     steps: int = 0
     seconds: float = 0.0  # of the processor
     gain: Gain | None = None
-    theory: float = nan  # the closed form that the summary has beside the value
+    theory: float = nan  # the closed form beside the value in the summary
 
 
 @dataclass(frozen=True)
 class Attempt:
-    """The task of running a trial in a folder of its own, within another."""
+    """The task of running a trial in its own folder, inside another folder."""
 
     trial: Trial
     within: Path
@@ -76,7 +76,7 @@ class Shipped:
 
 
 def run_text(text: str, files: dict[str, str], folder: Path, reading: Reading) -> Outcome:
-    """Run a case file with others beside it, all in a folder."""
+    """Run a case file in a folder, with other files beside it."""
     for name, content in {**files, "case.toml": text}.items():
         (folder / name).write_text(content, encoding="utf-8")
     return _run(folder / "case.toml", folder / "out", reading)
@@ -130,14 +130,14 @@ _ROWS: dict[Reading, tuple[str, ...]] = {
 
 
 class Read(NamedTuple):
-    """A value in a summary and the closed form beside it, in SI units per width; nan for none."""
+    """Return a value in a summary and the closed form beside it, in SI units per width; nan if missing."""
 
     value: float = nan
     theory: float = nan
 
 
 def read(summary: dict[str, Any], reading: Reading) -> Read:
-    """The row of a summary that a user of the drive looks for."""
+    """Return the row of a summary that a user of the drive needs."""
     for row in summary["readings"]:
         if row["quantity"].startswith(_ROWS[reading]):
             unit = unit_of(row["unit"], summary["units"], moment="moment" in row["quantity"])
@@ -147,7 +147,7 @@ def read(summary: dict[str, Any], reading: Reading) -> Read:
 
 
 def _bifurcation(run: StoredRun, units: dict[str, Any]) -> float:
-    """The force at the first bifurcation of a curve, which its table has; nan where it has none."""
+    """Return the force at the first bifurcation of a curve, from its table; nan if there is none."""
     curve = run.curve
     steps = np.flatnonzero(np.array(KINDS)[curve.kind] == "bifurcation")
     if not len(steps):
@@ -160,7 +160,7 @@ def _bifurcation(run: StoredRun, units: dict[str, Any]) -> float:
 
 
 def unit_of(written: str, units: dict[str, Any], *, moment: bool) -> float:
-    """SI units per width in the unit of a reaction, such as E0 L0, N/m, or E0 L0^3 for a width of L0."""
+    """Return the SI size of the unit of a reaction, such as E0 L0, N/m, or E0 L0^3 for a width of L0."""
     length, size, powers = float(parse_quantity(units["L0"]).exact), 1.0, Fraction(0)
     for name, dimension, power in re.findall(r"((E0|L0)(?:\^(\d))?)", written):
         size *= float(parse_quantity(units[dimension]).exact) ** int(power or 1)

@@ -1,4 +1,4 @@
-"""What thin bodies have in common: material, law, units and mesh."""
+"""Material, law, units and mesh of thin bodies."""
 
 from dataclasses import dataclass
 from math import e, exp, pi, sqrt
@@ -12,7 +12,7 @@ HEIGHTS, WORKS = (2e-6, 2e-3), (0.05, 50.0)
 SMALL_HEIGHTS, SMALL_WORKS = (4e-9, 4e-6), (0.003, 0.3)
 #: Young's moduli of soft gels and of steel; draws beyond are drawn again.
 MODULI = (2e4, 4e11)
-#: Elements along, of a mesh that a case names.
+#: Number of elements along, in a mesh that a case names.
 FEWEST, MOST = 6, 360
 DEFAULT_ELEMENTS = 200
 #: Shares of cases that name no space, and no mesh.
@@ -27,7 +27,7 @@ FAR = 37.0
 
 @dataclass(frozen=True)
 class Law:
-    """A law of adhesion: its table, and the opening at which it has let go."""
+    """A law of adhesion: its table, and the opening at which nearly all of its work is done."""
 
     table: dict[str, Value]
     spent: float
@@ -75,7 +75,7 @@ def law(dice: Dice, work: float, strength: float, *, small: bool) -> Law:
 
 
 def units(dice: Dice, length: float) -> dict[str, Table]:
-    """What the case measures in, if it says so, for a body of this height."""
+    """Return the table `units` of a case, or nothing, for a body of this height."""
     if length < 3e-6:
         choices: tuple[tuple[str, str] | None, ...] = (None, None, ("1 nm", "1 GPa"), ("1 um", "1 MPa"))
     else:
@@ -99,12 +99,12 @@ class Mesh:
 
 
 def element_size(dice: Dice, zone: float) -> float | None:
-    """From a tenth of the process zone to ten times as much; None for the default mesh."""
+    """Return a size from a tenth of the process zone to ten process zones; None for the default mesh."""
     return None if dice.chance(DEFAULT_MESH) else dice.decades(0.1, 10.0) * zone
 
 
 def mesh(dice: Dice, length: float, size: float | None, zone: float, across: int | None = None) -> Mesh:
-    """A mesh of elements of this size, within what a case may cost."""
+    """Return a mesh of elements of this size, limited by the cost of a case."""
     table: dict[str, Value] = {}
     if not dice.chance(DEFAULT_SPACE):
         table["space"] = dice.pick(SPACES)
@@ -116,16 +116,17 @@ def mesh(dice: Dice, length: float, size: float | None, zone: float, across: int
 
 
 def path(end: float, steps: int) -> tuple[float, float]:
-    """End and step of about so many steps up to about there: the step has three digits."""
+    """Return the end and the step of about this number of steps; the step has three digits."""
     step = rounded(end / steps, 2)
     return rounded(step * max(1, round(end / step)), 10), step
 
 
 def process_zone(stiffness: float, bending: float, work: float, strength: float) -> float:
-    """Length over which adhesion of this strength lets go.
+    """Return the length over which adhesion of this strength separates.
 
     That of thin bodies is (E'I W/strength^2)^(1/4), up to a factor near one: a beam on which the attraction
-    `strength` acts over a length l bends by strength l^4/(E'I), and lets go at W/strength. In a thick body
-    it is E'W/strength^2 (Hillerborg, Modeer and Petersson, Cem. Concr. Res. 6, 1976). The shorter one counts.
+    `strength` acts over a length l bends by strength l^4/(E'I), and separates at W/strength. In a thick body
+    it is E'W/strength^2 (Hillerborg, Modeer and Petersson, Cem. Concr. Res. 6, 1976). The shorter one is
+    used.
     """
     return min(sqrt(sqrt(bending * work) / strength), stiffness * work / strength**2)

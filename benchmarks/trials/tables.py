@@ -1,4 +1,4 @@
-"""What is printed of trials."""
+"""The printed tables of trials."""
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
@@ -27,7 +27,7 @@ _LISTED = (Verdict.SILENT, Verdict.CRASHED, Verdict.SLOW)
 
 
 def counts(found: Found) -> Table:
-    """Tabulate the verdicts by family."""
+    """Return the table of verdicts by family."""
     table = plain_table(
         "random cases with a known answer",
         *("family", "cases", *_HEADS.values(), "seconds\nmedian", "seconds\nmost"),
@@ -45,7 +45,7 @@ def counts(found: Found) -> Table:
 
 
 def listed(found: Found, *, everything: bool = False) -> list[str]:
-    """One line for each case that should not be: silent wrong ones first, then crashes and slow ones."""
+    """Return one line for each failed case: wrong ones without a note first, then crashes and slow ones."""
     kinds = tuple(Verdict) if everything else _LISTED
     ordered = reversed(kinds) if everything else kinds
     return [_line(*one) for kind in ordered for one in found if verdict(*one) is kind]
@@ -57,7 +57,7 @@ def _line(trial: Trial, outcome: Outcome) -> str:
     assert isinstance(material, Mapping)
     mesh = " ".join(str(discretization.get(key, "default")) for key in ("space", "mesh"))
     element = "" if trial.drawn.element is None else f", element {trial.drawn.element:.2g} process zones"
-    # a traceback ends with what went wrong
+    # the last line of a traceback is the error
     cause = outcome.cause.strip().splitlines()[-1] if outcome.cause else "; ".join(outcome.doubts)
     return (
         f"case {trial.number}, {verdict(trial, outcome).value}: {trial.family} ({trial.drawn.kind}),"
@@ -68,7 +68,7 @@ def _line(trial: Trial, outcome: Outcome) -> str:
 
 
 def gains(found: Found) -> Table:
-    """Tabulate the runs that gained energy without work."""
+    """Return the table of runs that gained energy without work."""
     table = plain_table(
         "energy gained in a step beyond the work of the drive and the error of its quadrature",
         *("case", "family", "what", "gain\nof W A", "at parameter"),

@@ -1,4 +1,4 @@
-"""What a run is worth to one who does not know the answer."""
+"""The verdict on a run: whether a user, who does not know the answer, can rely on it."""
 
 from collections.abc import Sequence
 from enum import Enum
@@ -7,12 +7,12 @@ from math import isfinite
 from trials.case import Trial
 from trials.running import Outcome
 
-#: Within which a value is right, and within which no warning was needed; closed forms hold within 1 %.
+#: Deviation up to which a value is right, and up to which no warning is needed; closed forms hold within 1 %.
 RIGHT, CLOSE = 0.03, 0.01
 
 
 class Verdict(Enum):
-    """The classes that trials are counted in."""
+    """The classes of trials."""
 
     RIGHT = "right"
     WARNED_CLOSE = "right within 1 %, but warned"
@@ -25,12 +25,12 @@ class Verdict(Enum):
 
 
 def deviation(trial: Trial, outcome: Outcome) -> float:
-    """Relative deviation of the value from the answer."""
+    """Return the relative deviation of the value from the answer."""
     return outcome.value / trial.drawn.answer.value - 1
 
 
 def verdict(trial: Trial, outcome: Outcome) -> Verdict:
-    """Judge a run; one that came to its end without a value and without a doubt is silent."""
+    """Return the verdict on a run; a complete run without a value and without a note is silent."""
     if outcome.ending in ("refused", "not converged"):
         return Verdict.FAILED
     if outcome.ending != "completed":
@@ -38,7 +38,7 @@ def verdict(trial: Trial, outcome: Outcome) -> Verdict:
     off = abs(deviation(trial, outcome))
     if not isfinite(off) or off > RIGHT:
         return Verdict.NOTED if outcome.doubts else Verdict.SILENT
-    # where the answer is the load at which stability is lost, the note that says so is no doubt
+    # if the answer is the load at which stability is lost, the note on the bifurcation is expected
     buckles = trial.drawn.answer.reading == "buckling"
     if all(buckles and doubt.startswith("stability") for doubt in outcome.doubts):
         return Verdict.RIGHT
@@ -46,9 +46,9 @@ def verdict(trial: Trial, outcome: Outcome) -> Verdict:
 
 
 def warned_by_default(found: Sequence[tuple[Trial, Outcome]], *, any_space: bool = True) -> tuple[int, int]:
-    """Of the cases on the default mesh how many have a doubt, or failed, and how many there are.
+    """Return how many cases on the default mesh have a note or failed, and the number of these cases.
 
-    Of `any_space`, or of the default one only.
+    With `any_space`, or with the default space only.
     """
     default = [
         outcome for trial, outcome in found if trial.default_mesh and (any_space or trial.default_space)

@@ -1,4 +1,4 @@
-"""Tasks in processes of their own, each of which may take so much time of the processor and no more.
+"""Tasks in separate processes, each with a limit of its processor time.
 
 A process that takes longer is ended and replaced: compiled code cannot be interrupted otherwise.
 """

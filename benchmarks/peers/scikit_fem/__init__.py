@@ -1,1 +1,1 @@
-"""In scikit-fem and PARDISO: as its examples show it, as an expert writes it, or tuned by hand."""
+"""The strip in scikit-fem and PARDISO: as in its examples, as an expert writes it, and tuned by hand."""

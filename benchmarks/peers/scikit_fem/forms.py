@@ -1,7 +1,8 @@
 """Assembly by scikit-fem's forms, written for speed.
 
-Each component of the displacement has its own basis, numbered by its unknowns. The turned face's nodes share
-a number, so that assembly condenses; all x come before all y, so that the block xy is above the diagonal.
+Each component of the displacement has its own basis, numbered by its unknowns. The nodes of the rotated face
+share a number, so that the assembly condenses. All x come before all y, so that block xy is above the
+diagonal.
 """
 
 import numpy as np
@@ -32,12 +33,12 @@ class FormsAssembly:
 
     def __call__(self, displacement: FloatArray) -> tuple[FloatArray, csr_matrix]:
         residual, entries = self._assemble(displacement)
-        # COOData.tocsr leaves out what is zero by chance: with that PARDISO could not reuse its analysis
+        # COOData.tocsr omits entries that are zero by chance: then PARDISO could not use its analysis again
         tangent = csr_matrix((entries.data[self._upper], self._places), shape=(self._strip.unknowns,) * 2)
         return residual[:-1], tangent
 
     def _assemble(self, displacement: FloatArray) -> tuple[FloatArray, COOData]:
-        """Return the residual and the entries of the tangent, to be summed, without the block yx."""
+        """Return the residual, and the entries of the tangent that are summed, without block yx."""
         F = deformation_gradient(self._strip.bulk, displacement)
         inverse, factor = invert(F)
         P = stress(F, inverse, factor)

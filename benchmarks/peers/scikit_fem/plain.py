@@ -1,4 +1,4 @@
-"""Assembly as scikit-fem's examples of hyperelasticity show it: vector-valued, laws inside the forms."""
+"""Assembly as in scikit-fem's examples of hyperelasticity: vector-valued, with the laws inside the forms."""
 
 import numpy as np
 from pypardiso import spsolve

@@ -1,4 +1,4 @@
-"""What the three have in common: the strip and Newton's path, but for assembly and solver."""
+"""The program of all three: the strip and Newton's path, with any assembly and solver."""
 
 from collections.abc import Callable, Iterator
 from typing import TypeAlias
@@ -16,7 +16,7 @@ Solver: TypeAlias = Callable[[csr_matrix, FloatArray], FloatArray]
 
 
 class Program:
-    """The strip with an assembly and a solver, as Newton's method asks for it."""
+    """The strip with an assembly and a solver, with the interface that Newton's method needs."""
 
     def __init__(self, strip: Strip, assemble: Assembly, solve: Solver) -> None:
         self.unknowns = strip.unknowns
@@ -27,7 +27,7 @@ class Program:
 def starter(
     assembly: Callable[[Strip], Assembly], solver: Callable[[], Solver]
 ) -> Callable[[int, tuple[int, int], Iterator[float]], Iterator[LoadStep]]:
-    """Return the function that starts a program on its path."""
+    """Return the function that returns the path of a program."""
 
     def start(degree: int, elements: tuple[int, int], angles: Iterator[float]) -> Iterator[LoadStep]:
         strip = Strip(degree, elements)

@@ -11,14 +11,14 @@ from peers.scikit_fem.element import ElementQuadLagrangeByLinear, NumberedDofs
 class Strip:
     """Lagrange of `degree` along x, linear along y, on `elements` (along x, along y).
 
-    Nodes are numbered column by column, so the turned right face comes last. A state holds the unknown
-    displacements along x, then along y, the face's centre last in each, then a zero for what is fixed.
+    Nodes are numbered column by column, so the rotated right face comes last. A state has the unknown
+    displacements along x, then along y, each with the centre of the face last, then a zero for fixed ones.
     """
 
     def __init__(self, degree: int, elements: tuple[int, int]) -> None:
         x, y = np.linspace(0, LENGTH, elements[0] + 1), np.linspace(0, HEIGHT, elements[1] + 1)
         mesh = MeshQuad.init_tensor(x, y)
-        # init_tensor runs through y first: turned so that the reference axes are the strip's
+        # init_tensor runs through y first: rotated so that the reference axes are those of the strip
         self._mesh = MeshQuad(mesh.p, mesh.t[[0, 3, 2, 1]])
         self._element = ElementQuadLagrangeByLinear(degree)
         self._adhering = self._mesh.facets_satisfying(lambda x: (x[1] < 1e-9) & (x[0] < ADHERING_LENGTH))
@@ -60,13 +60,13 @@ class Strip:
         )
 
     def displacement(self, state: FloatArray, theta: float) -> FloatArray:
-        """Return the displacement (2, nodes) of a state whose face is turned by theta."""
+        """Return the displacement (2, nodes) of a state whose face is rotated by theta."""
         u: FloatArray = np.take(state, self.unknown)
         u[:, self.face] += np.outer([-np.sin(theta), np.cos(theta) - 1], self._arm)
         return u
 
     def moment(self, u: FloatArray, theta: float) -> float:
-        """Return dE/dtheta: the work of the stresses as the face turns."""
+        """Return dE/dtheta: the work of the stresses per rotation of the face."""
         turn = np.zeros_like(u)
         turn[:, self.face] = np.outer([-np.cos(theta), -np.sin(theta)], self._arm)
         F = deformation_gradient(self._last_column, u)
@@ -74,7 +74,7 @@ class Strip:
         return float(np.sum(work * self._last_column.dx))
 
 
-# CellBasis.interpolate does what the next two do, but first sorts all degrees of freedom, which takes longer
+# CellBasis.interpolate does the same as the next two functions, but sorts all degrees of freedom first
 def interpolate(basis: FacetBasis, field: FloatArray) -> FloatArray:
     """Return the values (elements, points) of a field (nodes,)."""
     terms = zip(field[basis.element_dofs], basis.basis, strict=True)

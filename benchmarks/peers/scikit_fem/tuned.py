@@ -1,7 +1,7 @@
-"""Assembly tuned by hand: scikit-fem gives the basis at the quadrature points, matrix products the rest.
+"""Assembly tuned by hand: scikit-fem only gives the basis at the quadrature points.
 
-On a uniform mesh one table of products of basis functions serves all elements, so that the local matrices are
-BLAS products, which users of scikit-fem don't write. They are summed into one fixed pattern.
+On a uniform mesh all elements share one table of products of basis functions, so that the local matrices are
+BLAS products, which users of scikit-fem do not write. They are summed into one fixed pattern.
 """
 
 import numpy as np
@@ -36,7 +36,7 @@ class TunedAssembly:
         self._mixed_components = np.concatenate([xx, yy, xy, yx], axis=-1).reshape(len(gradient) ** 2, -1)
         self._moduli = np.empty((4, *strip.bulk.dx.T.shape))
 
-        lower = len(gradient) // 2  # the functions that don't vanish on the lower face
+        lower = len(gradient) // 2  # the functions that do not vanish on the lower face
         values = np.array([field[0] for (field,) in strip.contact.basis[:lower]])
         self._contact_nodes = strip.contact.element_dofs[:lower].astype(np.int64)
         self._contact_values = values.T
@@ -45,7 +45,7 @@ class TunedAssembly:
         self._build_pattern(strip)
 
     def _build_pattern(self, strip: Strip) -> None:
-        """Make the upper triangle's pattern and the sparse operator that sums local entries into it."""
+        """Return the pattern of the upper triangle, and the operator that sums local entries into it."""
         n = self._unknowns
         x, y = strip.unknown[:, self._nodes]
         contact = strip.unknown[1, self._contact_nodes]
