@@ -122,7 +122,7 @@ def test_a_program_that_breaks_does_not_end_the_others() -> None:
     assert [len(entry.steps) for entry in comparison.entries] == [3, 3]
 
 
-def test_a_process_that_dies_says_so() -> None:
+def test_the_end_of_a_process_is_reported() -> None:
     from peers.names import ISOPEEL
     from programs import GoneError, Program
 

@@ -73,7 +73,7 @@ def test_quantities_are_written_with_handy_units() -> None:
         assert float(number) * size == pytest.approx(2.5 * 10.0**exponent, rel=1e-9)  # ten digits are written
 
 
-def test_tapes_answer_as_the_package_says() -> None:
+def test_answers_of_tapes_equal_the_closed_forms_of_the_package() -> None:
     for degrees in (10.0, 90.0, 180.0):
         angle = radians(degrees)
         assert tapes.steady_force(0.3, 500.0, angle, bonded=True) == pytest.approx(

@@ -97,7 +97,7 @@ def test_the_lower_face_may_adhere_to_its_mirror_image_or_hold_along_it() -> Non
     assert holding.sliding_length == 0.3
 
 
-def test_a_stage_may_jump_and_a_case_says_what_it_is() -> None:
+def test_a_stage_may_jump_and_a_case_has_a_path_control() -> None:
     case = Case.parse(case_with(head='about = "A test."', drive='path_control = "jump"'))
     assert [stage.path_control for stage in case.stages()] == ["jump"]
     assert case.about == "A test."
@@ -329,7 +329,7 @@ def test_the_half_cylinder_is_held_on_top_and_adheres_about_its_lowest_point() -
     assert written.supports == (Support(Boundary("body", "left"), (1,)),)
 
 
-def test_too_many_steps_are_blamed_on_the_option_that_was_given() -> None:
+def test_too_many_steps_are_an_error_of_the_given_option() -> None:
     stages = Case.parse(two_stages(STAGES[1][0]))
     single = Case.parse(case_with(drive=STAGES[1][0]))
     for case in (stages, single):

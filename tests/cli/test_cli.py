@@ -87,7 +87,7 @@ def test_a_run_leaves_its_files(capsys: pytest.CaptureFixture[str]) -> None:
     assert shown.err == ""
 
 
-def test_the_summary_says_what_was_read_and_why_not() -> None:
+def test_the_summary_has_readings_and_reasons_of_missing_ones() -> None:
     assert main(["run", "strip", *SMALL]) == 0
     found = summary(Path("out/strip"))
     assert (found["case"], found["space"], found["mesh"], found["dofs"]) == ("strip", "L1", "20x2", 126)
@@ -106,7 +106,7 @@ def test_the_summary_says_what_was_read_and_why_not() -> None:
     assert set(found["versions"]) == {"isopeel", "python", "numpy", "scipy", "numba"}
 
 
-def test_a_plateau_is_read_where_the_case_says(tmp_path: Path) -> None:
+def test_a_plateau_is_read_in_the_window_of_the_case(tmp_path: Path) -> None:
     text = isopeel.load_case("strip").text
     Path("mine.toml").write_text(text.replace('"98 deg"', '"2 deg"').replace('"101.4 deg"', '"10 deg"'))
     arguments = ("--mesh", "40x2", "--space", "N2", "--to", "10", "--step", "0.5", "--traction", "projected")
@@ -118,7 +118,9 @@ def test_a_plateau_is_read_where_the_case_says(tmp_path: Path) -> None:
     assert not any("plateau" in note["text"] for note in found["notes"])
 
 
-def test_no_equilibrium_ends_with_3_and_keeps_what_converged(capsys: pytest.CaptureFixture[str]) -> None:
+def test_no_equilibrium_ends_with_3_and_stores_the_converged_steps(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
     # elements of 20 nm bend so badly that 20 degrees more ask for several states at once
     arguments = ("--mesh", "10x1", "--space", "L1", "--to", "80", "--step", "20", "--control", "newton")
     assert main(["run", "strip", *arguments]) == 3
@@ -142,7 +144,7 @@ def test_no_equilibrium_ends_with_3_and_keeps_what_converged(capsys: pytest.Capt
     assert "Traceback" not in error
 
 
-def test_ctrl_c_ends_with_130_and_keeps_what_converged(
+def test_ctrl_c_ends_with_130_and_stores_the_converged_steps(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     append = RunWriter.append
@@ -265,7 +267,7 @@ def test_no_equilibrium_at_first_replaces_an_earlier_run(monkeypatch: pytest.Mon
     assert len(table(Path("out/strip/curve.csv"))[1]) == 0
 
 
-def test_an_unexpected_error_keeps_what_converged(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_after_an_unexpected_error_the_converged_steps_are_stored(monkeypatch: pytest.MonkeyPatch) -> None:
     assert main(["run", "strip", *SMALL]) == 0
     fail_at(2, monkeypatch, ZeroDivisionError())
     with pytest.raises(ZeroDivisionError):

@@ -36,7 +36,7 @@ print(kept, twice(1.0), compilation.is_kept(twice.py_func))
 
 
 @pytest.mark.parametrize("elsewhere", [False, True])
-def test_it_is_kept_until_another_file_of_the_package_changes(tmp_path: Path, elsewhere: bool) -> None:
+def test_a_compiled_function_is_used_until_a_source_file_changes(tmp_path: Path, elsewhere: bool) -> None:
     package, kept = tmp_path / "package" / "isopeel", tmp_path / "kept"
     for layer in ("common", "physics"):
         (package / layer).mkdir(parents=True)

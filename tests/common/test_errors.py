@@ -5,7 +5,7 @@ import pickle
 from isopeel import ConvergenceError, InputError
 
 
-def test_errors_keep_their_parts_between_processes() -> None:
+def test_errors_are_the_same_in_another_process() -> None:
     error = pickle.loads(pickle.dumps(InputError("mesh", "0x1", "too small")))
     assert (error.field, error.value, error.allowed) == ("mesh", "0x1", "too small")
     assert str(error) == str(InputError("mesh", "0x1", "too small"))

@@ -87,7 +87,7 @@ def sleeping() -> Iterator[subprocess.Popen[bytes]]:
 
 @pytest.mark.posix
 @pytest.mark.parametrize("wait", [0.0, 1.0])  # while workers start, and later
-def test_ctrl_c_ends_all_at_once_and_the_first_alone_heeds_it(
+def test_ctrl_c_ends_all_processes_at_once_and_only_the_first_handles_it(
     sleeping: subprocess.Popen[bytes], wait: float
 ) -> None:
     sleep(wait)

@@ -207,7 +207,7 @@ def new_files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[None]
 
 
 @pytest.mark.usefixtures("new_files")
-def test_a_new_law_material_and_substrate_take_a_file_each() -> None:
+def test_a_new_law_material_and_substrate_need_one_file_each() -> None:
     case = Case.parse(CASE)
     problem = case.problem()
     law, substrate = problem.adhesion.law, problem.adhesion.substrate

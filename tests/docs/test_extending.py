@@ -62,11 +62,11 @@ def parts(tmp_path_factory: pytest.TempPathFactory) -> Iterator[dict[str, Any]]:
         delattr(import_module(package), name)
 
 
-def test_the_pages_have_a_part_of_each_kind(parts: dict[str, Any]) -> None:
+def test_the_pages_have_a_component_of_each_kind(parts: dict[str, Any]) -> None:
     assert list(parts) == ["power-law", "blatz-ko", "step", "hinge", "bevelled-strip"]
 
 
-def test_a_folder_of_parts_must_exist(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_folder_of_plug_ins_must_exist(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv(PLUG_INS, "nowhere")
     with pytest.raises(InputError, match="ISOPEEL_PARTS: 'nowhere' cannot be used; it names folders"):
         discover.__wrapped__("isopeel.physics.adhesion")
@@ -111,7 +111,7 @@ def test_the_case_of_the_document_runs(parts: dict[str, Any]) -> None:
         Case.parse(CASE.replace("4 MPa", "0 MPa")).problem()
 
 
-def test_tangent_of_the_parts_is_the_derivative_of_the_residual(parts: dict[str, Any]) -> None:
+def test_tangent_of_the_components_is_the_derivative_of_the_residual(parts: dict[str, Any]) -> None:
     case = Case.parse(CASE.replace("60x2", "20x2"))
     system = System(case.problem(), case.space())
     rng = np.random.default_rng(3)
@@ -127,7 +127,7 @@ def test_tangent_of_the_parts_is_the_derivative_of_the_residual(parts: dict[str,
     np.testing.assert_allclose(factor.solve(change), direction, rtol=0, atol=1e-6 * np.abs(direction).max())
 
 
-def test_closed_forms_of_the_parts(parts: dict[str, Any]) -> None:
+def test_closed_forms_of_the_components(parts: dict[str, Any]) -> None:
     law = parts["power-law"].like(0.04, 0.015, 0.25)
     length = 3**1.5 / 8 * 0.015 / 0.04
     gap = 0.25 + length * np.array([0.0, 3**-0.5])

@@ -77,7 +77,7 @@ def test_what_the_pages_refer_to_is_there() -> None:
             part = getattr(part, attribute)
 
 
-def test_the_reference_has_every_part_of_the_package_and_every_public_name() -> None:
+def test_the_reference_has_every_module_and_every_public_name() -> None:
     package = Path(isopeel.__file__).parent
     parts = {
         path.stem for path in package.iterdir() if path.suffix == ".py" or (path / "__init__.py").exists()

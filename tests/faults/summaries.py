@@ -15,8 +15,8 @@ from isopeel.solve.newton import NewtonSettings
 from isopeel.solve.trace import trace
 
 
-class Told(NamedTuple):
-    """What a run says: its curve, what is read from it, its summary, and the rows of its table."""
+class CaseResult(NamedTuple):
+    """The result of a run: its curve, its readings, its summary, and the rows of its table."""
 
     case: Case
     curve: Curve
@@ -25,27 +25,27 @@ class Told(NamedTuple):
     rows: list[Row]
 
     def reading(self, quantity: str) -> dict[str, Any]:
-        """The last reading of a quantity."""
+        """Return the last reading of a quantity."""
         found: dict[str, Any] = [one for one in self.summary["readings"] if one["quantity"] == quantity][-1]
         return found
 
     def row(self, name: str) -> Row:
-        """The row of a name."""
+        """Return the row with a name."""
         (row,) = [row for row in self.rows if row.name == name]
         return row
 
     @property
     def quantities(self) -> list[str]:
-        """What was read."""
+        """The quantities that were read."""
         return [one["quantity"] for one in self.summary["readings"]]
 
     def notes(self, subject: str) -> list[str]:
-        """The notes on a subject."""
+        """Return the notes on a subject."""
         return [note["text"] for note in self.summary["notes"] if note["subject"] == subject]
 
 
-def told_by(text: str) -> Told:
-    """Run the stages of a case in memory, and return what the last one says."""
+def result_of(text: str) -> CaseResult:
+    """Run the stages of a case in memory, and return the result of the last one."""
     case = Case.parse(text)
     space, base = case.space(), None
     for stage in case.stages():
@@ -68,4 +68,4 @@ def told_by(text: str) -> Told:
     laboratory = Laboratory.of(case.units.system(), stage.problem, case.body.width)
     found = find(stage.problem, space, run, stage.window, laboratory)
     summary = summarize(case.name, run, found, 1.0, [])
-    return Told(case, run.curve, found, summary, summary_rows(summary, run.curve, found))
+    return CaseResult(case, run.curve, found, summary, summary_rows(summary, run.curve, found))

@@ -68,7 +68,7 @@ def test_as_much_work_as_is_allowed_is_read() -> None:
     assert len(Case.parse(BODY + MOST_STAGES * COARSE).drive) == MOST_STAGES
 
 
-def test_an_option_that_makes_it_too_much_is_blamed() -> None:
+def test_the_error_names_the_option_that_makes_too_many_steps() -> None:
     case = Case.parse(BODY + FINE + FINE.replace("1e-3", "2e-3") + COARSE)
     with pytest.raises(InputError, match="at most 200000 steps") as caught:
         case.overridden(to="100 deg", step="1e-3 deg")

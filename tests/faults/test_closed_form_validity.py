@@ -1,7 +1,7 @@
 """A closed form is shown where it is valid, with the deviation; a run far off it gets a note."""
 
 import pytest
-from summaries import Told, told_by
+from summaries import CaseResult, result_of
 
 #: A soft tape that is stretched by 61 % as it peels (Kendall's small strains give 0.0981 N/mm).
 SOFT = """
@@ -50,11 +50,11 @@ USUAL = {
 MOONEY = '"mooney-rivlin"\nc10 = "0.12 MPa"\nc01 = "0.05 MPa"\nbulk_modulus = "1 MPa"'
 
 
-def soft(**changes: object) -> Told:
-    return told_by(SOFT.format(**(USUAL | changes)))
+def soft(**changes: object) -> CaseResult:
+    return result_of(SOFT.format(**(USUAL | changes)))
 
 
-def test_a_tape_at_large_stretch_is_held_against_the_form_of_its_material() -> None:
+def test_a_tape_at_large_stretch_is_compared_with_the_form_of_its_material() -> None:
     message = soft()
     steady = message.reading("steady force")
     assert steady["closed_form"]["source"] == "Kendall's tape, finite strain"
@@ -107,7 +107,7 @@ def test_a_run_far_off_its_closed_form_gets_a_note(mesh: str, work: float) -> No
     )
 
 
-def test_a_later_stage_is_held_against_the_steady_state_it_comes_to() -> None:
+def test_a_later_stage_is_compared_with_its_steady_state() -> None:
     turned = """[[drive]]
 kind = "rotation"
 side = "right"
@@ -119,7 +119,7 @@ step = "10 deg"
     text = SOFT.format(
         **(USUAL | {"work": 0.004, "strength": 0.03, "to": 4.0, "step": 0.1, "reading": reading})
     )
-    message = told_by(text.replace("[drive]\n", turned))
+    message = result_of(text.replace("[drive]\n", turned))
     steady = message.reading("steady force")
     assert steady["closed_form"]["source"] == "Kendall's tape"
     assert abs(steady["deviation_percent"]) < 1
@@ -131,7 +131,7 @@ def test_an_arm_that_does_not_lie_on_the_substrate_has_no_form_of_a_lifted_one(g
     text = text.replace(
         "[discretization]", f'[held]\nleft = "xy"\n[substrate]\ngap = "{gap}"\n[discretization]'
     )
-    message = told_by(text.replace('youngs_modulus = "1 MPa"', 'youngs_modulus = "1 GPa"'))
+    message = result_of(text.replace('youngs_modulus = "1 MPa"', 'youngs_modulus = "1 GPa"'))
     assert message.summary["closed_form"] is None
     assert not message.notes("closed form")
     assert all(row.theory == "" for row in message.rows if "W" not in row.theory)

@@ -48,7 +48,7 @@ def test_a_command_runs_no_module_that_lies_there(command: tuple[str, ...]) -> N
     assert done.returncode == 0, done.stderr
 
 
-def test_the_second_process_of_a_first_run_neither() -> None:
+def test_the_warm_up_process_imports_nothing_from_the_folder() -> None:
     script = (
         "import subprocess, isopeel.running.warm_up as r, os\n"
         "r.is_kept = lambda _: False; r.cores = lambda: 2\n"
@@ -57,7 +57,7 @@ def test_the_second_process_of_a_first_run_neither() -> None:
     assert run("-P", "-c", script).returncode == 0
 
 
-def test_workers_neither() -> None:
+def test_worker_processes_import_nothing_from_the_folder() -> None:
     with worker_pool(1) as pool:
         assert pool.submit(os.getpid).result() != os.getpid()
     assert "PYTHONSAFEPATH" not in os.environ

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from summaries import Told, told_by
+from summaries import CaseResult, result_of
 
 from isopeel.post.table import write_curve
 
@@ -56,8 +56,8 @@ USUAL = {
 }
 
 
-def wedge(**changes: object) -> Told:
-    return told_by(WEDGE.format(**(USUAL | changes)))
+def wedge(**changes: object) -> CaseResult:
+    return result_of(WEDGE.format(**(USUAL | changes)))
 
 
 @pytest.mark.parametrize(
@@ -70,7 +70,7 @@ def wedge(**changes: object) -> Told:
         ({"height": 0.8, "to": 1.9, "mesh": "90x2"}, 7.679),
     ],
 )
-def test_a_wedge_opens_a_crack_as_long_as_beam_theory_says(changes: dict[str, object], beam: float) -> None:
+def test_the_crack_of_a_wedge_has_the_length_of_beam_theory(changes: dict[str, object], beam: float) -> None:
     message = wedge(**changes)
     effective = message.reading("effective crack length")
     assert effective["closed_form"]["value"] == pytest.approx(beam, abs=0.002)
@@ -112,8 +112,8 @@ def test_the_energy_released_by_the_drive_is_the_work_of_adhesion() -> None:
 
 def test_a_crack_from_the_left_end_is_the_mirror_image() -> None:
     text = WEDGE.format(**(USUAL | {"adhering": 24, "to": 1.5}))
-    right = told_by(text)
+    right = result_of(text)
     mirrored = text.replace('side = "right"', 'side = "left"').replace('left = "xy"', 'right = "xy"')
-    left = told_by(mirrored)
+    left = result_of(mirrored)
     one, other = (message.reading("crack length")["value"] for message in (right, left))
     assert one == pytest.approx(other, rel=1e-6)

@@ -3,7 +3,7 @@
 import re
 
 import pytest
-from summaries import Told, told_by
+from summaries import CaseResult, result_of
 
 TAPE = """
 name = "tape"
@@ -47,11 +47,11 @@ USUAL = {
 }
 
 
-def tape(**changes: str) -> Told:
-    return told_by(TAPE.format(**(USUAL | changes)))
+def tape(**changes: str) -> CaseResult:
+    return result_of(TAPE.format(**(USUAL | changes)))
 
 
-def numbers(message: Told) -> list[str]:
+def numbers(message: CaseResult) -> list[str]:
     """All numbers with a dot or an exponent in the table."""
     cells = [cell for row in message.rows for cell in row[1:]]
     return re.findall(r"\d+\.\d+(?:e[-+]\d+)?", " ".join(cells))

@@ -176,7 +176,7 @@ def test_a_joint_that_breaks_within_one_step_is_cut_to_where_it_breaks() -> None
 
 
 @pytest.mark.parametrize("step", [0.04, 0.3])
-def test_the_place_of_the_jump_does_not_hang_on_the_step(step: float) -> None:
+def test_the_place_of_the_jump_does_not_depend_on_the_step(step: float) -> None:
     (steps,) = paths(BLOCK.format(to=1.5, step=step))
     (jump,) = [one for one in steps if one.kind == "jump"]
     assert jump.parameter == pytest.approx(1.03, abs=step / 8 + 0.02)

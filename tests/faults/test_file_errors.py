@@ -49,7 +49,7 @@ def test_an_error_that_comes_early_is_reported(
 
 @pytest.mark.parametrize("code", [errno.ENOSPC, errno.EMFILE, errno.EFBIG, errno.EIO])
 @pytest.mark.parametrize("name", ["run.h5", "figure.png"])
-def test_what_says_not_where_gets_the_name(code: int, name: str) -> None:
+def test_an_error_without_a_file_name_gets_one(code: int, name: str) -> None:
     def write() -> None:
         with replacing(Path(name)) as part:
             part.touch()

@@ -149,7 +149,7 @@ def test_a_finished_run_is_not_replaced_by_a_shorter_one(
     assert contents(OUT) != before
 
 
-def test_the_same_or_a_longer_run_replaces_one_and_lists_what_goes(
+def test_a_longer_run_replaces_one_and_lists_the_removed_files(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     assert main(["run", "strip", *SMALL, "2"]) == 0
@@ -229,7 +229,7 @@ def test_a_run_with_fewer_stages_is_shorter(capsys: pytest.CaptureFixture[str]) 
 
 
 @pytest.mark.parametrize("ending", ["interrupted", "running"])
-def test_an_unfinished_run_is_gone_on_with_unless_forced(
+def test_an_unfinished_run_is_not_replaced_unless_forced(
     ending: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     with monkeypatch.context() as patch:
@@ -381,7 +381,7 @@ def test_a_report_is_written_to_no_folder_of_something_else(
     assert contents(Path("mine")) == before
 
 
-def test_a_report_replaces_a_report_and_says_so(
+def test_a_report_replaces_a_report_and_prints_it(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setattr("isopeel.paper.report.execute", lambda *_: None)

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 from rich.console import Console
-from summaries import told_by
+from summaries import result_of
 
 from isopeel.output.law import show_law
 
@@ -60,8 +60,8 @@ def test_a_law_is_that_of_the_whole_joint(law: str, work: int, symmetric: str, t
     assert ("of the whole joint" in out.getvalue()) == (symmetric == "true")
 
 
-def test_the_summary_says_of_what_its_forces_and_energies_are() -> None:
-    message = told_by(DCB.format(law=EXPONENTIAL, symmetric="true"))
+def test_the_summary_states_whether_its_values_are_of_a_half() -> None:
+    message = result_of(DCB.format(law=EXPONENTIAL, symmetric="true"))
     assert message.found.halves is not None
     assert "forces act on each arm" in message.found.halves
     assert "largest force on each arm" in message.quantities
@@ -102,15 +102,15 @@ step = "0.05 mm"
 
 
 @pytest.mark.parametrize(("held", "side"), [("", "left"), ('[held]\nright = "x"', "right")])
-def test_a_side_held_as_a_line_of_symmetry_is_said(held: str, side: str) -> None:
-    message = told_by(BLOCK.format(held=held, angle=90, to=0.5))
+def test_a_side_that_is_a_line_of_symmetry_is_reported(held: str, side: str) -> None:
+    message = result_of(BLOCK.format(held=held, angle=90, to=0.5))
     assert message.found.halves is not None
     assert f"the {side} side is held as a line of symmetry" in message.found.halves
 
 
 @pytest.mark.parametrize(("angle", "to"), [(90, 0.5), (270, -0.5), (-90, -0.5)])
 def test_a_pull_off_is_a_tension_whatever_the_sign_of_the_drive(angle: int, to: float) -> None:
-    message = told_by(BLOCK.format(held="", angle=angle, to=to))
+    message = result_of(BLOCK.format(held="", angle=angle, to=to))
     pulled = message.reading("pull-off force")
     # 10 mm at 0.01 MPa are 100 N/m at most: the side comes off nearly at once, within a step
     assert 96.0 < pulled["value"] < 100.0

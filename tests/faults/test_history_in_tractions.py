@@ -219,7 +219,7 @@ def packed(text: str) -> FloatArray:
     return np.frombuffer(base64.b64decode(text), "<f4").astype(np.float64)
 
 
-def test_the_block_carries_force_over_area_in_every_stage_and_output(folders: dict[str, Path]) -> None:
+def test_the_block_has_force_over_area_in_every_stage_and_output(folders: dict[str, Path]) -> None:
     """At an opening of 0.1 in stage 3, 0.926 was drawn, where the force is 0.1118 on an area of 1."""
     secant = envelope(0.5) / 0.5
     for number, stage in enumerate(read_stages(folders["block"])):
@@ -275,7 +275,7 @@ def test_a_resumed_run_has_the_history_of_one_that_was_not(folders: dict[str, Pa
             np.testing.assert_array_equal(integral(one, here), integral(other, there))
 
 
-def test_an_irreversible_joint_is_not_shown_as_virgin_in_silence(folders: dict[str, Path]) -> None:
+def test_an_irreversible_joint_without_its_history_has_no_profile(folders: dict[str, Path]) -> None:
     stage = read_stages(folders["block"])[-1]
     problem, run = stage.stage.problem, stage.run
     displacement = run.states[-1].displacement

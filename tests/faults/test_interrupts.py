@@ -161,7 +161,7 @@ def pressed(times: int, passed: list[str], *, checked: bool) -> None:
 
 @pytest.mark.parametrize("times", [1, 2])
 @pytest.mark.parametrize("checked", [False, True])
-def test_it_comes_where_it_is_looked_for_or_at_the_end_and_once(times: int, checked: bool) -> None:
+def test_an_interrupt_is_raised_once_at_a_check_or_at_the_end(times: int, checked: bool) -> None:
     passed: list[str] = []
     with pytest.raises(KeyboardInterrupt):
         pressed(times, passed, checked=checked)
@@ -171,7 +171,7 @@ def test_it_comes_where_it_is_looked_for_or_at_the_end_and_once(times: int, chec
         check()
 
 
-def test_the_third_does_not_wait() -> None:
+def test_a_third_ctrl_c_ends_the_process_at_once() -> None:
     passed: list[str] = []
     with pytest.raises(KeyboardInterrupt):
         pressed(3, passed, checked=False)

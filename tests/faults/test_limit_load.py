@@ -101,14 +101,14 @@ def test_a_weight_that_peels_a_tape_off(angle: float, to: float, step: float) ->
 
 
 @pytest.mark.parametrize("path_control", ["newton", "auto"])
-def test_the_cause_does_not_hang_on_the_control(path_control: PathControl) -> None:
+def test_the_cause_does_not_depend_on_the_path_control(path_control: PathControl) -> None:
     with pytest.raises(ConvergenceError) as caught:
         paths(BLOCK.replace("[drive]", f'[drive]\npath_control = "{path_control}"'))
     # the whole block comes off at once, at its strength times its length
     assert largest(caught.value) == pytest.approx(0.05 * 2, rel=1e-4)
 
 
-def test_below_it_all_is_well() -> None:
+def test_below_the_largest_load_all_states_are_stable() -> None:
     (steps,) = paths(BLOCK.replace('to = "1 N/mm"', 'to = "0.0999 N/mm"'))
     assert steps[-1].parameter == pytest.approx(0.0999)
     assert {step.negative_eigenvalues for step in steps} <= {0, None}

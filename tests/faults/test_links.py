@@ -69,7 +69,7 @@ def test_no_file_of_a_run_is_written_through(
 
 
 @pytest.mark.parametrize("name", [".run.part.h5", ".curve.part.csv", ".summary.part.json", ".curve.part.png"])
-def test_a_link_at_the_name_of_a_part_is_removed(name: str) -> None:
+def test_a_link_in_place_of_a_partial_file_is_removed(name: str) -> None:
     Path("out").mkdir()
     link(Path("out", name))
     assert main(["run", "strip", *SMALL, "--out", "out"]) == 0

@@ -1,7 +1,7 @@
 """Bodies whose bending or volume response locks: right by default, with a note where they are not."""
 
 import pytest
-from summaries import told_by
+from summaries import result_of
 
 from isopeel.case import Case, load_case, shipped_cases
 from isopeel.common.units import UnitSystem
@@ -106,7 +106,7 @@ def message(case: Case) -> str:
     ],
     ids=["given", "linear across", "linear along", "thin and long", "nearly incompressible", "given tape"],
 )
-def test_what_locks_is_reported_of_with_what_would_not(case: Case, means: str) -> None:
+def test_a_locking_discretization_gets_a_note_with_a_better_one(case: Case, means: str) -> None:
     assert f"{means} is sufficient" in message(case) or f"; {means} with" in message(case)
 
 
@@ -195,7 +195,7 @@ step = "0.01 mm"
         'mesh = "160x16"\nspace = "L1"\nacross_degree = 1',
     ],
 )
-def test_a_confined_pad_that_keeps_its_volume_is_reported_of(length: int, discretization: str) -> None:
+def test_a_confined_incompressible_pad_gets_a_note(length: int, discretization: str) -> None:
     case = Case.parse(PAD.format(length=length, ratio=0.4999, discretization=discretization))
     assert "volume: the body, whose Poisson's ratio is 0.4999, is at least" in message(case)
     # the same block of a compressible material does not lock
@@ -246,7 +246,7 @@ adhesion = {{ law = "exponential", strength = "0.5 MPa", work_of_adhesion = "0.1
 discretization = {{ space = "L1", mesh = "160x1", across_degree = 1 }}
 drive = {{ kind = "force", side = "right", angle = "{angle} deg", to = "9 mm", step = "0.1 mm" }}
 """
-    summary = told_by(text)
+    summary = result_of(text)
     assert "is sufficient" in message(summary.case)
     assert abs(summary.reading("steady force")["deviation_percent"]) < 1
     assert not summary.notes("locking")

@@ -181,7 +181,7 @@ def test_no_energy_is_released_on_a_smooth_branch(name: str) -> None:
         (tape(3, 3), tape(3, 0.05)),
     ],
 )
-def test_the_largest_force_does_not_hang_on_the_step(coarse: str, fine: str) -> None:
+def test_the_largest_force_does_not_depend_on_the_step(coarse: str, fine: str) -> None:
     largest = [max(step.reaction for step in paths(text)[0]) for text in (coarse, fine)]
     # a row that misses 2 % of its work may miss some of a peak
     assert largest[0] == pytest.approx(largest[1], rel=0.03)

@@ -1,7 +1,7 @@
 """Each reading is named as what it is, and a steady one is steady."""
 
 import pytest
-from summaries import Told, told_by
+from summaries import CaseResult, result_of
 
 TAPE = """
 name = "tape"
@@ -34,9 +34,9 @@ step = "{step} mm"
 HELD = 'sliding_length = "0.1 mm"'
 
 
-def tape(**changes: object) -> Told:
+def tape(**changes: object) -> CaseResult:
     usual = {"length": 6, "adhering": 2, "held": HELD, "mesh": "60x2", "angle": 90, "to": 6, "step": 0.1}
-    return told_by(TAPE.format(**(usual | changes)))
+    return result_of(TAPE.format(**(usual | changes)))
 
 
 @pytest.mark.parametrize(
@@ -114,7 +114,7 @@ def test_the_tension_of_a_body_that_snaps_on_does_not_pull_it_off(
     shape: str, mesh: str, modulus: float, gap: float, to: float, name: str
 ) -> None:
     text = ROUND.format(shape=shape, mesh=mesh, modulus=modulus, gap=gap, to=to)
-    message = told_by(text)
+    message = result_of(text)
     (found,) = {"largest tension", "pull-off force"} & set(message.quantities)
     assert found == name
     assert ("while the body approaches it" in message.reading(found)["words"]) == (to < 0)
@@ -148,9 +148,9 @@ step = "1 deg"
 """
 
 
-def strip(**changes: object) -> Told:
+def strip(**changes: object) -> CaseResult:
     usual = {"strength": 0.001, "mesh": "60x2", "to": 100, "window": "", "extra": ""}
-    return told_by(STRIP.format(**(usual | changes)))
+    return result_of(STRIP.format(**(usual | changes)))
 
 
 @pytest.mark.parametrize(("strength", "to"), [(0.001, 35), (0.0002, 90), (0.001, 44), (0.0004, 60)])
@@ -222,9 +222,9 @@ fields_every = "1 um"
         'kind = "formula"\nformula = "a*(sin(x/l) - 1)"\nconstants = { a = "0.4 um", l = "0.7 um" }',
     ],
 )
-def test_what_waves_release_is_not_held_against_the_work_of_adhesion(substrate: str) -> None:
+def test_energy_released_at_waves_is_not_compared_with_the_work_of_adhesion(substrate: str) -> None:
     """A strip that rests on waves adheres in part: it takes W of less than its face."""
-    message = told_by(WAVY.format(substrate=substrate))
+    message = result_of(WAVY.format(substrate=substrate))
     rate = message.reading("energy release rate")
     assert rate["closed_form"] is None
     assert rate["words"] == "by the drive, per area of the face, which adheres in part"
@@ -234,11 +234,11 @@ def test_what_waves_release_is_not_held_against_the_work_of_adhesion(substrate: 
 @pytest.mark.parametrize(
     ("angle", "to", "mesh"), [(90, 0.12, "36x1"), (120, 0.09, "36x1"), (90, 0.12, "45x1")]
 )
-def test_a_raised_load_is_held_against_the_peeling_load(angle: int, to: float, mesh: str) -> None:
+def test_a_prescribed_load_is_compared_with_the_peeling_load(angle: int, to: float, mesh: str) -> None:
     """Followed beyond its limit it takes the tape off, by more load where the joint ends."""
     text = TAPE.format(length=9, adhering=8, held=HELD, mesh=mesh, angle=angle, to=0, step=0)
     raised = f'control = "force"\npath_control = "continuation"\nto = "{to} N/mm"'
-    message = told_by(text.replace('to = "0 mm"', raised).replace('"0 mm"', '"0.02 N/mm"'))
+    message = result_of(text.replace('to = "0 mm"', raised).replace('"0 mm"', '"0.02 N/mm"'))
     steady = message.reading("steady force")
     assert steady["closed_form"]["source"] == "Kendall's tape"
     assert abs(steady["deviation_percent"]) < 0.5
@@ -282,6 +282,6 @@ step = "16 nm"
 
 @pytest.mark.parametrize(("mesh", "gap"), [("24x1", 970), ("16x2", 970), ("24x1", 100)])
 def test_a_film_that_buckles_far_from_its_joint_has_no_initiation(mesh: str, gap: float) -> None:
-    message = told_by(FILM.format(mesh=mesh, gap=gap))
+    message = result_of(FILM.format(mesh=mesh, gap=gap))
     assert "initiation force" not in message.quantities
     assert "largest force" in message.quantities

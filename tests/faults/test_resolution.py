@@ -145,7 +145,7 @@ def message(case: Case) -> str:
     ],
     ids=["half beam", "stamp", "L1", "N2", "N2.1", "cylinder"],
 )
-def test_elements_that_are_too_large_are_reported_of_and_what_is_proposed_will_do(case: Case) -> None:
+def test_too_large_elements_get_a_note_whose_remedy_suffices(case: Case) -> None:
     text = message(case)
     assert not message(as_proposed(case, text))
     for space in re.findall(r"space = '([^']+)'", text):
@@ -153,7 +153,7 @@ def test_elements_that_are_too_large_are_reported_of_and_what_is_proposed_will_d
 
 
 @pytest.mark.parametrize(("mesh", "strength"), [("12x24", 1.2), ("60x12", 2.4), ("100x10", 4.8)])
-def test_a_front_that_stays_where_it_starts_is_offered_a_grading(mesh: str, strength: float) -> None:
+def test_a_grading_is_proposed_for_a_front_that_stays(mesh: str, strength: float) -> None:
     text = ungraded(load_case("cylinder-pull-off")).replace("1.2 MPa", f"{strength} MPa")
     case = Case.parse(text).overridden(mesh=mesh)
     found = message(case)
@@ -162,7 +162,7 @@ def test_a_front_that_stays_where_it_starts_is_offered_a_grading(mesh: str, stre
 
 
 @pytest.mark.parametrize("length", [20, 200, 2000])
-def test_what_no_mesh_resolves_is_offered_a_strength(length: float) -> None:
+def test_a_strength_is_proposed_if_no_mesh_suffices(length: float) -> None:
     """Wide pads have two fronts, far apart, which their elements cannot both be graded towards."""
     case = Case.parse(STAMP.replace('"500 um"', f'"{length} mm"').replace('"1 MPa"\nrise', '"3 MPa"\nrise'))
     text = message(case)
@@ -176,7 +176,7 @@ def test_what_no_mesh_resolves_is_offered_a_strength(length: float) -> None:
 
 
 @pytest.mark.parametrize("case", [strip("N2", "20x2"), strip("L2", "18x2"), strip("N2", "30x1")])
-def test_one_run_names_one_mesh_that_would_do(case: Case, tmp_path: Path) -> None:
+def test_the_notes_of_a_run_name_one_sufficient_mesh(case: Case, tmp_path: Path) -> None:
     run_case(case, tmp_path, Console(quiet=True))
     notes = json.loads((tmp_path / "summary.json").read_text("utf-8"))["notes"]
     assert sum(note["subject"] == "resolution" for note in notes) > 1
@@ -204,7 +204,7 @@ def test_a_strict_run_is_refused_in_one_line(tmp_path: Path, capsys: pytest.Capt
     assert not (tmp_path / "out").exists()
 
 
-def test_the_summary_says_it_too(tmp_path: Path) -> None:
+def test_the_summary_has_the_same_notes(tmp_path: Path) -> None:
     run_case(Case.parse(HALF_BEAM), tmp_path, Console(quiet=True))
     summary = json.loads((tmp_path / "summary.json").read_text("utf-8"))
     texts = " ".join(note["text"] for note in summary["notes"])

@@ -188,7 +188,7 @@ def test_a_space_below_the_degree_of_the_shape_is_refused(
     assert refused.value.field == field
 
 
-def test_a_cubic_patch_asks_for_degree_3(tmp_path: Path) -> None:
+def test_a_cubic_patch_needs_degree_3(tmp_path: Path) -> None:
     bottom: list[tuple[float, float]] = [(0.0, 0.0), (20.0, 0.5), (40.0, -0.3), (60.0, 0.0)]
     spline = {
         "degrees": [3, 1],

@@ -82,7 +82,7 @@ def test_a_fracture_toughness_has_half_a_power_of_a_length() -> None:
         ("1e99 EPa^8.9 Em^8.9", "it is not finite"),
     ],
 )
-def test_what_cannot_be_read_says_why(text: str, why: str) -> None:
+def test_a_missing_reading_has_a_reason(text: str, why: str) -> None:
     with pytest.raises(ValueError, match=why):
         parse_quantity(text)
 

@@ -227,7 +227,7 @@ def test_a_column_under_a_dead_load_finds_its_buckled_state() -> None:
     assert np.abs(steps[-1].displacement[:, 1]).max() == pytest.approx(tip, rel=0.1)
 
 
-def test_continuation_stays_on_the_unstable_branch_and_says_so() -> None:
+def test_continuation_stays_on_the_unstable_branch_and_reports_it() -> None:
     text = STRIP.format(drive=f'{HELD}\nto = "0.02 mm"\nstep = "0.002 mm"')
     (steps,) = paths(text, "continuation")
     shortening, force = euler(4 * pi**2)

@@ -72,7 +72,7 @@ def test_a_stamp_comes_off_with_the_energy_released(name: str) -> None:
     assert len(steps) < 60
 
 
-def test_a_fall_stops_where_the_joint_is_half_open(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_descent_stops_where_the_joint_is_half_open(monkeypatch: pytest.MonkeyPatch) -> None:
     """The body without its joint is not looked at there."""
     text = stamp(nu=0.4, W=0.01, strength=0.2, to=9.6)
     looked: list[float] = []
@@ -108,7 +108,7 @@ def test_a_fine_mesh_comes_to_rest_by_itself(
     assert steps[-1].adhesive_energy == pytest.approx(0.0, abs=1e-9)
 
 
-def test_a_fall_that_does_not_come_to_rest_is_reported(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_descent_that_does_not_converge_is_reported(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(
         path_module, "descend", lambda _system, start, *_rest: Descent(start, is_unfinished=True)
     )

@@ -119,7 +119,7 @@ def any_case(examples: int) -> Callable[[Callable[..., None]], Callable[..., Non
 
 
 @any_case(200)
-def test_a_case_runs_or_says_why_not(
+def test_a_case_runs_or_reports_a_reason(
     document: dict[str, Any], options: list[str], around: tuple[str, str], figures: bool
 ) -> None:
     check(document, options, around, figures)

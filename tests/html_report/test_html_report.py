@@ -246,7 +246,7 @@ def test_the_command_refuses_in_one_line(
         assert error.count("\n") == 1
 
 
-def test_runs_that_did_not_end_say_so(stage: StoredStage, tmp_path: Path) -> None:
+def test_runs_that_did_not_end_are_reported(stage: StoredStage, tmp_path: Path) -> None:
     def message(stage: StoredStage) -> str:
         return unescape(re.sub("<[^>]*>", "", html_report((stage,))))
 

@@ -298,7 +298,7 @@ def test_each_stage_has_its_own_slider(browser: webdriver.Chrome, staged_page: P
     assert [link.text for link in links] == ["press-and-peel, stage 2: peel"]
 
 
-def test_a_failed_run_says_so(browser: webdriver.Chrome, tmp_path: Path) -> None:
+def test_a_failed_run_is_reported(browser: webdriver.Chrome, tmp_path: Path) -> None:
     show(browser, write_html_report(failed(tmp_path)))
     readout = browser.find_element(By.CSS_SELECTOR, ".ending").text
     assert readout.startswith("No equilibrium at 40°: ")

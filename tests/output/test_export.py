@@ -124,7 +124,7 @@ def test_straight_cells_have_exact_values_at_their_corners(run: Path) -> None:
     assert (x[0], x[-1]) == (0, 150)
 
 
-def test_files_of_an_earlier_export_go(run: Path) -> None:
+def test_files_of_an_earlier_export_are_removed(run: Path) -> None:
     folder = run / "paraview"
     folder.mkdir()
     for name in ("body-0007.vtu", "adhesive-side-12345.vtu", "body-mine.vtu", "body-0001.vtu"):

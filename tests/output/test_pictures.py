@@ -300,7 +300,7 @@ def test_a_run_of_one_step_has_figures(runs: Path, tmp_path: Path) -> None:
     assert (out / "compare.png").is_file()
 
 
-def test_a_new_run_takes_away_what_was_drawn_of_the_old_one(tmp_path: Path) -> None:
+def test_a_new_run_removes_the_figures_of_the_old_one(tmp_path: Path) -> None:
     run = [
         "run",
         "strip",

@@ -90,7 +90,7 @@ def test_rows_and_points_name_runs() -> None:
     assert recipe.run("N4", "m2") == Run("L1+N4", "m2", "projected", 3)
 
 
-def test_a_recipe_that_is_the_truth_fits_best() -> None:
+def test_the_true_recipe_fits_best() -> None:
     """Curves whose contact rows have the published amplitudes, all rows ten times smaller ones."""
     theirs = {space: row.figures for space, row in published("m2").items()}
     readables = {}

@@ -285,7 +285,7 @@ def test_newton_histories_are_drawn_where_there_is_a_logarithm() -> None:
     assert {axes.get_yscale() for axes in figure.axes} == {"log"}
 
 
-def test_curves_that_end_early_say_so() -> None:
+def test_the_end_of_an_incomplete_curve_is_marked() -> None:
     whole, enlarged = drawn("linear").axes
     curves = [line for line in whole.lines if line.get_marker() == "None"]
     for line, trace in zip(curves, LINEAR.values(), strict=True):

@@ -245,7 +245,7 @@ def test_saint_venant_kirchhoff_in_uniaxial_strain_and_simple_shear() -> None:
     np.testing.assert_allclose(material_at(SVK, sheared)[1][:, 0, 1], expected, rtol=1e-14)
 
 
-def test_saint_venant_kirchhoff_gives_way_in_compression() -> None:
+def test_saint_venant_kirchhoff_loses_stiffness_in_compression() -> None:
     """P = (lambda + 2 mu) s (s^2 - 1)/2 of uniaxial strain is least at s = 1/sqrt(3)."""
 
     def at(s: float) -> tuple[FloatArray, FloatArray, FloatArray]:

@@ -150,7 +150,7 @@ def test_nothing_is_lost_on_a_straight_rise() -> None:
     np.testing.assert_allclose(secant.dissipated, 0.0, atol=1e-15 * W)
 
 
-def test_a_curved_rise_loses_what_its_closed_form_says() -> None:
+def test_the_loss_of_a_curved_rise_has_its_closed_form() -> None:
     law = Exponential(S, W)
     z = np.linspace(0.0, 5.0, 21)
     # W (1 - (1 + z) exp(-z)) under the envelope, z^2 exp(-z)/2 of it in the triangle under the secant

@@ -281,7 +281,7 @@ def test_maugis_joins_both_limits() -> None:
 
 
 @pytest.mark.parametrize("ratio", [1.0, 0.5, np.inf, np.nan])
-def test_maugis_wants_an_attracted_ring(ratio: float) -> None:
+def test_maugis_theory_needs_an_attracted_zone(ratio: float) -> None:
     with pytest.raises(InputError, match="ratio"):
         maugis_cylinder(ratio, 1.0, WORK, MODULUS, RADIUS)
 
@@ -312,6 +312,6 @@ def test_a_rigid_cylinder_under_constant_attraction(transition: float) -> None:
     assert 0 < 1 - pull / (2 * strength * np.sqrt(2 * RADIUS * WORK / strength)) < transition / 2
 
 
-def test_a_rigid_cylinder_wants_a_law_with_a_peak() -> None:
+def test_a_rigid_cylinder_needs_a_law_with_a_peak() -> None:
     with pytest.raises(InputError, match="attract most"):
         rigid_cylinder_pull_off(Dugdale(0.6, WORK, 1e-9), RADIUS)

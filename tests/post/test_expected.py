@@ -85,5 +85,5 @@ def prestretched(problem: Problem, stretch: float) -> Problem:
         pytest.param(strip(length=60.0, height=10.0, adhering_length=50.0), id="not slender"),
     ],
 )
-def test_where_theory_says_nothing(problem: Problem) -> None:
+def test_no_closed_form_is_given_outside_of_theory(problem: Problem) -> None:
     assert expected(problem, SPACE) is None

@@ -63,7 +63,7 @@ def test_half_of_the_strength_is_found_wherever_a_sharp_peak_lies(rise: float) -
         assert before > 0.5 > after
 
 
-def test_a_law_that_is_out_of_sight_is_refused() -> None:
+def test_a_law_whose_peak_is_too_far_away_is_refused() -> None:
     """Its strongest attraction acts at an opening of 1e8."""
     with pytest.raises(InputError, match="attract most"):
         law_character(Exponential(1e-8 / np.e, 1.0))

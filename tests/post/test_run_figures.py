@@ -244,7 +244,7 @@ def test_curves_are_laid_over_each_other() -> None:
         comparison_figure([one])
 
 
-def test_without_plateaus_and_common_parameters_that_is_said() -> None:
+def test_missing_plateaus_and_parameters_in_common_are_reported() -> None:
     angle = np.linspace(0, 1, 11)
     one, other = (compared(f"{k}", curve_of(angle + k * 0.03, angle)) for k in (1, 2))
     _, apart = comparison_figure([one, other]).axes

@@ -223,7 +223,7 @@ def test_the_page_needs_nothing_else(folder: Path, page: Page) -> None:
     assert "@import" not in sheet
 
 
-def test_html_in_a_text_is_shown_not_obeyed() -> None:
+def test_html_in_a_text_is_escaped() -> None:
     text = "<script>alert(1)</script> [x](javascript:alert) <br>"
     page = Page(to_html(to_markdown(Document("A", Text(text), ())), Path()))
     assert not page.all("script")
@@ -264,7 +264,7 @@ def test_an_interruption_leaves_the_earlier_report(tmp_path: Path) -> None:
     assert {path: path.read_bytes() for path in tmp_path.rglob("*.*")} == before
 
 
-def test_what_cannot_be_written_is_said(tmp_path: Path) -> None:
+def test_a_file_that_cannot_be_written_is_reported(tmp_path: Path) -> None:
     (tmp_path / "figures").write_text("not a folder")
     with pytest.raises(FileExistsError):
         write_document(document(), tmp_path)

@@ -31,7 +31,7 @@ def path(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return file
 
 
-def test_each_data_set_says_what_it_is(path: Path) -> None:
+def test_each_data_set_has_a_unit_and_a_description(path: Path) -> None:
     seen: list[str] = []
 
     def look(name: str, one: object) -> None:

@@ -75,7 +75,7 @@ def test_an_interrupted_run_continues(
         assert (OUT / figure).read_bytes() == (Path("whole") / figure).read_bytes()
 
 
-def test_a_complete_run_is_said_to_be_so(capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_complete_run_is_reported_as_complete(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["run", "strip", *SMALL]) == 0
     before = {path: path.read_bytes() for path in OUT.iterdir()}
     (OUT / "shapes.png").unlink()

@@ -193,7 +193,7 @@ def test_a_failed_attempt_leaves_the_last_state_bit_for_bit() -> None:
 
 
 @pytest.mark.parametrize("path_control", ["auto", "jump", "continuation"])
-def test_a_path_continues_bit_for_bit_from_each_step_that_says_so(path_control: PathControl) -> None:
+def test_a_path_continues_bit_for_bit_from_each_step_that_resumes(path_control: PathControl) -> None:
     settings = NewtonSettings(path_control=path_control)
     steps, states = [], []
     for step in trace(block(), SPACE, PULL, settings):

@@ -75,7 +75,7 @@ def test_letting_go_releases_what_the_side_was_held_with() -> None:
     assert rest.released_energy == pytest.approx(lifted.reaction / 2, rel=0.05)
 
 
-def test_what_a_jump_lands_on_is_stable(path: list[Step]) -> None:
+def test_a_jump_ends_in_a_stable_state(path: list[Step]) -> None:
     jump = next(step for step in path if step.released_energy)
     system = System(strip(), SPACE)
     _, matrix = system.linearize(jump.displacement)
@@ -105,7 +105,7 @@ def test_an_unknown_load_keeps_its_displacement() -> None:
     assert system.load.displacement(u) == pytest.approx(2.0, rel=1e-12)  # a linear equation, solved by steps
 
 
-def test_a_jump_that_cannot_begin_says_so() -> None:
+def test_a_jump_without_a_start_is_reported() -> None:
     """A side pushed through the body in one step: there is no start whose elements are all sound."""
     pushed = replace(strip(), drive=MovedSide("right", np.pi, "held"))
     with pytest.raises(ConvergenceError, match="an element is inverted"):

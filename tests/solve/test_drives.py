@@ -135,7 +135,7 @@ def test_work_of_a_following_force() -> None:
     assert abs(steps[-1].reaction / dead[-1].reaction - 1) > 1e-3
 
 
-def test_force_found_and_force_raised_are_one_path() -> None:
+def test_unknown_and_prescribed_force_give_one_path() -> None:
     found = path(PulledSide("right", np.pi / 2), 3.0)
     forces = [s.reaction for s in found]
     raised = list(trace(problem(PulledSide("right", np.pi / 2, control="force"), 0.3), SPACE, forces))
@@ -190,7 +190,7 @@ def test_a_force_that_is_unknown_continues_in_a_stage() -> None:
 
 
 @pytest.mark.parametrize("name", DRIVES)
-def test_going_on_from_the_last_states_is_bitwise_the_same(name: str) -> None:
+def test_a_path_continues_from_the_last_states_bit_for_bit(name: str) -> None:
     drive, to = DRIVES[name]
     steps, states = [], []
     for step in trace(problem(drive, 0.3), SPACE, np.linspace(0.0, to, 24)):

@@ -288,7 +288,7 @@ def test_tangent_is_the_derivative_of_the_residual(peeled: Peeled) -> None:
     np.testing.assert_allclose(factor.solve(change), direction, rtol=0, atol=1e-6 * np.abs(direction).max())
 
 
-def test_every_registered_part_is_tested() -> None:
+def test_every_registered_component_is_tested() -> None:
     """Laws and materials are by themselves; what else is registered needs an example that suits it."""
     here = Path(__file__).parent
     drives = {drive.name for drive, _ in run_path(str(here / "test_drives.py"))["DRIVES"].values()}

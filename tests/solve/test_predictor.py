@@ -27,7 +27,7 @@ def _extrapolated(parameters: np.ndarray, energies: np.ndarray, values: np.ndarr
     return float(weights[0] @ values)
 
 
-def test_the_polynomial_is_the_one_that_did_best() -> None:
+def test_the_polynomial_with_the_smallest_errors_is_selected() -> None:
     x = np.arange(12.0)
     none = np.zeros(12)  # an energy that does not change is no path measure
     assert _extrapolated(x, none, x**2 + 1, 12.0) == pytest.approx(145, rel=1e-12)
@@ -147,7 +147,7 @@ def test_stored_data_of_states_equal_those_computed_anew() -> None:
     assert np.any(kept.guess(1.48) != fresh.guess(1.48))
 
 
-def test_a_recurrence_does_not_lead_through_what_may_have_been_a_jump() -> None:
+def test_translation_is_not_used_across_a_possible_jump() -> None:
     # once a period the parameter nearly halts: there the way grows by four times its usual pace
     parameters = np.arange(0.5, 12.0, 0.2)
     measure = _measure(parameters, 0.28)

@@ -49,7 +49,7 @@ def test_the_path_is_that_of_plain_newton(space: str, tangents: list[float]) -> 
     assert 2 * few < len(tangents) - few
 
 
-def test_moment_is_of_second_order_in_what_is_left() -> None:
+def test_the_error_of_the_moment_is_of_second_order_in_the_residual() -> None:
     """With a coarse tolerance the moment has far more digits than the state."""
     exact = path("N2.1", plain=True)[-1]
     settings = NewtonSettings(tolerance=1e-11)
@@ -104,7 +104,7 @@ def test_pairs_are_the_last_ones_and_positive() -> None:
     np.testing.assert_array_equal(seen[5].corrections[:, 0], numbers[:6])
 
 
-def test_it_gives_up_where_it_does_not_converge_well() -> None:
+def test_it_stops_where_it_does_not_converge_well() -> None:
     system = System(strip(), row_space("N2", (60, 3)))
     method = QuasiNewton(system, NewtonSettings())
     assert method.equilibrium(np.zeros(system.count), 0.0) is not None
@@ -114,7 +114,7 @@ def test_it_gives_up_where_it_does_not_converge_well() -> None:
     assert method.solver_state is None
 
 
-def test_it_finds_what_newton_finds() -> None:
+def test_it_finds_the_equilibria_of_newtons_method() -> None:
     system = System(strip(), row_space("N2", (60, 3)))
     found = QuasiNewton(system, NewtonSettings()).equilibrium(np.zeros(system.count), 0.002)
     assert found is not None
@@ -123,7 +123,7 @@ def test_it_finds_what_newton_finds() -> None:
     np.testing.assert_allclose(found.unknown_values, exact.unknown_values, rtol=0, atol=1e-8 * largest)
 
 
-def test_it_ends_what_newton_has_begun(tangents: list[float]) -> None:
+def test_it_finishes_the_iteration_of_newtons_method(tangents: list[float]) -> None:
     system, settings = System(strip(), row_space("N2", (60, 3))), NewtonSettings()
     start = np.zeros(system.count)
     exact = newton(system, start, 0.1, settings)
@@ -204,7 +204,7 @@ def test_the_last_evaluation_of_forces_is_skipped(monkeypatch: pytest.MonkeyPatc
     ],
     ids=["irreversible", "load"],
 )
-def test_the_last_evaluation_is_kept_for_loads_and_irreversible_joints(problem: Problem) -> None:
+def test_the_last_evaluation_is_not_skipped_for_loads_and_irreversible_joints(problem: Problem) -> None:
     """The maximum openings, and the displacement of a load, are known to first order only."""
     system = System(problem, row_space("N2", (60, 3)))
     settings = NewtonSettings(tolerance=1e-12)

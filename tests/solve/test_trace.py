@@ -138,7 +138,7 @@ def test_steps_are_immutable_and_numbered() -> None:
         steps[0].reaction = 1.0  # type: ignore[misc]
 
 
-def test_a_hopeless_step_says_why() -> None:
+def test_a_failed_step_reports_its_cause() -> None:
     with pytest.raises(ConvergenceError, match="inverted: det F = -"):
         list(trace(strip(), row_space("L1", (200, 10)), [0.0, 1.5]))
 
@@ -151,7 +151,7 @@ def test_a_step_that_does_not_settle_shows_its_iterations() -> None:
     assert caught.value.iterations[1] < caught.value.iterations[0]
 
 
-def test_the_plain_method_ends_where_the_source_says() -> None:
+def test_the_plain_method_ends_at_the_published_angle() -> None:
     """L1 on 160 x 8 in steps of 0.1 degree does not converge, as published: a limit point."""
     angles = np.radians(np.arange(0, 150, 0.1))
     steps = trace(strip(), row_space("L1", (160, 8)), angles, NewtonSettings(plain=True))

@@ -64,7 +64,7 @@ def _no_equilibria(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.mark.usefixtures("_no_equilibria")
-def test_what_finds_no_equilibrium_fails_and_says_why() -> None:
+def test_a_row_without_an_equilibrium_fails_with_a_reason() -> None:
     results = {}
     for name, chosen in CHECKS.items():
         result = results[name] = chosen.judge([chosen.compute(case) for case in chosen.cases])
