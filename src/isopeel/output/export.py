@@ -1,7 +1,6 @@
 """Export a stored run as files for ParaView."""
 
-import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 import numpy as np
@@ -10,7 +9,7 @@ from rich.console import Console
 from isopeel.common.errors import InputError
 from isopeel.post.grids import body_grids, body_mesh, side_grids, side_mesh
 from isopeel.results.vtk import Grid, Part, write_grid, write_series
-from isopeel.running.folder import EXPORTED, check_overwritten, make_folder
+from isopeel.running.folder import EXPORTED, check_overwritten, make_folder, part_of_name
 from isopeel.running.run_reader import StoredStage, read_stages
 
 #: Most straight cells of an element each way; the square of them is written for each element and state.
@@ -78,7 +77,7 @@ def _export(stage: StoredStage, out: Path, linear: int | None) -> list[Path]:
         for number, (name, grids) in enumerate(series.items()):
             prefix, part = kind, {}
             if len(series) > 1:
-                prefix, part = f"{kind}-{_file_name(name, list(series))}", {"part": name}
+                prefix, part = f"{kind}-{part_of_name(name, list(series))}", {"part": name}
             for state, (time, grid) in enumerate(zip(times, grids, strict=True)):
                 file = f"{prefix}-{state:04d}.vtu"
                 write_grid(out / file, grid, time, notes | part)
@@ -110,13 +109,3 @@ def _side_series(stage: StoredStage, linear: int | None) -> Mapping[str, Iterato
         name: side_grids(problem, space, side_mesh(problem, space, linear, name), states, name)
         for name in problem.interface_names
     }
-
-
-def _file_name(name: str, names: Sequence[str]) -> str:
-    """Return the name of a body or an interface as a part of a file's name, unlike that of all others."""
-
-    def plain(text: str) -> str:
-        return re.sub(r"[^\w.-]+", "-", text)
-
-    same = [other for other in names if plain(other) == plain(name)]
-    return plain(name) if len(same) == 1 else f"{plain(name)}-{same.index(name) + 1}"

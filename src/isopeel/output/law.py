@@ -15,7 +15,7 @@ from isopeel.physics.adhesion.mirrored import Mirrored
 from isopeel.post.figures import law_figure, save
 from isopeel.post.laboratory import Laboratory
 from isopeel.post.law import LawCharacter, law_character
-from isopeel.running.folder import check_overwritten, make_folder
+from isopeel.running.folder import check_overwritten, make_folder, part_of_name
 
 LAWS = discover("isopeel.physics.adhesion")
 
@@ -24,34 +24,42 @@ def show_law(name: str, out: Path | None, console: Console, *, force: bool = Fal
     """Print the numbers of a law, and draw it to a file.
 
     `name` is that of a law, which then has the strength and the work of adhesion of the shipped strip's law,
-    or a case, whose law is shown. Raises InputError where it is neither, or for an unknown kind of file, and
-    OSError where the file cannot be written.
+    or a case, whose law is shown; of several interfaces each has its own table and file. Raises InputError
+    where it is neither, or for an unknown kind of file, and OSError where the file cannot be written.
     """
-    law, units = _like_the_strip(name) if name in LAWS else _of_the_case(name)
-    mirrored = isinstance(law, Mirrored)
-    if isinstance(law, Mirrored):
-        law = law.law
+    laws, units = _like_the_strip(name) if name in LAWS else _of_the_case(name)
     path = out or Path("out") / f"{Path(name).stem}.png"
-    character = law_character(law)
-    check_overwritten("--out", [path], force)
+    paths = [path]
+    if len(laws) > 1:
+        parts = [part_of_name(one, list(laws)) for one in laws]
+        paths = [path.with_name(f"{path.stem}-{part}{path.suffix}") for part in parts]
+    characters = [law_character(_whole(law)) for law in laws.values()]
+    check_overwritten("--out", paths, force)
     make_folder(path.parent)
-    try:
-        save(law_figure(law, Laboratory(units)), path)
-    except InputError as error:
-        raise InputError(
-            "--out" if error.field == "figure" else error.field, error.value, error.allowed
-        ) from error
-    console.print(law_table(name, character, units))
-    if mirrored:
-        console.print(
-            "of the whole joint, over the separation of both faces; the half that is modelled has half of its"
-            " work of adhesion, over half of the separation",
-            soft_wrap=True,
-        )
-    console.print(f"drawn in {path}", soft_wrap=True)
+    for (title, law), character, file in zip(laws.items(), characters, paths, strict=True):
+        try:
+            save(law_figure(_whole(law), Laboratory(units)), file)
+        except InputError as error:
+            raise InputError(
+                "--out" if error.field == "figure" else error.field, error.value, error.allowed
+            ) from error
+        console.print(law_table(title, character, units))
+        if isinstance(law, Mirrored):
+            console.print(
+                "of the whole joint, over the separation of both faces; the half that is modelled has half of"
+                " its work of adhesion, over half of the separation",
+                soft_wrap=True,
+            )
+        console.print(f"drawn in {file}", soft_wrap=True)
 
 
-def _of_the_case(name: str) -> tuple[AdhesionLaw, UnitSystem]:
+def _whole(law: AdhesionLaw) -> AdhesionLaw:
+    """Return the law of the whole joint."""
+    return law.law if isinstance(law, Mirrored) else law
+
+
+def _of_the_case(name: str) -> tuple[dict[str, AdhesionLaw], UnitSystem]:
+    """Return the laws of a case by their titles: its name, or those of its interfaces."""
     try:
         case = load_case(name)
     except InputError as error:
@@ -59,13 +67,19 @@ def _of_the_case(name: str) -> tuple[AdhesionLaw, UnitSystem]:
             raise
         allowed = f"it is neither a law ({', '.join(LAWS)}) nor a case: {error.allowed}"
         raise InputError("NAME", name, allowed) from error
-    return case.problem().adhesion.law, case.units.system()
+    problem = case.problem()
+    laws = {
+        interface: one.law for interface, one in zip(problem.interface_names, problem.interfaces, strict=True)
+    }
+    if not laws:
+        raise InputError("NAME", name, "its bodies have no interface, and so no law")
+    return {name: next(iter(laws.values()))} if len(laws) == 1 else laws, case.units.system()
 
 
-def _like_the_strip(name: str) -> tuple[AdhesionLaw, UnitSystem]:
+def _like_the_strip(name: str) -> tuple[dict[str, AdhesionLaw], UnitSystem]:
     known = law_character(load_case("strip").problem().adhesion.law)
     law: AdhesionLaw = LAWS[name].like(known.strength, known.work_of_adhesion, known.equilibrium_gap)
-    return law, UnitSystem()
+    return {name: law}, UnitSystem()
 
 
 def law_table(name: str, character: LawCharacter, units: UnitSystem) -> Table:

@@ -103,6 +103,16 @@ def run_files(folder: Path) -> list[Path]:
     return files
 
 
+def part_of_name(name: str, names: Sequence[str]) -> str:
+    """Return the name of a body or an interface as a part of a file's name, unlike that of all others."""
+
+    def plain(text: str) -> str:
+        return re.sub(r"[^\w.-]+", "-", text)
+
+    same = [other for other in names if plain(other) == plain(name)]
+    return plain(name) if len(same) == 1 else f"{plain(name)}-{same.index(name) + 1}"
+
+
 def make_folder(out: Path, field: str = "--out") -> None:
     """Make a folder. Raises InputError for a field where no file could be written to it."""
     try:

@@ -185,18 +185,24 @@ class Curve {
   }
 }
 
+/** The least and the largest tension of the adhesion on faces, with zero. */
+function rangeOf(faces) {
+  const all = faces.flatMap((face) => Array.from(face.adhesion)).filter(Number.isFinite);
+  return [all.reduce((a, b) => Math.min(a, b), 0), all.reduce((a, b) => Math.max(a, b), 0)];
+}
+
 /** Tractions along one of the faces that adhere. */
 class Tractions {
-  constructor(units, side, faces) {
+  constructor(units, side, faces, least) {
     this.units = units;
     this.position = numbersOf(side.position, Float32Array);
     this.points = side.points;
     this.whole = [this.position[0], this.position[this.position.length - 1]]; // the ends of the face
     this.places = numbersOf(side.places, Float32Array); // of the points of the deformed face
     // one scale for all states, so that a peak that moves keeps its size
-    const all = faces.flatMap((face) => Array.from(face.adhesion)).filter(Number.isFinite);
-    const low = all.reduce((a, b) => Math.min(a, b), 0);
-    const high = all.reduce((a, b) => Math.max(a, b), 0);
+    let [low, high] = rangeOf(faces);
+    // the round-off of a face at rest beside others has no scale of its own
+    if (Math.max(-low, high) < least) [low, high] = [-least, least];
     const margin = 0.12 * (high - low || 1);
     this.yRange = [low - margin, high + margin];
   }

@@ -2,6 +2,7 @@
 
 const FRAME_MILLISECONDS = 450; // for a state, where they play by themselves
 const HEIGHT_OF_AXES = 66; // in CSS pixels, of their names and numbers
+const LEAST_TENSION = 1e-3; // of the largest of all faces: less is drawn as none
 
 class Stage {
   constructor(section, content, palette) {
@@ -11,8 +12,9 @@ class Stage {
     this.curve = new Curve(content.curve);
     this.states = content.states.map(unpackedState);
     this.steps = this.states.map((state) => state.step);
+    const least = LEAST_TENSION * Math.max(...rangeOf(this.states.flatMap((state) => state.faces)).map(Math.abs));
     this.tractions = content.sides.map(
-      (side, k) => new Tractions(content.units, side, this.states.map((state) => state.faces[k])));
+      (side, k) => new Tractions(content.units, side, this.states.map((state) => state.faces[k]), least));
     this.whole = new Bodies(content, palette);
     this.front = new Bodies(content, palette);
     this.view = content.views[0];
