@@ -1,13 +1,13 @@
 """Compiled loops over the body (total Lagrangian): forces, stored energy and tangent, by sum factorization.
 
-The functions are products: of one along xi, of the row j, and of one across, M_j(eta). So fields are made
-along each row first, and across then; forces and tangents the other way round. The last axis of
-every array is the element of a batch along xi. The innermost loops run over it, so that they fill the
-processor's vector registers whatever the degree.
+The functions are products: of one along xi, of the row j, and of one across, M_j(eta). So fields are
+evaluated along each row first, and then across; forces and tangents in the opposite order. The last axis of
+every array is the element of a batch along xi. The innermost loops run over it, so that they use SIMD
+instructions fully, for any degree.
 
-The gradient at a point is made of channels: d/dxi, d/deta and, of a rational space, the value itself. Each
-is a derivative of some order along xi times one of some order across (`BodyTable`). Where elements are equal
-rectangles, d/dX_J is a multiple of the channel J, the same on all of them. Index names: a, b
+The gradient at a point is a combination of channels: d/dxi, d/deta and, for a rational space, the value
+itself. Each channel is a derivative along xi of some order, times a derivative across (`BodyTable`). On equal
+rectangles, d/dX_J is a multiple of channel J, with the same factor on all of them. Index names: a, b
 functions along xi; c the rows of an element; i, k components; J, L reference directions; p quadrature points
 along xi, r across.
 """
@@ -27,14 +27,14 @@ from isopeel.assembly.element_batch import (
     add_products,
     add_scaled,
     add_scaled_to_both,
-    give,
+    gather,
     inlined,
+    scatter,
     set_products,
     set_scaled,
     set_start_scaled,
     set_weighted_products,
     sum_of_products,
-    take,
 )
 from isopeel.assembly.loops import Energies
 from isopeel.assembly.packing import (
@@ -51,14 +51,14 @@ from isopeel.assembly.packing import (
 from isopeel.common.arrays import FloatArray, IntArray
 from isopeel.physics.batch import material_at
 
-#: Elements that are treated together, at most: enough that the test for overlapping arrays, made before each
-#: innermost loop, costs little, and few enough that what is kept of them fits the processor's cache.
+#: Most elements of a batch: so many that the test for overlapping arrays before each innermost loop costs
+#: little, and so few that their data fit into the first-level cache.
 _BATCH = 256
 # Numba takes seconds to compile an assignment to a part of an array, but not its fill.
 
 
 class BodyData(NamedTuple):
-    """What the loops over a body are told."""
+    """The data of the loops over a body."""
 
     material: int  # address
     parameters: Floats1
@@ -91,8 +91,8 @@ def add_body(
 ) -> Energies:
     """Add internal forces int P_iJ dN_a/dX_J dV and their tangent; the stored energy and least det F.
 
-    Of the integers and floats of a `BodyData`; u, forces (size, 2); band (unknowns + 1, width), whose last
-    row takes what no unknown wants, untouched without `with_tangent`.
+    The integers and floats are those of a `BodyData`. u and forces are (size, 2). The band is (unknowns + 1,
+    width): its last row gets the entries of no unknown. It is not used without `with_tangent`.
     """
     body: BodyData = read_body(integers, floats)
     material, parameters = material_at(body.material), body.parameters
@@ -135,7 +135,7 @@ def add_body(
                 kind = kinds[j]
                 loads[j % C].fill(0.0)
                 for a in range(sizes[kind]):
-                    take(u, first[j, batch], a, local[a, 0], local[a, 1], n)
+                    gather(u, first[j, batch], a, local[a, 0], local[a, 1], n)
                 for order in range(2):
                     for i in range(2):
                         for p in range(P):
@@ -169,7 +169,7 @@ def add_body(
                         _deform_rectangles(F, lines, across[y], to_X, p, r, row, n)
                     else:
                         _deform(F, lines, across[y], to_X, p, r, row, batch, channel, n)
-                    # one for each place in the arrays: a single one would not run in vector registers
+                    # one for each place in the arrays: with a single one there are no SIMD instructions
                     for e in range(n):
                         determinant = F[0, 0, e] * F[1, 1, e] - F[0, 1, e] * F[1, 0, e]
                         least[e] = determinant if determinant < least[e] else least[e]
@@ -201,7 +201,7 @@ def add_body(
                                 loads[j % C, 1, i, p],
                                 n,
                             )
-                    give(forces, first[j, batch], a, value[0], value[1], n)
+                    scatter(forces, first[j, batch], a, value[0], value[1], n)
                 if with_tangent:
                     for d in range(min(C, rows - j)):
                         spread(
@@ -262,7 +262,7 @@ def _deform(
 
 @inlined
 def _deform_rectangles(F: Any, lines: Any, across: Any, maps: Any, p: int, r: int, row: int, n: int) -> None:
-    """The same of equal rectangles."""
+    """Do the same for equal rectangles."""
     C = across.shape[2]
     for i in range(2):
         for J in range(2):
@@ -288,7 +288,7 @@ def _load(
     flow: Any,
     n: int,
 ) -> None:
-    """Add what the stresses at a point of each element of a batch do to the rows."""
+    """Add the contributions of the stresses at a point of each element of a batch to the rows."""
     C, channels = across.shape[2], maps.shape[1]
     for i in range(2):
         for h in range(channels):
@@ -306,7 +306,7 @@ def _load(
 def _load_rectangles(
     loads: Any, stress: Any, area: float, across: Any, maps: Any, p: int, r: int, row: int, n: int
 ) -> None:
-    """The same of equal rectangles, of one area."""
+    """Do the same for equal rectangles, which have one area."""
     C = across.shape[2]
     for i in range(2):
         for J in range(2):

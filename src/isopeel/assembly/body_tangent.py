@@ -1,7 +1,8 @@
 """Compiled: the tangent of the body, from the moduli at its points to the entries of the band.
 
-Names as in `isopeel.assembly.body_kernel`. It is made in two steps: the moduli of all points of a row of
-elements are summed up across, for each pair of rows of functions, and these pairs are spread along then.
+Names are those of `isopeel.assembly.body_kernel`. There are two steps. First the moduli of all points of a
+row of elements are summed across, for each pair of rows of functions. Then each pair of rows is integrated
+along.
 """
 
 from typing import Any
@@ -19,7 +20,7 @@ from isopeel.matrix.band import entry_place
 
 @compiled_reordered
 def pull_back(A: Any, maps: Any, weights: Any, start: int, n: int, half: Any, moduli: Any) -> None:
-    """Moduli between channels: w sum_JL maps_hJ A_iJkL maps_gL at [2 h + i, 2 g + k], of the lower half."""
+    """Set moduli of channels, their lower half: w sum_JL maps_hJ A_iJkL maps_gL at [2 h + i, 2 g + k]."""
     P, channels = maps.shape[0], maps.shape[1]
     batch = slice(start, start + n)
     for p in range(P):
@@ -54,7 +55,7 @@ def pull_back(A: Any, maps: Any, weights: Any, start: int, n: int, half: Any, mo
 
 @compiled_reordered
 def add_to_pairs(pairs: Any, moduli: Any, across: Any, r: int, row: int, channels: int, n: int) -> None:
-    """Add a row of points to the pairs of the rows row + c and row + c + d, pairs[., d, orders, i, k]."""
+    """Add a row of points to the pairs of rows row + c and row + c + d, pairs[., d, orders, i, k]."""
     C = across.shape[2]
     P = pairs.shape[6]
     for c in range(C):
@@ -76,7 +77,7 @@ def add_to_pairs(pairs: Any, moduli: Any, across: Any, r: int, row: int, channel
 def add_rectangles_to_pairs(
     pairs: Any, A: Any, maps: Any, weights: Any, across: Any, r: int, row: int, n: int
 ) -> None:
-    """The same of equal rectangles, straight from the moduli A."""
+    """Do the same for equal rectangles, directly from the moduli A."""
     C, P = across.shape[2], maps.shape[0]
     for c in range(C):
         for d in range(C - c):
@@ -115,7 +116,7 @@ def spread(
     """Add the tangent between two rows: sum_p D^o N_a pair[o, q, i, k, p] D^q N_b, of orders o and q.
 
     `one` and `other` (2, P, size, X) are the functions of the rows, `rows` and `columns` (2, size, X) their
-    unknowns; of one row with itself, half of the entries follow from the symmetry.
+    unknowns. For a row with itself, half of the entries follow from the symmetry.
     """
     P = one.shape[1]
     batch = slice(start, start + n)
@@ -166,10 +167,10 @@ def _scatter(
     n: int,
     same: bool,
 ) -> None:
-    """Add symmetric entries (n,), and their mirror images where the whole band is stored, `diagonal` > 0.
+    """Add symmetric entries (n,), and their mirror images if the whole band is stored, `diagonal` > 0.
 
-    Two coefficients that follow one unknown meet their mirror image on the diagonal, unless they are the
-    `same`.
+    The entry of two tied coefficients is on the diagonal, like its mirror image: both are added, unless the
+    coefficients are the `same`.
     """
     nowhere = flat.size - 1
     for e in range(n):

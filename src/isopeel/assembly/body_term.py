@@ -9,13 +9,13 @@ from isopeel.assembly.tables import BodyTable
 from isopeel.common.arrays import FloatArray, IntArray, frozen
 from isopeel.problem import Body
 
-#: Of a term without one.
+#: The history of a term that has none.
 _NO_HISTORY = frozen([])
 
 
 @dataclass(frozen=True, eq=False)
 class BodyTerm:
-    """What deforms a body, whose functions are those of a table."""
+    """The deformation of a body, whose functions are those of a table."""
 
     body: Body
     table: BodyTable

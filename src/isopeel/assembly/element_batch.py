@@ -1,9 +1,9 @@
-"""Loops over an element batch, n elements of a row treated together, inlined into what calls them.
+"""SIMD loops over an element batch, which is n elements of a row; they are inlined into their callers.
 
-The last axis of all arrays has at least n entries. A loop over few arrays runs in vector registers: the
-compiler tests whether they overlap before it begins. Each should be the last axis, or a part of it, of an
-array in C order, taken by single indices: of others the compiler does not know that their numbers lie one
-after another.
+The last axis of all arrays has at least n entries. A loop over few arrays is compiled to SIMD instructions:
+the compiler tests before the loop whether the arrays overlap. Each array should be the last axis, or a part
+of it, of an array in C order, selected by single indices: only then does the compiler treat its numbers as
+contiguous.
 """
 
 from typing import Any
@@ -14,11 +14,11 @@ inlined = njit(inline="always")
 
 
 @inlined
-def take(u: Any, first: Any, a: int, x: Any, y: Any, n: int) -> None:
-    """Set x, y (n,) to the displacements (functions, 2) of the functions `a` beyond the first of elements."""
-    # the first ones grow from element to element
+def gather(u: Any, first: Any, a: int, x: Any, y: Any, n: int) -> None:
+    """Set x, y (n,) to displacements u (functions, 2): of function `a` after the first of each element."""
+    # the first functions increase from element to element
     if first[n - 1] - first[0] == n - 1:
-        # by one, as where elements are joined as smoothly as can be
+        # by one, as in splines of the highest continuity
         f = first[0] + a
         for e in range(n):
             x[e] = u[f + e, 0]
@@ -30,8 +30,8 @@ def take(u: Any, first: Any, a: int, x: Any, y: Any, n: int) -> None:
 
 
 @inlined
-def give(forces: Any, first: Any, a: int, x: Any, y: Any, n: int) -> None:
-    """The way back: add x, y (n,)."""
+def scatter(forces: Any, first: Any, a: int, x: Any, y: Any, n: int) -> None:
+    """Add x, y (n,) to the forces (functions, 2) of the same functions: the transpose of `gather`."""
     if first[n - 1] - first[0] == n - 1:
         f = first[0] + a
         for e in range(n):

@@ -1,7 +1,8 @@
 """The data of a term as one array of integers and one of floats: so loops of all terms have one signature.
 
-A `NamedTuple` states once what loops are told: arrays of some dimensions, and single numbers. `packed` makes
-the two arrays of it; `reader` makes the function by which compiled loops get it back, as views.
+A `NamedTuple` declares the data of loops once: arrays of given dimensions, and single numbers. `packed`
+returns the two arrays; `reader` returns the function by which compiled loops restore the tuple, with views as
+arrays.
 """
 
 from typing import Annotated, Any, NamedTuple, TypeAlias, get_args, get_type_hints
@@ -20,22 +21,22 @@ Floats2: TypeAlias = Annotated[FloatArray, 2]
 Floats3: TypeAlias = Annotated[FloatArray, 3]
 Floats4: TypeAlias = Annotated[FloatArray, 4]
 Floats5: TypeAlias = Annotated[FloatArray, 5]
-#: Yes or no; loops get them as integers.
+#: Yes or no; in loops an integer.
 Flags2: TypeAlias = Annotated[BoolArray, 2]
 
-#: Arrays begin at multiples of so many numbers: at cache lines of their own.
+#: Arrays begin at multiples of this number of items, so that they share no cache line.
 _LINE = 8
 
 
 class Packed(NamedTuple):
-    """Data of a term: where each field begins, and shapes of arrays, are the first of the integers."""
+    """Data of a term; the first integers are the place of each field and the shapes of arrays."""
 
     integers: IntArray
     floats: FloatArray
 
 
 def packed(data: Any) -> Packed:
-    """Pack a `NamedTuple` of arrays and numbers."""
+    """Return the packed data of a `NamedTuple` of arrays and numbers."""
     fields = _fields(type(data))
     header: list[int] = []
     parts: dict[bool, list[Any]] = {False: [], True: []}
@@ -59,9 +60,10 @@ def packed(data: Any) -> Packed:
 
 
 def reader(kind: type) -> Any:
-    """Compiled function that returns the `NamedTuple` of some integers and floats.
+    """Return a compiled function that returns the `NamedTuple` of given integers and floats.
 
-    Numba compiles no loop over fields of several types: so its source is written here, an expression a field.
+    Numba cannot compile a loop over fields of several types. So its source is written here, with one
+    expression for each field.
     """
     views, place = [], 0
     for is_float, dimensions in _fields(kind).values():
@@ -81,7 +83,7 @@ def reader(kind: type) -> Any:
 
 
 def _fields(kind: type) -> dict[str, tuple[bool, int]]:
-    """Whether a field holds floats, and the dimensions of its array, zero for a number."""
+    """Return whether a field has floats, and the number of dimensions of its array, zero for a number."""
     found = {}
     for name, hint in get_type_hints(kind, include_extras=True).items():
         if hint in (int, bool, float):

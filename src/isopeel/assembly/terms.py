@@ -1,4 +1,4 @@
-"""What the discrete system is a sum of: a term is one piece of physics on some coefficients."""
+"""Terms, whose sum is the discrete system: each is one piece of physics on some coefficients."""
 
 from typing import Protocol
 
@@ -8,14 +8,14 @@ from isopeel.common.arrays import FloatArray, IntArray
 
 
 class Term(Protocol):
-    """A piece of physics: compiled loops that add its forces and tangent, and what these are told.
+    """A piece of physics: compiled loops that add its forces and tangent, and the data of these loops.
 
-    A history is what an accepted step leaves behind for the next one; a trial never changes it.
+    The history is changed by accepted steps only, and never by a trial.
     """
 
     @property
     def loops(self) -> Loops:
-        """What adds forces and tangent, see `isopeel.assembly.loops`."""
+        """The loops that add forces and tangent, see `isopeel.assembly.loops`."""
         ...
 
     @property
@@ -28,13 +28,13 @@ class Term(Protocol):
         ...
 
     def data(self, unknowns: IntArray) -> Packed:
-        """What the loops are told, where functions have the unknowns (size, 2)."""
+        """Return the data of the loops, for functions with the unknowns (size, 2)."""
         ...
 
     def initial(self) -> FloatArray:
-        """The history (n,) of a body as it is made."""
+        """The history (n,) of an undeformed body."""
         ...
 
     def commit(self, displacement: FloatArray, history: FloatArray) -> FloatArray:
-        """The history (n,) after a step to coefficients (size, 2), of that before it."""
+        """Return the history (n,) after a step to coefficients (size, 2), from the history before it."""
         ...
