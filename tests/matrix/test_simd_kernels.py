@@ -1,4 +1,4 @@
-"""Products in vector registers are those of NumPy."""
+"""The SIMD kernels compute the products of NumPy."""
 
 from typing import Any
 

@@ -13,27 +13,27 @@ Storage = Literal["symmetric", "general"]
 
 
 def _entry_place(stride: Any, diagonal: Any, row: Any, column: Any) -> Any:
-    """Return where in a workspace, as one line of numbers, entry (row, column) is.
+    """Return the index of entry (row, column) in a flattened workspace.
 
-    The stride is the width of the workspace less one, and `diagonal` where a row has its diagonal: entries
-    above it are stored where that is not at zero.
+    The stride is the width of the workspace minus one, and `diagonal` is the index of the diagonal in a row:
+    if it is not zero, entries above the diagonal are stored too.
     """
     return stride * column + diagonal + row
 
 
-#: The same within compiled code.
+#: The same in compiled code.
 entry_place = njit(inline="always")(_entry_place)
 
 
 @dataclass(frozen=True, eq=False)
 class BandMatrix:
-    """Matrix in LAPACK's band storage, transposed: row j of `entries` holds column j of the matrix.
+    """Matrix in LAPACK's band storage, transposed: row j of `entries` is column j of the matrix.
 
     symmetric: entries[j, i - j] = A_ij for i >= j (pbtrf, lower); general: entries[j, 2 b + i - j] with
-    half-bandwidth b, whose first b columns are left free for gbtrf.
+    half-bandwidth b, where the first b columns are for the fill of gbtrf.
     """
 
-    workspace: FloatArray  # (n + 1, width); the last row holds nothing
+    workspace: FloatArray  # (n + 1, width); the last row is not used
     half_bandwidth: int
     storage: Storage
 
@@ -41,7 +41,7 @@ class BandMatrix:
     def zeros(
         cls, count: int, half_bandwidth: int, storage: Storage, workspace: FloatArray | None = None
     ) -> "BandMatrix":
-        """Return a matrix of `count` rows that holds nothing, in the workspace of another one of its size."""
+        """Return a zero matrix of `count` rows, in the workspace of another matrix of its size."""
         width = half_bandwidth + 1 if storage == "symmetric" else 3 * half_bandwidth + 1
         if workspace is None:
             workspace = np.empty((count + 1, width))
@@ -50,21 +50,21 @@ class BandMatrix:
 
     @property
     def entries(self) -> FloatArray:
-        """(n, width)."""
+        """The entries (n, width)."""
         return self.workspace[:-1]
 
     @property
     def diagonal(self) -> int:
-        """Where a row of the workspace has its diagonal: at zero, where the lower half alone is stored."""
+        """Index of the diagonal in a row of the workspace: zero if only the lower half is stored."""
         return 0 if self.storage == "symmetric" else 2 * self.half_bandwidth
 
     def add(self, rows: IntArray, columns: IntArray, values: FloatArray) -> None:
-        """Add values to entries; those above the diagonal have no place in a symmetric matrix."""
+        """Add values to entries; in a symmetric matrix, entries above the diagonal are not stored."""
         stride = self.workspace.shape[1] - 1
         np.add.at(self.workspace.reshape(-1), _entry_place(stride, self.diagonal, rows, columns), values)
 
     def add_outer(self, vector: FloatArray, size: float) -> bool:
-        """Add size x vector vector^T to a symmetric matrix, where the band has room for it; say whether."""
+        """Add size x vector vector^T to a symmetric matrix, if it fits the band; return whether it does."""
         (places,) = np.nonzero(vector)
         if self.storage != "symmetric" or np.ptp(places) > self.half_bandwidth:
             return False

@@ -10,7 +10,7 @@ from isopeel.matrix.factor import Factor, SingularError
 
 
 class Border(NamedTuple):
-    """Column and row that border a matrix, whose corner is zero: [[A, column], [row, 0]]."""
+    """Column and row that border a matrix A: [[A, column], [row, 0]]."""
 
     column: FloatArray  # (n,)
     row: FloatArray  # (n,)
@@ -29,7 +29,7 @@ class Bordered:
         """Eliminate the column; raises SingularError."""
         eliminated = inner.solve(border.column)
         if not border.row @ eliminated:
-            raise SingularError("the control does not notice the load")
+            raise SingularError("the prescribed displacement does not depend on the load")
         return cls(inner, border, eliminated)
 
     def solve(self, right_side: FloatArray) -> FloatArray:

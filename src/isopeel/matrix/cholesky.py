@@ -1,9 +1,9 @@
 """The Cholesky factor of a band by blocks of columns, and solutions with it.
 
-LAPACK's pbtrs takes one column after another, each of which must wait for the last. Here the inverses of the
-diagonal blocks are made once, and what a block takes off the rows below is one product of a matrix and a
-vector, in vector registers: a factor that is kept is used hundreds of times. It is made by such products too,
-from the band and straight into the form that solutions read.
+LAPACK's pbtrs handles one column after the other, and each waits for the last one. Here the inverses of the
+diagonal blocks are computed once, and the effect of a block on the rows below is one matrix-vector product by
+a SIMD kernel. This pays, because the factor of a chord tangent is used hundreds of times. The factorization
+uses such products too, and writes the form that solutions read.
 """
 
 from dataclasses import dataclass
@@ -23,22 +23,22 @@ Floats: TypeAlias = NDArray[np.floating[Any]]
 
 @dataclass(frozen=True, eq=False)
 class BandCholesky:
-    """L of A = L L^T, a band matrix of n rows: its diagonal blocks' inverses, and what lies below them.
+    """L of A = L L^T, a band matrix of n rows: the inverses of diagonal blocks, and the blocks below them.
 
-    In single precision solutions take half of the memory, and so about half of the time. Inside of elements
-    that are joined without slopes, columns reach no further than the element: what is beyond is left out.
+    In single precision, solutions read half of the memory, and so take about half of the time. Columns of
+    functions inside C0 elements end with the element: the zeros below are not stored.
     """
 
-    #: Of one block after another: the inverse (8, 8), column by column, and the columns (8, rows below).
+    #: For each block: the inverse (8, 8), column by column, and the columns (8, rows below).
     values: Floats
     starts: IntArray  # (blocks + 1,) where those of a block scaled; the rows below are a multiple of 8
     count: int
 
     @classmethod
     def of(cls, columns: FloatArray, precision: type[np.floating[Any]]) -> Self:
-        """Factorize A, of whose lower half there are the columns (n, half-bandwidth + 1).
+        """Return the factor of A, whose lower half has the columns (n, half-bandwidth + 1).
 
-        Cholesky's method is in double precision, the factor is kept in another.
+        It is computed in double precision, and stored in the given precision.
         Raises NotPositiveDefiniteError.
         """
         n = len(columns)
@@ -60,12 +60,12 @@ class BandCholesky:
 
 @compiled_reordered
 def _find_reach(columns: FloatArray, reach: IntArray) -> None:
-    """Rows of L below each block that are not zero, in multiples of 8, of the columns (n, width) of A."""
+    """Return the number of nonzero rows of L below each block, in multiples of 8, for A (n, width)."""
     n, width = columns.shape
     last = 0
     for block in range(len(reach)):
         beyond = (block + 1) * COLUMNS
-        # what a column takes off the next ones reaches as far as it does
+        # a column fills the next ones as far as it reaches
         for j in range(beyond - COLUMNS, min(beyond, n)):
             size = min(width, n - j)
             while j + size - 1 > last and columns[j, size - 1] == 0.0:
@@ -76,9 +76,9 @@ def _find_reach(columns: FloatArray, reach: IntArray) -> None:
 
 @compiled_reordered
 def _factorize(columns: FloatArray, reach: IntArray, values: Floats, starts: IntArray) -> int:
-    """Set the values of L, of the columns (n, width) of A; the first pivot that is not positive, or 0.
+    """Set the values of L from the columns (n, width) of A; return the first nonpositive pivot, or 0.
 
-    A window on A moves down the band: the blocks that the next one takes something off.
+    A window on A moves down the band: the blocks that the next block changes.
     """
     blocks, below = len(reach), 0
     for block in range(blocks):
@@ -99,7 +99,7 @@ def _factorize(columns: FloatArray, reach: IntArray, values: Floats, starts: Int
         if pivot > 0:
             return block * COLUMNS + pivot
         rows, start = reach[block], starts[block]
-        # L = A inverse^T, of whose column k the number c is that of the column c of the inverse
+        # L = A inverse^T: entry c of column k of inverse^T is entry k of column c of the inverse
         set_product(window, here * COLUMNS * stride + COLUMNS, stride, inverse, 0, COLUMNS, L, 0, below, rows)
         for c in range(COLUMNS):
             first = start + COLUMNS * COLUMNS + c * rows
@@ -133,7 +133,7 @@ def _enter(columns: FloatArray, block: int, A: FloatArray) -> None:
 
 @compiled_reordered
 def _invert(A: FloatArray, inverse: FloatArray) -> int:
-    """Set the inverse of the Cholesky factor of the first rows of A; the first pivot that fails, or 0."""
+    """Set the inverse of the Cholesky factor of the first rows of A; return the first failed pivot, or 0."""
     for c in range(COLUMNS):
         if not A[c, c] > 0.0:
             return c + 1
@@ -155,7 +155,7 @@ def _invert(A: FloatArray, inverse: FloatArray) -> int:
 
 @compiled_reordered
 def energy(columns: FloatArray, x: FloatArray) -> float:
-    """x . A x for x (n,) of a symmetric matrix, of whose lower half there are the columns (n, width)."""
+    """Return x . A x for x (n,) and a symmetric matrix, whose lower half has the columns (n, width)."""
     n, width = columns.shape
     total = 0.0
     for j in range(n):
@@ -169,10 +169,10 @@ def energy(columns: FloatArray, x: FloatArray) -> float:
 
 @compiled_reordered
 def scaled(values: Floats, starts: IntArray, right_side: FloatArray) -> tuple[Floats, float]:
-    """What `solve` takes, of a right side (n,): that over its largest number, which is the second value.
+    """Return the right side (n,) for `solve`, divided by its largest number, and that number.
 
-    It is of the precision of the factor, and single precision ends at 1e38, which units of a problem could
-    pass. There is room for all blocks, and for the rows below the last one.
+    The right side has the precision of the factor. Single precision ends at 1e38, which could be exceeded in
+    the units of a problem. The array has room for all blocks, and for the rows below the last one.
     """
     blocks, n = len(starts) - 1, len(right_side)
     most = 0
@@ -190,7 +190,7 @@ def scaled(values: Floats, starts: IntArray, right_side: FloatArray) -> tuple[Fl
 
 @compiled_reordered
 def solve(values: Floats, starts: IntArray, x: Floats) -> None:
-    """Solve L L^T x = right side, in place: see `scaled`."""
+    """Solve L L^T x = right side in place, for the right side of `scaled`."""
     blocks = len(starts) - 1
     for block in range(blocks):
         rows = (starts[block + 1] - starts[block]) // COLUMNS - COLUMNS

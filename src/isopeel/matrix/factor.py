@@ -1,4 +1,4 @@
-"""What all factors of matrices have in common, and how they fail."""
+"""The interface of all factors of matrices, and their errors."""
 
 from typing import Protocol
 
@@ -14,8 +14,8 @@ class Factor(Protocol):
 
 
 class NotPositiveDefiniteError(ArithmeticError):
-    """Cholesky met a pivot that is not positive."""
+    """Cholesky's method found a pivot that is not positive."""
 
 
 class SingularError(ArithmeticError):
-    """A factorization met a pivot that is zero, or too small."""
+    """A factorization found a pivot that is zero, or too small."""

@@ -1,4 +1,4 @@
-"""The factor that suits a band matrix."""
+"""The choice of the factor of a band matrix."""
 
 import numpy as np
 
@@ -9,7 +9,7 @@ from isopeel.matrix.lu import BandLU
 
 
 def factorize(matrix: BandMatrix) -> Factor:
-    """Cholesky in symmetric storage; LU in general storage, which overwrites the entries.
+    """Return the Cholesky factor in symmetric storage; the LU factor in general storage, which overwrites it.
 
     Raises NotPositiveDefiniteError, SingularError.
     """

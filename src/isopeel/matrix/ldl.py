@@ -1,4 +1,4 @@
-"""Inertia of a symmetric band matrix: how many of its eigenvalues are negative."""
+"""Inertia of a symmetric band matrix: the number of its negative eigenvalues."""
 
 from dataclasses import dataclass
 
@@ -9,7 +9,7 @@ from isopeel.common.compilation import compiled
 from isopeel.matrix.band import BandMatrix
 from isopeel.matrix.factor import SingularError
 
-#: Largest pivot over the largest entry that was there: beyond it half of the digits are lost.
+#: Largest pivot over the largest original entry; with larger ones half of the digits are lost.
 _MOST_GROWTH = 1e8
 _COLUMNS = 4
 
@@ -19,8 +19,8 @@ class BandLDL:
     """A = L D L^T without pivoting of a symmetric matrix, definite or not. It overwrites the entries.
 
     By Sylvester's law of inertia A has as many negative eigenvalues as D has negative entries. Without
-    pivoting the factor exists unless a leading minor vanishes, and is as exact as its entries have not
-    grown (Golub and Van Loan, Matrix Computations, Sec. 4.4): growth is therefore checked.
+    pivoting the factor exists unless a leading principal minor vanishes. Its error is proportional to the
+    growth of the entries (Golub and Van Loan, Matrix Computations, Sec. 4.4), which is therefore checked.
     """
 
     entries: FloatArray  # (n, b + 1): D in the first column, the columns of L below it
@@ -28,7 +28,7 @@ class BandLDL:
 
     @classmethod
     def of(cls, matrix: BandMatrix) -> "BandLDL":
-        """Factorize a matrix in symmetric storage; raises SingularError where its entries grow too much."""
+        """Return the factor of a matrix in symmetric storage; SingularError if its entries grow too much."""
         entries = matrix.entries
         largest = float(np.abs(entries[:, 0]).max())
         # a pivot p adds (entry)^2 / p to those after it
@@ -45,7 +45,7 @@ class BandLDL:
 
 @compiled
 def _factorize(entries: FloatArray, most: float) -> bool:
-    """Four columns at a time, so that what comes after them is read and written once for all four."""
+    """Factorize four columns at a time, so that the columns after them are read and written once for all."""
     n, width = entries.shape
     shares = np.zeros(_COLUMNS)
     for first in range(0, n, _COLUMNS):
@@ -61,7 +61,7 @@ def _factorize(entries: FloatArray, most: float) -> bool:
             for a in range(end - first):
                 k = t - first - a
                 shares[a] = entries[first + a, k] / entries[first + a, 0] if k < width else 0.0
-            # where all four columns reach, and beyond
+            # rows that all four columns reach, and the others
             whole = max(min(width - (t - first), n - t), 0) if end - first == _COLUMNS else 0
             if whole > 0:
                 _subtract(entries[first:end], t - first, shares, entries[t, :whole])

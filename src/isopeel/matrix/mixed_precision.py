@@ -1,4 +1,4 @@
-"""A Cholesky factor in single precision, where that suffices."""
+"""A Cholesky factor in single precision, if that is exact enough."""
 
 from typing import NamedTuple
 
@@ -8,13 +8,13 @@ from isopeel.common.arrays import FloatArray
 from isopeel.matrix.band import BandMatrix
 from isopeel.matrix.cholesky import BandCholesky, energy
 
-#: Of the energy of a solution: an iteration corrects what is left, and learns what it is.
+#: Allowed error of a solution, as a share of its energy: the iteration corrects the rest.
 _ENOUGH = 0.01
 GOLDEN_RATIO = (1 + 5**0.5) / 2
 
 
 class Approximate(NamedTuple):
-    """A factor, a motion (count,) that two inverse iterations lead to, and what that needs by the matrix."""
+    """A factor, a motion (count,) after two inverse iterations, and its product with the matrix."""
 
     factor: BandCholesky
     soft: FloatArray
@@ -24,11 +24,11 @@ class Approximate(NamedTuple):
 def approximate(matrix: BandMatrix) -> Approximate:
     """Return a factor of a symmetric matrix whose solutions are right to about a hundredth in energy.
 
-    It is kept in single precision where that suffices for the softest motions, which suffer most: inverse
-    iterations lead to them. Raises NotPositiveDefiniteError.
+    It is stored in single precision if this is exact enough for the softest motions, whose errors are the
+    largest: inverse iterations converge to them. Raises NotPositiveDefiniteError.
     """
     factor = BandCholesky.of(matrix.entries, np.float32)
-    # multiples of the golden ratio, less what is whole of them: it has a share of all motions
+    # fractional parts of multiples of the golden ratio: a start with a share of all motions
     anything = np.mod(np.arange(factor.count) * GOLDEN_RATIO, 1.0) - 0.5
     start = factor.solve(anything)
     soft = factor.solve(start)

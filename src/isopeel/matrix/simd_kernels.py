@@ -1,9 +1,9 @@
-"""Products with blocks of eight columns, written for vector registers by hand.
+"""SIMD kernels, written by hand: products with blocks of eight columns.
 
-The compiler runs a loop over eight numbers one by one, and a loop over a few rows behind tests for
-overlapping arrays; factors of narrow bands have no other loops. So these few loops are written as operations
-on eight numbers at once. Arrays are in C order, and are passed with the index of their first number; blocks
-are stored column by column. Numbers of rows are multiples of eight.
+The compiler does not vectorize a loop over eight numbers, and tests for overlapping arrays before a loop over
+a few rows. Factors of narrow bands have only such loops. So these few loops are written as operations on
+eight numbers at once. Arrays are in C order, and are passed with the index of their first number; blocks are
+stored column by column. Numbers of rows are multiples of eight.
 """
 
 from typing import Any
@@ -14,9 +14,9 @@ from numba.core import cgutils
 from numba.core.errors import TypingError
 from numba.extending import intrinsic
 
-#: Columns of a block, and numbers of a vector.
+#: Number of columns of a block, and of entries of a vector.
 COLUMNS = 8
-# products and sums may be one operation, in any order, as in loops that are compiled for vector registers
+# products and sums may be fused and reordered, as in loops that the compiler vectorizes
 _FLAGS = ("contract", "reassoc", "nsz")
 
 
@@ -30,11 +30,11 @@ class _Writer:
         self._bytes = kind.bitwidth // 8
 
     def data(self, array: Any, value: Any) -> Any:
-        """Where an array begins."""
+        """Return the pointer to the first entry of an array."""
         return self._context.make_array(array)(self._context, self._builder, value).data
 
     def load(self, data: Any, place: Any) -> Any:
-        """Return a vector of an array."""
+        """Return a vector of entries of an array."""
         return self._builder.load(self._pointer(data, place), align=self._bytes)
 
     def store(self, vector: Any, data: Any, place: Any) -> None:
@@ -46,11 +46,11 @@ class _Writer:
 
     @property
     def zero(self) -> Any:
-        """A vector of zeros."""
+        """Return a vector of zeros."""
         return ir.Constant(self._vector, [0.0] * COLUMNS)
 
     def variable(self, vector: Any) -> Any:
-        """Where a vector is kept that changes in a loop, set to another one."""
+        """Return a variable for a vector that changes in a loop, set to another vector."""
         kept = cgutils.alloca_once(self._builder, self._vector)  # type: ignore[no-untyped-call]
         self._builder.store(vector, kept)
         return kept
@@ -61,7 +61,7 @@ class _Writer:
         return self._shuffled(first, first, [0] * COLUMNS)
 
     def each_of(self, vector: Any) -> list[Any]:
-        """For each number of a vector, a vector of that."""
+        """Return, for each entry of a vector, a vector of this number."""
         return [self._shuffled(vector, vector, [k] * COLUMNS) for k in range(COLUMNS)]
 
     def _shuffled(self, one: Any, other: Any, places: list[int]) -> Any:
@@ -69,19 +69,19 @@ class _Writer:
         return self._builder.shuffle_vector(one, other, mask)
 
     def plus(self, one: Any, other: Any) -> Any:
-        """Their sum."""
+        """Return their sum."""
         return self._builder.fadd(one, other, flags=_FLAGS)
 
     def minus(self, one: Any, other: Any) -> Any:
-        """Their difference."""
+        """Return their difference."""
         return self._builder.fsub(one, other, flags=_FLAGS)
 
     def times(self, one: Any, other: Any) -> Any:
-        """Their products, number by number."""
+        """Return their products, entry by entry."""
         return self._builder.fmul(one, other, flags=_FLAGS)
 
     def sum_of_products(self, ones: list[Any], others: list[Any]) -> Any:
-        """Return the sum over pairs of vectors, in two halves, which need not wait for each other."""
+        """Return the sum of products over pairs of vectors, in two independent halves."""
         products = [self.times(one, other) for one, other in zip(ones, others, strict=True)]
         halves = products[:2]
         for k, product in enumerate(products[2:]):
@@ -89,9 +89,9 @@ class _Writer:
         return self.plus(*halves)
 
     def sums(self, vectors: list[Any]) -> Any:
-        """Return the sum of each of eight vectors, as the numbers of one."""
+        """Return the sums of eight vectors, as the entries of one vector."""
         while len(vectors) > 1:
-            # a vector has one sum for each of those that went into it, over and over
+            # a vector has one partial sum for each vector that was added to it, periodically
             size = COLUMNS // len(vectors)
             firsts = [k + array for k in range(0, COLUMNS, 2 * size) for array in (0, COLUMNS)]
             one = [k for first in firsts for k in range(first, first + size)]
@@ -104,7 +104,7 @@ class _Writer:
 
 
 def _check(*arrays: Any) -> None:
-    """Raise TypingError unless arrays are of one kind of numbers, and in C order."""
+    """Raise TypingError unless the arrays have one type of numbers, and are in C order."""
     if len({array.dtype for array in arrays}) > 1 or any(array.layout != "C" for array in arrays):
         raise TypingError(f"arrays must be of one kind, and in C order, not {arrays}")
 
@@ -115,9 +115,10 @@ def _number(value: int) -> Any:
 
 @intrinsic
 def forward(_context: Any, values: Any, _block: Any, _rows: Any, x: Any, _start: Any) -> Any:
-    """Solve with a block of a triangular factor, in place: for the numbers of x from the start on.
+    """Solve with a block of a triangular factor, in place: for the entries of x from the start on.
 
-    The values have, from the block on, the inverse (8, 8) of its triangle and its columns (8, rows) below.
+    From the index `block` on, the values are the inverse (8, 8) of its triangle and its columns (8, rows)
+    below.
     """
 
     _check(values, x)
@@ -169,7 +170,7 @@ def backward(_context: Any, values: Any, _block: Any, _rows: Any, x: Any, _start
 
 
 def _below(builder: Any, block: Any, rows: Any, start: Any) -> tuple[list[Any], Any]:
-    """Where the columns below a block begin, and the numbers of x that they have to do with."""
+    """Return the index of the columns below a block, and that of the entries of x that they multiply."""
     first = builder.add(block, _number(COLUMNS * COLUMNS))
     columns = [builder.add(first, builder.mul(rows, _number(c))) for c in range(COLUMNS)]
     return columns, builder.add(start, _number(COLUMNS))
@@ -220,9 +221,9 @@ def _product(*, subtract: bool) -> Any:
     return multiplied
 
 
-#: Set columns (8, rows) to a product: the column c is the sum over k of the columns k of a left block
-#: (8, rows) times the number c of the column k of a right one (8, 8). Of left, right and result there are the
-#: array, the place of the first number, and what is from column to column; and then the number of rows.
+#: Set columns (8, rows) to a product: column c is the sum over k of column k of a left block (8, rows) times
+#: entry c of column k of a right one (8, 8). The arguments are, for left, right and result, the array, the
+#: index of its first entry, and the stride of columns; and then the number of rows.
 set_product = _product(subtract=False)
-#: The same, taken off.
+#: The same product, subtracted.
 take_off_product = _product(subtract=True)
