@@ -30,8 +30,8 @@ def number(x):
 RUN = """
 import isopeel.common.compilation as compilation
 from caller import twice
-kept = compilation.is_kept(twice.py_func)
-print(kept, twice(1.0), compilation.is_kept(twice.py_func))
+kept = compilation.is_cached(twice.py_func)
+print(kept, twice(1.0), compilation.is_cached(twice.py_func))
 """
 
 

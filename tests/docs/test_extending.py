@@ -68,7 +68,9 @@ def test_the_pages_have_a_component_of_each_kind(parts: dict[str, Any]) -> None:
 
 def test_a_folder_of_plug_ins_must_exist(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv(PLUG_INS, "nowhere")
-    with pytest.raises(InputError, match="ISOPEEL_PARTS: 'nowhere' cannot be used; it names folders"):
+    with pytest.raises(
+        InputError, match="ISOPEEL_PARTS: 'nowhere' cannot be used; it must be the path of folders"
+    ):
         discover.__wrapped__("isopeel.physics.adhesion")
 
 

@@ -51,7 +51,7 @@ def test_a_command_runs_no_module_that_lies_there(command: tuple[str, ...]) -> N
 def test_the_warm_up_process_imports_nothing_from_the_folder() -> None:
     script = (
         "import subprocess, isopeel.running.warm_up as r, os\n"
-        "r.is_kept = lambda _: False; r.cores = lambda: 2\n"
+        "r.is_cached = lambda _: False; r.cores = lambda: 2\n"
         "with r.warmed_up_beside():\n    import time; time.sleep(1.0)\n"
     )
     assert run("-P", "-c", script).returncode == 0

@@ -29,7 +29,7 @@ def test_an_unknown_unit_is_named_with_those_that_are_known(unit: str) -> None:
     message = str(caught.value)
     assert "is not a known unit" in message or "is not a number and a unit" in message
     if "_" not in unit:
-        assert "known are nm, um, mm, m, in, thou, Pa" in message
+        assert "known units are nm, um, mm, m, in, thou, Pa" in message
     if unit.startswith("mil"):
         assert "a thousandth of an inch is 'thou'" in message
 

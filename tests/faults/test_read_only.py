@@ -13,7 +13,7 @@ from isopeel.common import compilation
 RUN = """
 import isopeel.common.compilation as compilation
 from called import number
-print(compilation.keeps(number.py_func), compilation.is_kept(number.py_func), number(2.0))
+print(compilation.can_cache(number.py_func), compilation.is_cached(number.py_func), number(2.0))
 """
 CALLED = """
 from isopeel.common.compilation import compiled

@@ -57,7 +57,7 @@ def test_a_second_process_is_there_where_it_helps_and_while_it_does(
             super().__init__(*arguments, **options)  # type: ignore[call-overload]
             started.append(self)
 
-    monkeypatch.setattr(warm_up, "is_kept", lambda _: not cold)
+    monkeypatch.setattr(warm_up, "is_cached", lambda _: not cold)
     monkeypatch.setattr(warm_up, "cores", lambda: cores)
     monkeypatch.setattr(subprocess, "Popen", Noted)
     with warmed_up_beside():

@@ -1,8 +1,8 @@
-"""Compilation of functions, which is kept from run to run as long as the package stays the same.
+"""Compilation of functions, with a cache on the disk that is valid until a source of the package changes.
 
-Numba keeps a compiled function until the file changes that it stands in. But what it calls, which may stand
-in another one, is part of it. So what is kept of a file is removed once any source changes of the layers in
-which compiled functions stand.
+Numba's cache of a function is valid until the file of the function changes. But the functions that it calls,
+which may be in other files, are compiled into it. So the cached functions of a file are removed when any
+source file changes in the layers that contain compiled functions.
 """
 
 import os
@@ -12,8 +12,8 @@ from hashlib import sha256
 from pathlib import Path
 from typing import Any, TypeVar, cast
 
-# Numba reads settings in the folder that a process runs in, whoever has put them there: those of them that
-# name code to run are set here, to what they are without
+# Numba reads settings from the current folder, which anybody may have written: settings that name code to run
+# are set to their defaults here
 os.environ.setdefault("NUMBA_CACHE_DIR", "")
 os.environ.setdefault("NUMBA_CACHE_LOCATOR_CLASSES", "")
 
@@ -26,43 +26,46 @@ if vars(config)["DISABLE_JIT"]:
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
-#: Where compiled functions stand, and what these read; a test holds that they stand nowhere else.
+#: The places of compiled functions and of the constants that they read; a test checks that there are no
+#: others.
 COMPILED = ("common/arrays.py", "common/compilation.py", "splines", "physics", "matrix", "assembly", "solve")
 
 #: For formulas: a division by zero gives inf or nan, which the solver detects and reports.
 EXACT: dict[str, Any] = {"error_model": "numpy"}
-#: For long sums: reordered, they run in vector registers; nan must stay nan, because it is how an inverted
-#: element is noticed.
+#: For long sums: reordered, they are compiled to SIMD instructions. nan must stay nan, because it marks
+#: inverted elements.
 REORDERED: dict[str, Any] = {"error_model": "numpy", "fastmath": {"contract", "reassoc", "nsz"}}
 
 
 def compiled(function: Function) -> Function:
-    """Compile a function when it is first called, with sums in their order."""
-    return cast("Function", njit(cache=keeps(function), **EXACT)(function))
+    """Return a function that is compiled when it is first called, with sums in their order."""
+    return cast("Function", njit(cache=can_cache(function), **EXACT)(function))
 
 
 def compiled_reordered(function: Function) -> Function:
-    """Compile a function when it is first called, with sums in any order."""
-    return cast("Function", njit(cache=keeps(function), **REORDERED)(function))
+    """Return a function that is compiled when it is first called, with sums in any order."""
+    return cast("Function", njit(cache=can_cache(function), **REORDERED)(function))
 
 
 def compiled_now(
     signature: Any, function: Callable[..., Any], options: dict[str, Any], *, keep: bool = True
 ) -> Any:
-    """Compile a function to code with an `address`, by which other compiled code may call it."""
-    return cfunc(signature, cache=keep and keeps(function), **options)(function)
+    """Return a compiled function with an `address`, by which other compiled code may call it."""
+    return cfunc(signature, cache=keep and can_cache(function), **options)(function)
 
 
-def is_kept(function: Callable[..., Any]) -> bool:
-    """Return whether a function is there in compiled form."""
-    return keeps(function) and any(_folder(function).glob(f"{_module(function)}.{function.__name__}-*.nbi"))
+def is_cached(function: Callable[..., Any]) -> bool:
+    """Return whether a compiled function is in the cache."""
+    return can_cache(function) and any(
+        _folder(function).glob(f"{_module(function)}.{function.__name__}-*.nbi")
+    )
 
 
-def keeps(function: Callable[..., Any]) -> bool:
-    """Return whether a function is kept once it is compiled.
+def can_cache(function: Callable[..., Any]) -> bool:
+    """Return whether a function can be cached.
 
-    What was kept of its file with other sources is removed. The place is beside the file or in the user's
-    cache folder. Where neither can be written to, it is compiled in memory, anew in each process.
+    Cached functions of its file with other sources are removed. The cache is beside the file or in the user's
+    cache folder. If neither is writable, each process compiles the function in memory.
     """
     try:
         _leave_out(_folder(function), _module(function), sources())
@@ -84,12 +87,12 @@ def _leave_out(folder: Path, module: str, version: str) -> None:
 
 
 def _folder(function: Callable[..., Any]) -> Path:
-    """Where Numba keeps a function."""
+    """Return the folder of Numba's cache for a function."""
     return Path(str(njit(cache=True)(function).stats.cache_path))
 
 
 def _module(function: Callable[..., Any]) -> str:
-    """What the names of its files begin with."""
+    """Return the beginning of the names of its files."""
     return Path(function.__code__.co_filename).stem
 
 

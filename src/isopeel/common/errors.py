@@ -1,4 +1,4 @@
-"""What can go wrong, as a user meets it: one clear line each."""
+"""The error for bad input: one line, whatever the input contains."""
 
 from reprlib import Repr
 
@@ -9,12 +9,12 @@ _REPR.maxlist = _REPR.maxtuple = _REPR.maxdict = 10
 
 
 def one_line(text: str) -> str:
-    """Make a text one line that a terminal shows as it is, whatever a user wrote into it."""
+    """Return a text as one line, which a terminal prints as it is, for any input."""
     return visible(" ".join(text.split()))
 
 
 def visible(text: str) -> str:
-    """Make what a terminal would obey, such as its escape sequences, or what turns text around, visible."""
+    """Return a text with visible control characters, such as escape sequences and marks of text direction."""
     if text.isprintable():
         return text
     return "".join(one if one.isprintable() or one in "\n\xa0" else repr(one)[1:-1] for one in text)
@@ -34,5 +34,5 @@ class InputError(ValueError):
         super().__init__(one_line(f"{shown}: {_REPR.repr(value)} cannot be used; {allowed}"))
 
     def __reduce__(self) -> tuple[type["InputError"], tuple[str, object, str]]:
-        """Go from process to process with its parts."""
+        """Pickle the error with its arguments."""
         return type(self), (self.field, self.value, self.allowed)

@@ -1,7 +1,8 @@
-"""How a path may be controlled: what it does where a step finds no equilibrium."""
+"""The kinds of path control: what a path does if a step finds no equilibrium."""
 
 from typing import Literal
 
-#: `newton` ends; `auto` cuts the step, and jumps where the smallest one fails; `jump` does so from the limit
-#: point, as a test that prescribes the parameter; `continuation` follows the curve through limit points.
+#: `newton` ends the path; `auto` cuts the step, and jumps if the smallest step fails; `jump` jumps from the
+#: limit point, like a test that prescribes the parameter; `continuation` follows the curve through limit
+#: points.
 PathControl = Literal["newton", "auto", "jump", "continuation"]

@@ -1,4 +1,4 @@
-"""Computing in processes of their own, which end where the first one does."""
+"""Computation in several processes, which end when the first one ends."""
 
 import os
 import signal
@@ -17,7 +17,7 @@ P = ParamSpec("P")
 O = TypeVar("O")  # noqa: E741 (an outcome)
 
 
-#: Between two looks at whether Ctrl-C has come.
+#: Seconds between two checks for Ctrl-C.
 _CHECK_SECONDS = 0.2
 
 
@@ -34,10 +34,10 @@ class Done(NamedTuple):
 
 @contextmanager
 def worker_pool(workers: int, begin: Callable[[], None] | None = None) -> Iterator[ProcessPoolExecutor]:
-    """Start processes as tasks come, each of which calls `begin` first.
+    """Open a pool whose processes are started when there are tasks; each calls `begin` first.
 
-    They end at once where an error or an interrupt leaves the context, and where this process ends, in
-    whatever way. Raises WorkerLostError where one of them is ended.
+    The processes end at once if an error or an interrupt leaves the context, and when this process ends in
+    any way. Raises WorkerLostError if one of them is ended from outside.
     """
     others = active_children()
     with _no_modules_from_here(), _Pool(workers, get_context("spawn"), _start_worker, (begin,)) as pool:
@@ -59,7 +59,7 @@ def compute_all(
 ) -> list[Done]:
     """Compute independent tasks, and report when each is finished; return results in their order.
 
-    Raises WorkerLostError where a process is ended, and what a task raises.
+    Raises WorkerLostError if a process is ended from outside, and the errors of tasks.
     """
     done: dict[int, Done] = {}
     with worker_pool(workers) as pool:
@@ -75,13 +75,13 @@ def compute_all(
 
 
 def cores() -> int:
-    """Return the cores that this process may use; Windows waits for no more than 61 processes."""
+    """Return the number of cores that this process may use; at most 61 processes are possible on Windows."""
     own = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
     return min(own, 61)
 
 
 class _Pool(ProcessPoolExecutor):
-    """A pool whose processes, which are started as tasks come, do not heed Ctrl-C."""
+    """A pool whose processes are started when there are tasks, and ignore Ctrl-C."""
 
     def submit(self, task: Callable[P, O], /, *args: P.args, **kwargs: P.kwargs) -> Future[O]:
         with _interrupts_held():
@@ -90,7 +90,7 @@ class _Pool(ProcessPoolExecutor):
 
 @contextmanager
 def _no_modules_from_here() -> Iterator[None]:
-    """Start processes that look for no module in the folder that this one runs in, but where it does."""
+    """In the context, new processes have the module path of this one, without the current folder."""
     name = "PYTHONSAFEPATH"
     before = os.environ.get(name)
     os.environ[name] = "1"
@@ -105,9 +105,9 @@ def _no_modules_from_here() -> Iterator[None]:
 
 @contextmanager
 def _interrupts_held() -> Iterator[None]:
-    """Start processes that do not heed Ctrl-C: it goes to all of a group, and the first alone should.
+    """In the context, new processes ignore Ctrl-C: it is sent to all of a group, but the first handles it.
 
-    What is held back in the meantime reaches the first process afterwards. Windows has no such mask.
+    A signal in the meantime reaches the first process after the context. Windows has no such mask.
     """
     if not hasattr(signal, "pthread_sigmask"):
         yield
@@ -120,14 +120,14 @@ def _interrupts_held() -> Iterator[None]:
 
 
 def _start_worker(begin: Callable[[], None] | None) -> None:
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # where it is not inherited
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # if it is not inherited
     Thread(target=_end_with_parent, daemon=True).start()
     if begin is not None:
         begin()
 
 
 def _end_with_parent() -> None:
-    """Leave no process behind where the first is killed."""
+    """End this process when the first one is killed."""
     parent = parent_process()
     if parent is not None:
         parent.join()

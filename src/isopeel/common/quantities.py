@@ -1,9 +1,9 @@
-"""What the fields of physics and problem objects are: floats with a dimension, in any consistent units.
+"""Types of the fields of physics and problem objects: floats with a dimension, in any consistent units.
 
     radius: Length
 
-says that a field is a length, and nothing of its unit: whoever makes the object from Python chooses units
-that fit together. Only a case file has units, and reads them by these dimensions.
+declares a field as a length, without a unit: in Python, the caller chooses any consistent units. Only case
+files have units, and these dimensions define which units are allowed.
 """
 
 from dataclasses import dataclass
@@ -14,7 +14,7 @@ from typing import Annotated, TypeAlias
 class Dimension:
     """A power product of stresses and lengths, an angle (in radians), or a plain number if it is none.
 
-    `needed` says what has to be written for it, with an example.
+    `needed` is the text of messages: what is needed, with an example.
     """
 
     needed: str
@@ -24,7 +24,7 @@ class Dimension:
 
     @property
     def is_number(self) -> bool:
-        """Whether it is written without a unit."""
+        """Whether a value is written without a unit."""
         return not (self.stress or self.length or self.angle)
 
 

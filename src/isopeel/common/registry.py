@@ -1,7 +1,7 @@
 """The registry of laws, materials, substrates, shapes and drives, which finds them by their files.
 
 A frozen dataclass with a `name` in a module of a package is registered by that name; nothing else refers to a
-new file. Plug-ins lie in folders that the environment variable ISOPEEL_PARTS names, each in a subfolder with
+new file. Plug-ins are in folders that the environment variable ISOPEEL_PARTS names, each in a subfolder with
 the name of its package, such as `adhesion` or `shapes`.
 """
 
@@ -28,8 +28,8 @@ PLUG_INS = "ISOPEEL_PARTS"
 def discover(package: str) -> Mapping[str, type[Any]]:
     """Return the dataclasses that the modules of a package define with a `name`, sorted by that name.
 
-    Raises InputError where two have the same name, where a folder of plug-ins does not exist, or where Python
-    cannot run a file in it.
+    Raises InputError if two have the same name, if a folder of plug-ins does not exist, or if Python cannot
+    run a file in it.
     """
     home = import_module(package)
     folders = _plug_in_folders(package.rpartition(".")[2])
@@ -70,6 +70,6 @@ def _plug_in_folders(kind: str) -> list[str]:
     folders = [Path(folder).absolute() for folder in named.split(os.pathsep) if folder]
     for folder in folders:
         if not folder.is_dir():
-            allowed = "it names folders, with subfolders such as adhesion and shapes in them"
+            allowed = "it must be the path of folders that have subfolders such as adhesion and shapes"
             raise InputError(PLUG_INS, named, allowed)
     return [str(folder / kind) for folder in folders]

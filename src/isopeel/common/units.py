@@ -13,15 +13,15 @@ from typing import Any, NamedTuple
 
 import pint
 
-#: Length that lengths are measured in by default, 1 nm, in metres.
+#: Default unit of length, 1 nm, in metres.
 L0 = Fraction(1, 10**9)
-#: Stress that stresses are measured in by default, 2 GPa, in pascals.
+#: Default unit of stress, 2 GPa, in pascals.
 E0 = Fraction(2 * 10**9)
 
 
 @dataclass(frozen=True)
 class UnitSystem:
-    """What lengths and stresses are measured in, in metres and in pascals, exactly."""
+    """The units of length and stress, exactly, in metres and in pascals."""
 
     length: Fraction = L0
     stress: Fraction = E0
@@ -41,9 +41,9 @@ def measured_in(units: UnitSystem) -> Iterator[None]:
         _MEASURED_IN.reset(token)
 
 
-#: Digits are those of ASCII: a digit of another script would be a letter of no unit.
+#: Only ASCII digits: a digit of another script would be read as a letter of an unknown unit.
 _NUMBER = r"(?>[-+]?(?:(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]{1,3})?|inf|nan))"
-#: 5 x 10^-3, as numbers are written in a text.
+#: The form 5 x 10^-3 of a number.
 _POWER_OF_TEN = r"\s*[x×*·]\s*10\s*(?:\^|\*\*)\s*([-+]?[0-9]{1,3})"
 _QUANTITY = re.compile(
     rf"({_NUMBER})(?:{_POWER_OF_TEN})?(?:(?<=[0-9.])|\s)\s*([^\s0-9.].*)|({_NUMBER})", re.DOTALL
@@ -88,11 +88,11 @@ def parse_quantity(text: str) -> Quantity:
 
     Units are multiplied by a space, a point or an asterisk, and divided by a solidus; powers follow ^ or **
     or stand behind the name, raised or not; those that are no whole numbers are ^0.5 or ^(1/2). What could be
-    read in two ways, such as J/m nm, is refused. N/25 mm is a force per width of that many millimetres.
+    read in two ways, such as J/m nm, is refused. N/25 mm is a force per width of 25 millimetres.
     Mass^a length^b time^c is a power product of stresses and lengths where c = -2 a: it is
     stress^a length^(a + b). For whole powers the conversion is exact until the value is rounded to a float,
     so that "200 nm" is 200.0 to the last bit. L0 and E0 are 1 nm and 2 GPa unless `measured_in` other units.
-    Raises ValueError that says why a text is no such quantity.
+    Raises ValueError with the reason if a text is no such quantity.
     """
     number, exponent, unit = _split(text)
     if not isfinite(float(number)):
@@ -100,7 +100,7 @@ def parse_quantity(text: str) -> Quantity:
     powers, width = _powers_and_width(unit)
     factors = {name: _factor(name) for name in powers}
     angle = any(factor.radians for factor in factors.values())
-    # radians have no dimension, so that an angle would pass unseen in a product
+    # radians have no dimension, so an angle in a product would not be detected
     if angle and [power * factors[name].radians for name, power in powers.items()] != [Fraction(1)]:
         raise ValueError(f"{unit!r} mixes an angle with other units")
     dimension: dict[str, Fraction] = {}
@@ -132,7 +132,7 @@ def _split(text: str) -> tuple[str, int, str]:
     plain = plain.translate(_SAME_SIGNS)
     apart = _SPLIT_NUMBER.match(plain.lstrip("+-"))
     if apart is not None:
-        # e is the charge of an electron, too
+        # e is also the charge of an electron
         raise ValueError(f"there is a space in its number; write {apart[1]}{apart[2]}")
     written = _QUANTITY.fullmatch(plain)
     if written is None:
@@ -152,7 +152,7 @@ def _powers_and_width(unit: str) -> tuple[Mapping[str, Fraction], Fraction]:
 
 
 def _powers(unit: str) -> Mapping[str, Fraction]:
-    """Return the powers of the names in a product of units. Raises ValueError where it cannot be read."""
+    """Return the powers of the names in a product of units. Raises ValueError if it cannot be read."""
     tokens, end = [], 0
     while end < len(unit):
         found = _TOKEN.match(unit, end)
@@ -206,28 +206,28 @@ def _product(tokens: list[re.Match[str]], place: int, sign: int, powers: dict[st
 
 
 def _two_ways(unit: str) -> str:
-    return f"{unit!r} can be read in two ways; put what it is divided by in brackets, as in 'N/(m mm)'"
+    return f"{unit!r} can be read in two ways; write the divisor in brackets, as in 'N/(m mm)'"
 
 
 def _raised(size: Fraction, power: Fraction) -> Fraction:
-    """Return a size to a power: exactly where that is a whole number, else to the round-off of floats."""
+    """Return a size to a power: exactly if the power is a whole number, else to the round-off of floats."""
     return size**power.numerator if power.denominator == 1 else Fraction(float(size) ** float(power))
 
 
 class _Factor(NamedTuple):
-    """How large a unit is in SI units, its dimension in base quantities, and its power of radians."""
+    """The size of a unit in SI units, its dimension in base quantities, and its power of radians."""
 
     size: Fraction
     dimension: Mapping[str, int]
     radians: int
 
 
-_KNOWN = "known are nm, um, mm, m, in, thou, Pa, MPa, psi, N, mN, lbf, J, mJ, deg, rad and the like"
+_KNOWN = "known units are nm, um, mm, m, in, thou, Pa, MPa, psi, N, mN, lbf, J, mJ, deg, rad and others"
 
 
 @lru_cache(maxsize=1000)
 def _factor(name: str) -> _Factor:
-    """Look a unit up. Raises ValueError where there is none of this name, or it is no factor."""
+    """Return a unit by its name. Raises ValueError if it is unknown, or if it is no factor."""
     registry = _registry()
     try:
         known = "degree" if name == "°" else registry.get_name(name)
@@ -241,7 +241,7 @@ def _factor(name: str) -> _Factor:
         raise ValueError(f"{name!r} is not a known unit, {allowed}, and {_KNOWN}")
     radians = Fraction(dict(registry.Quantity(1, base).unit_items()).get("radian", 0))
     dimension = {str(key): Fraction(power) for key, power in registry.get_dimensionality(unit).items()}
-    # a pure number, such as a percent or a decibel, which is not even a factor, would change a length unseen
+    # a pure number, such as a percent, or a decibel, which is no factor, would change a length silently
     if any(power.denominator != 1 for power in (radians, *dimension.values())) or not (radians or dimension):
         raise ValueError(_of_another_kind(name))
     powers = {key: int(power) for key, power in dimension.items()}
@@ -254,13 +254,13 @@ def _of_another_kind(unit: str) -> str:
     return f"{unit!r} is not made of stresses and lengths, nor an angle"
 
 
-#: SI units of a power product of a stress and a length, and how many of it in pascals and metres.
+#: SI units of power products of a stress and a length, and their sizes in pascals and metres.
 _SHOWN = {(1, 1): ("J/m^2", 1.0), (1, -1): ("GPa/nm", 1e18)}
 _SINGLE = {(1, 0): "Pa", (0, 1): "m"}
 
 
 def shown(value: float, units: UnitSystem, stress: int = 0, length: int = 0) -> str:
-    """Write a value in E0^stress L0^length, of these units, in SI units: a stress, a length or both."""
+    """Return the text of a value in E0^stress L0^length, in SI units: a stress, a length or both."""
     si = value * float(units.stress) ** stress * float(units.length) ** length
     if (stress, length) in _SHOWN:
         name, size = _SHOWN[stress, length]

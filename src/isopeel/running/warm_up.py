@@ -17,7 +17,7 @@ from isopeel.assembly.body_kernel import BodyData, add_body, read_body
 from isopeel.assembly.loops import Energies
 from isopeel.assembly.system import System
 from isopeel.common.arrays import FloatArray, IntArray
-from isopeel.common.compilation import is_kept, keeps
+from isopeel.common.compilation import can_cache, is_cached
 from isopeel.common.interrupts import cleared_up
 from isopeel.common.processes import cores
 from isopeel.matrix.band import entry_place
@@ -34,7 +34,7 @@ _STIFFNESS = 10.0
 @contextmanager
 def warmed_up_beside() -> Iterator[None]:
     """Compile the other kernels in a second process, as long as the body's kernel is not cached."""
-    if is_kept(add_body) or not keeps(add_body) or cores() == 1:
+    if is_cached(add_body) or not can_cache(add_body) or cores() == 1:
         yield
         return
     # a process of a pool would run the calling script again
