@@ -174,7 +174,7 @@ def test_a_folder_that_vanishes_is_made_again(
         patch.setattr(RunWriter, "append", vanishing)
         assert main(["run", "strip", *SMALL]) == 2
     error = capsys.readouterr().err
-    assert "out/strip/run.h5 cannot be written: its folder vanished; it is there again" in error
+    assert "out/strip/run.h5 cannot be written: its folder vanished; it was made again" in error
     assert error.count("\n") == 1
     assert rows() == rows(Path("whole"))[:5]
     assert main(["resume", "out/strip"]) == 0

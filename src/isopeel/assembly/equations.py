@@ -20,7 +20,7 @@ class Equations(NamedTuple):
 
 
 class Iterate(NamedTuple):
-    """Unknowns on their way to an equilibrium, and what has been found there."""
+    """Unknowns during the iteration, and displacement, forces and residual of these unknowns."""
 
     unknown_values: FloatArray  # (count,)
     displacement: FloatArray  # (size, 2)

@@ -1,4 +1,4 @@
-"""The side that adheres as a term of the system, with the largest openings so far as its history."""
+"""An interface as a term of the system, with its maximum openings as the history."""
 
 from dataclasses import dataclass
 
@@ -17,16 +17,16 @@ from isopeel.problem import Interface
 
 @dataclass(frozen=True, eq=False)
 class InterfaceTerm:
-    """What a substrate does to a side, at the points of a table.
+    """The interaction of a substrate with a side, at the points of a table.
 
-    The history of an irreversible joint are the largest openings so far at the points, (E Q,); `NOT_CLOSED`
-    at those that have not closed yet.
+    The history of an irreversible joint are the maximum openings at the points, (E Q,); `NOT_CLOSED` at
+    points that have not closed yet.
     """
 
     adhesion: Interface
     table: SideTable
-    tangents: FloatArray  # of the substrate at the points' first positions, (E, Q, 2), where a joint may hold
-    closed: float  # openings are known to the round-off of positions
+    tangents: FloatArray  # of the substrate at the initial positions of the points, (E, Q, 2), for sliding
+    closed: float  # an opening up to this one counts as closed: the round-off of positions
 
     @property
     def loops(self) -> Loops:
@@ -58,7 +58,7 @@ class InterfaceTerm:
         return self._opened(self._opening(displacement), history) if self.adhesion.irreversible else history
 
     def _opening(self, displacement: FloatArray | None) -> FloatArray:
-        """Gap beyond the equilibrium gap (E Q,)."""
+        """Return the openings (E Q,): gaps minus the equilibrium gap."""
         adhesion, side = self.adhesion, self.table
         position = side.positions
         if displacement is not None:
@@ -67,7 +67,7 @@ class InterfaceTerm:
         return (gap - adhesion.law.equilibrium_gap).ravel()
 
     def _opened(self, opening: FloatArray, before: FloatArray) -> FloatArray:
-        """Largest openings with one more, after those before; see `physics.adhesion.irreversible`."""
+        """Return the maximum openings after one more opening; see `physics.adhesion.irreversible`."""
         waits = (before < 0) & (opening > self.closed)
         return frozen(np.where(waits, NOT_CLOSED, np.maximum(np.maximum(before, 0.0), opening)))
 
@@ -75,7 +75,7 @@ class InterfaceTerm:
 def interface_data(
     adhesion: Interface, table: SideTable, tangents: FloatArray, unknowns: IntArray
 ) -> InterfaceData:
-    """What compiled code is told of a side that adheres, where functions have the unknowns (size, 2)."""
+    """Return the data of the loops over an interface, for functions with the unknowns (size, 2)."""
     law, substrate = adhesion.law, adhesion.substrate
     return InterfaceData(
         law=law.kernel.address,

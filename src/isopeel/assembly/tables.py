@@ -18,7 +18,7 @@ MOST_CONTACT_POINTS = 100
 _DIGITS = 13
 #: Share of the largest Jacobian below which it counts as zero: at a corner where two sides meet tangentially.
 FLAT = 1e-9
-#: Share of the way to the middle of its points at which the tangent of a corner of a shape is seen.
+#: Distance from a corner of a shape at which its tangent is evaluated, as a share of that to the middle.
 _INWARDS = 1e-9
 
 

@@ -96,10 +96,10 @@ def check_number(stages: object) -> object:
 
 def _least_step(dimension: Dimension, to: object) -> str:
     """Return the least step to somewhere, with its unit, whatever the case measures in."""
-    way = parse_quantity(str(to))
+    end = parse_quantity(str(to))
     if dimension.angle:
-        return f"{abs(way.value) / MOST_STEPS:g} deg"
-    least = float(abs(way.exact) / MOST_STEPS)
+        return f"{abs(end.value) / MOST_STEPS:g} deg"
+    least = float(abs(end.exact) / MOST_STEPS)
     return shown(least, UnitSystem(Fraction(1), Fraction(1)), dimension.stress, dimension.length)
 
 

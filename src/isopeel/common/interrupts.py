@@ -9,7 +9,7 @@ no safe point is reached in time, the thread ends the process. This loses no dat
 none, and later each step is in the journal.
 """
 
-# these of `signal` turn numbers into enumerations at each call, which a step of 0.6 ms would notice
+# those of `signal` convert numbers to enumerations at each call, which would slow down a step of 0.6 ms
 import _signal  # type: ignore[import-not-found]
 import os
 import signal
@@ -177,7 +177,7 @@ def _end_unless_left() -> None:
 
 def _end() -> None:
     """End this process, whatever its other threads do."""
-    # whoever reads what it has said may have stopped to
+    # the reader of its output may have stopped reading
     flush = Thread(target=sys.stdout.flush, daemon=True)
     flush.start()
     flush.join(1.0)

@@ -353,6 +353,6 @@ _DEFINITIONS = """
 
 
 @cache
-def _registry() -> Any:  # the types of pint's registry do not tell its kind of numbers
+def _registry() -> Any:  # the types of pint's registry do not include its type of numbers
     lines = [line.strip() for line in _DEFINITIONS.splitlines()]
     return pint.UnitRegistry([line for line in lines if line], non_int_type=Fraction)

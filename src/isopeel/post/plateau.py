@@ -100,8 +100,8 @@ def rising(curve: Curve) -> tuple[FloatArray, FloatArray]:
     Of a curve that turns back, only the steps beyond all earlier ones are returned.
     """
     falls = len(curve) > 0 and curve.parameter[-1] < curve.parameter[0]
-    way = -curve.parameter if falls else curve.parameter
-    beyond = way > np.append(-np.inf, np.maximum.accumulate(way)[:-1]) if len(curve) else slice(None)
+    forward = -curve.parameter if falls else curve.parameter
+    beyond = forward > np.append(-np.inf, np.maximum.accumulate(forward)[:-1]) if len(curve) else slice(None)
     order = slice(None, None, -1 if falls else 1)
     return curve.parameter[beyond][order], curve.reaction[beyond][order]
 

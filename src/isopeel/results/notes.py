@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal, NamedTuple, TypeAlias
 
-#: What a note is about. All but `reading` and `bifurcation` say that numbers of the run may be wrong.
+#: The subject of a note. All except `reading` and `bifurcation` mean that numbers of the run may be wrong.
 Subject: TypeAlias = Literal[
     "reading", "bifurcation", "resolution", "locking", "stability", "closed form", "penetration", "history"
 ]

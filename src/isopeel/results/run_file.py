@@ -38,7 +38,7 @@ from isopeel.solve.stored_state import VERSION, restored, solver_arrays
 from isopeel.splines.nurbs import NurbsSurface
 from isopeel.splines.rows import RowSpace
 
-#: How a run ended; "running" is what the file of a killed run says.
+#: The ending of a run; that of a killed run is "running".
 Ending = Literal["running", "completed", "not converged", "interrupted"]
 
 _FORMAT = "isopeel run 7"

@@ -159,7 +159,7 @@ class RunWriter:
             # whoever removed the folder of a running run did not mean to lose the steps in memory
             self._path.parent.mkdir(parents=True)
             write_run(self._path, run)
-            reason = "its folder vanished; it is there again, with all that converged"
+            reason = "its folder vanished; it was made again, with all converged steps"
             raise FileNotFoundError(ENOENT, reason, str(self._path)) from error
         if not self.saved:
             for path in self._outdated:

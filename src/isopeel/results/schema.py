@@ -1,7 +1,7 @@
 """The data sets of run.h5: what each is, its type, shape and unit, and that it is what was written.
 
 One table serves the writer, which stores unit and description with each data set, and the reader, which takes
-nothing that differs from it. A checksum (CRC-32) with each data set tells where bits have changed since.
+nothing that differs from it. A checksum (CRC-32) of each data set detects bits that have changed since.
 """
 
 import re
@@ -29,7 +29,8 @@ _LONGEST = 1000  # characters of an attribute
 class DataSet(NamedTuple):
     """One data set: its type, the names of its sizes, unit and meaning.
 
-    Sizes of the same name are the same in all data sets of a file. Values are finite unless said.
+    Sizes of the same name are the same in all data sets of a file. Values are finite, unless declared
+    otherwise.
     """
 
     type: Literal["float", "integer", "text"]

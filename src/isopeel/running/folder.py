@@ -119,11 +119,11 @@ def make_folder(out: Path, field: str = "--out") -> None:
         out.mkdir(parents=True, exist_ok=True)
         TemporaryFile(dir=out).close()
     except OSError as error:
-        allowed = f"a folder that can be written is needed: {_in_the_way(out) or error.strerror}"
+        allowed = f"a folder that can be written is needed: {_obstacle(out) or error.strerror}"
         raise InputError(field, str(out), allowed) from error
 
 
-def _in_the_way(folder: Path) -> str:
+def _obstacle(folder: Path) -> str:
     """Return what is in the place of a folder, or of one above it, and is no folder; else an empty text."""
     for path in (*reversed(folder.parents), folder):
         if os.path.lexists(path) and not path.is_dir():
@@ -150,12 +150,12 @@ def clear_parts(out: Path) -> None:
 
 
 def check_overwritten(
-    field: str, files: Iterable[Path], force: bool = False, way: str = "give another place, or --force"
+    field: str, files: Iterable[Path], force: bool = False, remedy: str = "give another place, or --force"
 ) -> None:
     """Raise InputError where one of the files to write exists and was not written by isopeel.
 
     A table (.csv, .md) counts as isopeel's where a page or a figure beside it does. With `force` only paths
-    that are not files are refused. `way` says what a user can do.
+    that are not files are refused. `remedy` is what a user can do.
     """
     others = []
     for path in files:
@@ -168,7 +168,7 @@ def check_overwritten(
         if not force and not _is_ours(path):
             others.append(str(path))
     if others:
-        allowed = f"isopeel did not write {first_names(others)}; {way}"
+        allowed = f"isopeel did not write {first_names(others)}; {remedy}"
         raise InputError(field, others[0], allowed)
 
 

@@ -22,7 +22,7 @@ def progress(
 ) -> Iterator[Callable[[Step], None]]:
     """Show a bar while the context is open, and yield the function that moves it to a step.
 
-    The bar begins after the steps `before`, and says that kernels are compiled until the first step. Nothing
+    The bar begins after the steps `before`, and shows that kernels are compiled until the first step. Nothing
     is shown where the console is not a terminal. `shown` writes a value of a column.
     """
     bar = _bar(console)

@@ -30,7 +30,7 @@ def resume_case(
         check_later_stages(case)
         where = places(case.name, [stage.name for stage in case.stages()], folder)
         written = [place.folder / name for place in where for name in FILES[1:]]
-        check_overwritten("DIR", written, way="move it to another folder")
+        check_overwritten("DIR", written, remedy="move it to another folder")
         if path_control is not None:
             stored = {number: replace(run, failure=None) for number, run in stored.items()}
         return let_go_when_finished(go_through(case, folder, console, stored), case, folder, console)

@@ -151,7 +151,7 @@ class Branch:
             if at == refused and abs(size) > 2 * least:
                 size /= 2
                 continue
-            # the shortest steps have all corrections of Newton's method, before the branch is said to end
+            # the shortest steps have all corrections of Newton's method, before the branch counts as ended
             result = self._result_at(at, states[-PARABOLA_POINTS:], soon=abs(size) > 2 * least)
             if result is None:
                 size, longer, refused, ends = size / 2, np.inf, at, True

@@ -37,7 +37,7 @@ class Path:
     def __init__(
         self, system: System, settings: NewtonSettings, start: Sequence[State], *, begins: bool = False
     ) -> None:
-        """Start from states; `begins` says that the last of them need not be an equilibrium."""
+        """Start from states; with `begins`, the last of them need not be an equilibrium."""
         #: The system after the history of its last step.
         self.system = system
         self.settings = settings

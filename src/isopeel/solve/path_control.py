@@ -333,7 +333,7 @@ def _stretch(path: Path, values: Sequence[float], index: int, *, jumps: bool) ->
 def _next(
     path: Path, curve: Curve, point: Point, radius: float, step: float, values: Sequence[float]
 ) -> tuple[Point, list[tuple[int | None, Point]], float]:
-    """Return the next point of the curve, what it passes on the way to it, and the next radius.
+    """Return the next point of the curve, the values and limit points before it, and the next radius.
 
     It passes values of the parameter, given by their indices, and limit points, given by None. Raises
     ConvergenceError where the shortest step fails.
