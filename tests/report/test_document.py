@@ -313,7 +313,7 @@ def test_no_digit_is_cut_off_on_a_narrow_console() -> None:
     [
         (lambda: Table("a", "A", ("x", "y"), (("1",),)), "a row has 2 cells"),
         (lambda: Table("a/b", "A", ("x",), ()), "small letters"),
-        (lambda: Table("a", "A", (), ()), "a table has columns"),
+        (lambda: Table("a", "A", (), ()), "a table needs columns"),
         (lambda: Table("a", "A", ("x",), (("1\n2",),)), "one line"),
         (lambda: Picture("a", " A", draw), "one line"),
         (lambda: Picture("", "A", draw), "small letters"),

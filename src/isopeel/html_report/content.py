@@ -1,4 +1,4 @@
-"""The content of a page on a stage, as numbers and texts for its script."""
+"""The content of the page of a stage, as numbers and texts for its script."""
 
 import json
 import re
@@ -42,14 +42,14 @@ _DOTS = 8_000  # steps of positions across the front: more than the pixels of a 
 _ALONG_SIDE = 400  # segments of the adhering face
 _TRACTIONS = 1_200  # approximate number of points along it
 
-#: A value that JSON can hold.
+#: A value that JSON can contain.
 Content = dict[str, Any]
 
 
 def stage_content(stored: StoredStage, found: Findings, most_bytes: int) -> Content:
-    """Return the content of a page on a stage with steps; its states take about `most_bytes` at most.
+    """Return the content of the page of a stage with steps; its states need about `most_bytes` at most.
 
-    Where the states that are stored would take more, some of them are left out, evenly.
+    If all stored states need more, some of them are left out, at equal intervals.
     """
     run, problem = stored.run, stored.stage.problem
     shown = in_laboratory(run.curve, found)
@@ -121,7 +121,7 @@ def _size(stored: StoredStage, state: StoredState, drawn: DrawnState) -> int:
 
 def _units(laboratory: Laboratory, problem: Problem) -> Content:
     """Return the units of the drawn quantities of the bodies, and the factors from values in the page."""
-    # the adhesion's tension is of the order of W over the opening, or of the strength where it is known
+    # the tension of the adhesion is of the order of W over the opening, or of the strength if it is known
     try:
         strengths = [law_character(interface.law).strength for interface in problem.interfaces]
     except InputError:
@@ -151,7 +151,7 @@ def _curve(curve: Curve, laboratory: Laboratory) -> Content:
 
 
 def _views(found: Shown) -> list[Content]:
-    """Return the views of the curve: the whole of it, and the parts to enlarge."""
+    """Return the views of the curve: the whole curve, and the enlarged parts."""
     curve = found.curve
     values = curve.reaction
     low, high = float(values.min()), float(values.max())
@@ -198,7 +198,7 @@ def _around(windows: list[Window]) -> Window:
 
 
 def _grid(fields: SampledFields) -> list[int]:
-    """Return the numbers of elements each way, and of cells in each element."""
+    """Return the numbers of elements per direction, and of cells in each element."""
     elements_x, elements_y, nodes_x, nodes_y = fields.first_invariant.shape
     return [elements_x, elements_y, nodes_x - 1, nodes_y - 1]
 
@@ -216,7 +216,7 @@ def _nodes(fields: SampledFields) -> FloatArray:
 
 
 def _profile(stored: StoredStage, state: StoredState, name: str) -> FrontProfile:
-    """Return the tractions on an interface at the points at which the page has them."""
+    """Return the tractions on an interface at the points of the page."""
     problem, space = stored.stage.problem, stored.space
     boundary = problem.interface_of(name).boundary
     knots = spaces_by_name(problem, space)[boundary.body].rows[0].breakpoints
@@ -226,7 +226,7 @@ def _profile(stored: StoredStage, state: StoredState, name: str) -> FrontProfile
 
 
 def _side(stored: StoredStage, drawn: DrawnState, name: str) -> Content:
-    """Return the places along an adhering face at which tractions are given."""
+    """Return the positions along an adhering face at which tractions are given."""
     state = stored.run.states[-1]
     profile = _profile(stored, state, name)
     at_rest = state._replace(displacement=np.zeros_like(state.displacement))
@@ -244,7 +244,7 @@ def _side(stored: StoredStage, drawn: DrawnState, name: str) -> Content:
 
 
 def _along_face(adhering: FloatArray) -> IntArray:
-    """Return the indices of the points of the adhering face that are kept."""
+    """Return the indices of the points of the adhering face that are in the page."""
     return np.linspace(0, len(adhering) - 1, _ALONG_SIDE + 1).round().astype(np.int64)
 
 

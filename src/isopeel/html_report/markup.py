@@ -31,7 +31,7 @@ def paragraph(text: str, kind: str = "") -> str:
 
 
 def ending(stored: StoredStage) -> str:
-    """Return how a stage ended, with cause and hint where it was not completed."""
+    """Return the ending of a stage, with cause and hint if it was not completed."""
     run, column = stored.run, stored.run.curve.parameter_column
     value = partial(stored.laboratory.parameter, column)
     steps = f"{len(run.curve)} {'step' if len(run.curve) == 1 else 'steps'}"
@@ -74,7 +74,7 @@ def _box(content: str) -> str:
 
 
 def summary(stored: StoredStage, read: dict[str, Any], found: Findings) -> str:
-    """Return the summary of a run beside the values of theory, with its notes and units."""
+    """Return the summary of a run beside closed forms, with its notes and units."""
     rows = summary_rows(read, stored.run.curve, found)
     columns = 4 if any(row.theory for row in rows) else 2
     headings = ("", "run", "closed form", "deviation")[:columns]

@@ -22,8 +22,8 @@ def packed(values: ArrayLike, dtype: str) -> str:
 def packed_positions(positions: FloatArray, resolution: float) -> dict[str, Any]:
     """Return points (m, k, 2) of m columns: the first column, and the differences between columns.
 
-    They are whole multiples of `unit`, which is the resolution, or more where the differences require it.
-    Each point is exact to half of it, as differences of rounded numbers add up without an error.
+    They are whole multiples of a unit: the resolution, or more if the differences require it. Each point is
+    exact to half of this unit, because differences of rounded numbers add up without an error.
     """
     differences = np.abs(np.diff(positions, axis=0)).max(initial=0.0)
     unit = max(

@@ -9,10 +9,10 @@ from isopeel.physics.batch import evaluate_substrate
 from isopeel.physics.substrates import Substrate
 from isopeel.post.states import Window
 
-_POINTS = 501  # each way
+_POINTS = 501  # per direction
 _DIGITS = 6
 
-#: x, y, x, y and so on along a line.
+#: Points of a line, as x, y, x, y and so on.
 Line = list[float]
 
 
@@ -20,13 +20,13 @@ def substrate_region(substrate: Substrate, window: Window) -> tuple[list[Line], 
     """Return rings around the part of a window where the gap is negative, with holes, and its surface."""
     x, y = np.linspace(*window.x, _POINTS), np.linspace(*window.y, _POINTS)
     gap, _, _ = evaluate_substrate(substrate.kernel, substrate.parameters, np.stack(np.meshgrid(x, y), -1))
-    # the formula of a substrate may have no value somewhere
+    # the formula of a substrate may have no value at some points
     levels = np.ma.masked_invalid(gap)
     lowest = float(levels.min()) if levels.count() else 0.0
     if lowest >= 0:
         return [], []
     contours = contour_generator(x, y, levels, fill_type=FillType.OuterOffset, line_type=LineType.Separate)
-    filled: Any = contours.filled(2 * lowest, 0.0)  # of points, and where their rings begin
+    filled: Any = contours.filled(2 * lowest, 0.0)  # points, and the index of the first point of each ring
     rings = [ring for points, ends in zip(*filled, strict=True) for ring in np.split(points, ends[1:-1])]
     return [_flat(ring) for ring in rings], [_flat(line) for line in contours.lines(0.0)]
 

@@ -31,8 +31,8 @@ _LEVELS = 255  # of the stress, as `packed_stress` has them
 def write_html_report(folder: Path, out: Path | None = None, *, force: bool = False) -> Path:
     """Write the run in a folder as one HTML page, by default DIR/report.html; return its path.
 
-    The page loads nothing, and opens without a network. Several stages follow one another in it. Raises
-    InputError where the folder holds no run, OSError where the page cannot be written.
+    The page loads nothing, and opens without a network. It has all stages in their order. Raises InputError
+    if the folder contains no run, and OSError if the page cannot be written.
     """
     stages = read_stages(folder)
     path = out or folder / REPORT
@@ -44,7 +44,7 @@ def write_html_report(folder: Path, out: Path | None = None, *, force: bool = Fa
 
 
 def html_report(stages: tuple[StoredStage, ...]) -> str:
-    """Make the page of stages of one run."""
+    """Return the page of stages of one run."""
     names = [f"stage-{number}" for number, _ in enumerate(stages, start=1)]
     sections, contents = [], {}
     for name, stored in zip(names, stages, strict=True):
@@ -77,7 +77,7 @@ def html_report(stages: tuple[StoredStage, ...]) -> str:
 
 
 def _section(name: str, stored: StoredStage, several: bool, most_bytes: int) -> tuple[str, Content | None]:
-    """Return the part of a page on a stage, and the content for its script where there is a state."""
+    """Return the part of the page for a stage, and the content for its script if there is a state."""
     run, stage = stored.run, stored.stage
     heading = f"<h2>{escape(stored.title)}</h2>\n" if several else ""
     ending = markup.ending(stored)

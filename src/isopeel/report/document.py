@@ -56,7 +56,7 @@ class Table:
     def __post_init__(self) -> None:
         _check_name("table", self.name)
         if not self.headings:
-            raise InputError(f"table {self.name}", self.headings, "a table has columns")
+            raise InputError(f"table {self.name}", self.headings, "a table needs columns")
         for row in self.rows:
             if len(row) != len(self.headings):
                 raise InputError(f"table {self.name}", row, f"a row has {len(self.headings)} cells")
@@ -231,7 +231,7 @@ def _escaped_line(text: str) -> str:
 
 def _check_name(field: str, name: str) -> None:
     if not re.fullmatch("[a-z0-9_-]+", name):
-        raise InputError(field, name, "a name is made of small letters, digits, - and _")
+        raise InputError(field, name, "a name consists of small letters, digits, - and _")
 
 
 def _check_line(field: str, text: str) -> None:

@@ -1,4 +1,4 @@
-"""Which states of a run are kept with their fields."""
+"""The selection of the states of a run that are stored with their fields."""
 
 from collections.abc import Iterable, Sequence
 from typing import NamedTuple, Self
@@ -37,13 +37,10 @@ def nearest(states: Sequence[StoredState], parameter: float) -> StoredState:
 
 
 class KeptStates:
-    """What is kept of the states that come.
-
-    They are those of the first step at or beyond each multiple of an interval, and of the last step.
-    """
+    """The selected states: of the first step at or beyond each multiple of an interval, and the last one."""
 
     def __init__(self, interval: float, states: Iterable[StoredState] = ()) -> None:
-        """Take what was kept before."""
+        """Begin with the states that were selected before."""
         self._interval = interval
         self._passed: float | None = None
         self._kept: list[StoredState] = []
@@ -52,7 +49,7 @@ class KeptStates:
             self.take(state)
 
     def take(self, state: StoredState) -> None:
-        """Keep one until the next one comes, or for good."""
+        """Add a state: until the next one is added, or permanently."""
         passed = float(np.floor(abs(state.parameter) / self._interval + _ROUND_OFF))
         self._last = state
         if passed != self._passed:
@@ -60,7 +57,7 @@ class KeptStates:
             self._passed = passed
 
     def all(self) -> tuple[StoredState, ...]:
-        """Those kept, and the last one."""
+        """Return the selected states, and the last one."""
         if self._last is None or self._last is self._kept[-1]:
             return tuple(self._kept)
         return (*self._kept, self._last)
