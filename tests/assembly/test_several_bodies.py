@@ -238,7 +238,7 @@ def test_a_bar_without_an_interface_is_stretched() -> None:
 def test_names_are_checked() -> None:
     with pytest.raises(InputError, match="no two may have the same name"):
         Problem("two", (UPPER, UPPER), (), (), RotatedSide("right"))
-    with pytest.raises(InputError, match="body: 'pad' cannot be used; there is strip"):
+    with pytest.raises(InputError, match="body: 'pad' cannot be used; the bodies are strip"):
         replace(ALONE, interfaces=(STICKY,))
     with pytest.raises(InputError, match="0 <= start < end <= 1"):
         Boundary("strip", "top", 0.5, 0.5)

@@ -62,9 +62,9 @@ TURNED = 'kind = "rotation"\nto = "2 deg"\nstep = "1 deg"'
             PULLED.format(90),
             "held along y; hold another side",
         ),
-        ('{ right = "y" }', "20x2", "right", MOVED.format(90), "the side right, which the drive moves"),
-        ('{ bottom = "x" }', "20x2", "right", MOVED.format(30), "the side right, which the drive moves"),
-        ('{ top = "y" }', "20x2", "right", TURNED, "the side right, which the drive moves"),
+        ('{ right = "y" }', "20x2", "right", MOVED.format(90), "the drive moves the side right"),
+        ('{ bottom = "x" }', "20x2", "right", MOVED.format(30), "the drive moves the side right"),
+        ('{ top = "y" }', "20x2", "right", TURNED, "the drive moves the side right"),
         ('{ left = "xy" }', "1x1", "right", MOVED.format(0), "on this mesh the whole body is held"),
     ],
 )
