@@ -80,7 +80,7 @@ def test_residuals_and_tangents_are_those_of_two_systems(storage: Storage) -> No
         system.after(system.commit(3 * opened))
         for system, opened in ((one, u), (other, v), (held, np.concatenate([u, v])))
     )
-    opened = held.openings_of(held.maximum_openings)
+    opened = held.maximum_openings_of(held.maximum_openings)
     np.testing.assert_array_equal(opened["strip.bottom"], one.maximum_openings)
     np.testing.assert_array_equal(opened["pad.bottom"], other.maximum_openings)
     found = held.equilibrium(np.concatenate([u, v]))
@@ -232,7 +232,7 @@ def test_a_bar_without_an_interface_is_stretched() -> None:
     expected = 3.0 / (1 - 0.2**2) * 2.0 * strains
     np.testing.assert_allclose([step.reaction for step in steps], expected, rtol=1e-4, atol=1e-14)
     assert steps[-1].adhesive_energy == 0
-    assert System(bar, row_space("N2", (8, 2))).openings_of(steps[-1].maximum_openings) == {}
+    assert System(bar, row_space("N2", (8, 2))).maximum_openings_of(steps[-1].maximum_openings) == {}
 
 
 def test_names_are_checked() -> None:

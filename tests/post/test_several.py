@@ -26,7 +26,7 @@ from isopeel import (
     strip,
     trace,
 )
-from isopeel.assembly.interface import InterfacePoints, openings_by_name
+from isopeel.assembly.interface import InterfacePoints, maximum_openings_by_name
 from isopeel.assembly.system import System
 from isopeel.common.arrays import FloatArray
 from isopeel.common.units import UnitSystem
@@ -94,7 +94,7 @@ def test_each_interface_has_the_profile_that_it_has_alone(single: dict[str, list
     first, second = single["first"][-1], single["second"][-1]
     problem = both(TURN, "first")
     state = joined(first, second, problem)
-    assert openings_by_name(problem, SPACES, state.maximum_openings)["second.bottom"].max() > 0
+    assert maximum_openings_by_name(problem, SPACES, state.maximum_openings)["second.bottom"].max() > 0
     for number, (name, step) in enumerate((("first", first), ("second", second))):
         one = alone(number, PATHS[name][0])
         u, openings = step.displacement, step.maximum_openings
@@ -153,12 +153,15 @@ def test_openings_of_interfaces_of_other_degrees_are_told_apart() -> None:
         system = System(problem, spaces, points)
         rng = np.random.default_rng(0)
         openings = rng.random(system.maximum_openings.shape)
-        found, expected = openings_by_name(problem, spaces, openings), system.openings_of(openings)
+        found, expected = (
+            maximum_openings_by_name(problem, spaces, openings),
+            system.maximum_openings_of(openings),
+        )
         assert [one.shape for one in found.values()] == [(6, points or 3), (8, points or 2)]
         for name, values in expected.items():
             np.testing.assert_array_equal(found[name], values)
     with pytest.raises(InputError, match="the interfaces have 6, 8 elements"):
-        openings_by_name(problem, spaces, np.zeros((13, 1)))
+        maximum_openings_by_name(problem, spaces, np.zeros((13, 1)))
 
 
 def two_sided() -> tuple[Problem, RowSpace]:

@@ -86,26 +86,28 @@ class InterfacePoints:
         own = spaces_by_name(problem, space)[boundary.body]
         return cls(problem, space, *side_points(own, boundary.side, boundary.part, count), interface)
 
-    def history(self, displacement: FloatArray, openings: FloatArray | None) -> FloatArray:
+    def history(self, displacement: FloatArray, maximum_openings: FloatArray | None) -> FloatArray:
         """Maximum openings (n, k) of an irreversible joint, `NOT_CLOSED` where it has not closed yet.
 
-        They follow from the largest `openings` so far at the points of the assembly of all interfaces, as a
+        They follow from the `maximum_openings` so far at the points of the assembly of all interfaces, as a
         step has them, in a state with coefficients (size, 2). Between these points, what they exceed the
         present opening by is interpolated linearly along the side; it is constant beyond the first and the
         last. Whether a point has closed yet is that of the nearest one. Where they are nan, they are not
         known, and the joint is taken as never opened farther than now. Raises InputError where they are
         missing, or they or the coefficients are of another space.
         """
-        return self._largest(self._checked(displacement), openings)
+        return self._largest(self._checked(displacement), maximum_openings)
 
-    def state(self, displacement: FloatArray, openings: FloatArray | None = None) -> InterfaceState:
+    def state(self, displacement: FloatArray, maximum_openings: FloatArray | None = None) -> InterfaceState:
         """Evaluate a state with coefficients (size, 2).
 
-        An irreversible joint needs the largest `openings` so far, as `history` does, and raises as it does.
+        An irreversible joint needs the `maximum_openings` so far, as `history` does, and raises as it does.
         """
         u = self._checked(displacement)
         adhesion, law = self._adhesion, self._adhesion.law
-        history = self._largest(u, openings) if adhesion.irreversible else np.zeros(self.parameters.shape)
+        history = (
+            self._largest(u, maximum_openings) if adhesion.irreversible else np.zeros(self.parameters.shape)
+        )
         answer = self._respond(u, history, irreversible=adhesion.irreversible)
         area = np.ones(history.size)
         table = self._table
@@ -144,8 +146,8 @@ class InterfacePoints:
         u.setflags(write=False)
         return u
 
-    def _respond(self, u: FloatArray, openings: FloatArray, *, irreversible: bool) -> Response:
-        history = openings.ravel()
+    def _respond(self, u: FloatArray, maximum_openings: FloatArray, *, irreversible: bool) -> Response:
+        history = maximum_openings.ravel()
         history.setflags(write=False)
         interface = self._interface
         if not irreversible:
@@ -158,22 +160,31 @@ class InterfacePoints:
         gap = self._respond(u, np.zeros(self.parameters.shape), irreversible=False).gap
         return np.maximum(gap - self._adhesion.law.equilibrium_gap, 0.0)
 
-    def _largest(self, u: FloatArray, openings: FloatArray | None) -> FloatArray:
+    def _largest(self, u: FloatArray, maximum_openings: FloatArray | None) -> FloatArray:
         adhesion = self._adhesion
         here = self._opening(u)
-        if openings is not None and len(self._problem.interfaces) > 1:
-            openings = openings_by_name(self._problem, self._spaces, openings)[self._name]
-        if openings is not None and np.isnan(openings).any():
+        if maximum_openings is not None and len(self._problem.interfaces) > 1:
+            maximum_openings = maximum_openings_by_name(self._problem, self._spaces, maximum_openings)[
+                self._name
+            ]
+        if maximum_openings is not None and np.isnan(maximum_openings).any():
             return here.reshape(self.parameters.shape)
         elements = element_ends(self._space, adhesion.side, (adhesion.start, adhesion.end)).size - 1
-        if openings is None or openings.ndim != 2 or len(openings) != elements or not openings.size:
+        if (
+            maximum_openings is None
+            or maximum_openings.ndim != 2
+            or len(maximum_openings) != elements
+            or not maximum_openings.size
+        ):
             allowed = f"an irreversible joint needs its maximum openings, on {elements} elements"
-            raise InputError("openings", None if openings is None else openings.shape, allowed)
-        if self._contact is None or self._contact.parameters.shape != openings.shape:
-            self._contact = InterfacePoints.of_contact(
-                self._problem, self._spaces, openings.shape[1], self._name
+            raise InputError(
+                "maximum_openings", None if maximum_openings is None else maximum_openings.shape, allowed
             )
-        known = openings.ravel()
+        if self._contact is None or self._contact.parameters.shape != maximum_openings.shape:
+            self._contact = InterfacePoints.of_contact(
+                self._problem, self._spaces, maximum_openings.shape[1], self._name
+            )
+        known = maximum_openings.ravel()
         excess = np.where(known < 0, 0.0, np.maximum(known - self._contact._opening(u), 0.0))
         at, places = self.parameters.ravel(), self._contact.parameters.ravel()
         nearest = np.searchsorted((places[1:] + places[:-1]) / 2, at)
@@ -189,8 +200,10 @@ class InterfacePoints:
         return stretch
 
 
-def openings_by_name(problem: Problem, space: SpaceOfBodies, openings: FloatArray) -> dict[str, FloatArray]:
-    """Return the largest openings (E, Q) of each interface, by its name, of those of all that a step has.
+def maximum_openings_by_name(
+    problem: Problem, space: SpaceOfBodies, maximum_openings: FloatArray
+) -> dict[str, FloatArray]:
+    """Return the maximum openings (E, Q) of each interface, by its name, of those of all that a step has.
 
     Raises InputError where they are of other spaces.
     """
@@ -198,13 +211,13 @@ def openings_by_name(problem: Problem, space: SpaceOfBodies, openings: FloatArra
     boundaries = [interface.boundary for interface in problem.interfaces]
     elements = [element_ends(spaces[one.body], one.side, one.part).size - 1 for one in boundaries]
     points = [usual_points(spaces[one.body], one.side) for one in boundaries]
-    if openings.ndim == 2 and len(openings) == sum(elements):
+    if maximum_openings.ndim == 2 and len(maximum_openings) == sum(elements):
         # as many on each element, by default or as given for all
-        points = [openings.shape[1]] * len(boundaries)
+        points = [maximum_openings.shape[1]] * len(boundaries)
     ends = np.cumsum([count * each for count, each in zip(elements, points, strict=True)])
-    if openings.size != ends[-1]:
+    if maximum_openings.size != ends[-1]:
         allowed = f"the interfaces have {', '.join(map(str, elements))} elements"
-        raise InputError("openings", openings.shape, allowed)
-    parts = np.split(openings.ravel(), ends[:-1])
+        raise InputError("maximum_openings", maximum_openings.shape, allowed)
+    parts = np.split(maximum_openings.ravel(), ends[:-1])
     names = problem.interface_names
     return {name: part.reshape(-1, each) for name, part, each in zip(names, parts, points, strict=True)}

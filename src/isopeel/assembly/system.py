@@ -159,11 +159,11 @@ class System:
         """Return the maximum openings after an equilibrium, coefficients (size, 2), that is accepted."""
         if not self.irreversible:
             return self.maximum_openings
-        before = self.openings_of(self.maximum_openings).values()
+        before = self.maximum_openings_of(self.maximum_openings).values()
         terms = zip(self.interfaces, before, strict=True)
         return self._shaped([term.commit(displacement, opened.ravel()) for term, opened in terms])
 
-    def openings_of(self, maximum_openings: FloatArray) -> dict[str, FloatArray]:
+    def maximum_openings_of(self, maximum_openings: FloatArray) -> dict[str, FloatArray]:
         """Return the maximum openings (E, Q) of each interface, by its name."""
         found, start, flat = {}, 0, maximum_openings.ravel()
         for name, term in zip(self.problem.interface_names, self.interfaces, strict=True):
@@ -173,7 +173,7 @@ class System:
         return found
 
     def _shaped(self, parts: Sequence[FloatArray]) -> FloatArray:
-        """Largest openings of all interfaces, of those (n,) of each."""
+        """Return the maximum openings of all interfaces, from those (n,) of each."""
         counts = {term.table.weights.shape[1] for term in self.interfaces}
         if len(parts) == 1:
             return parts[0].reshape(-1, counts.pop())

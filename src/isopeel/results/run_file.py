@@ -193,8 +193,8 @@ def _image(run: StoredRun) -> bytes:
         functions = 0 if run.last is None else len(run.last.displacement)
         schema.write(file, "fields/displacement", np.array(u or np.empty((0, functions, 2))))
         if any(one.maximum_openings.any() for one in states):
-            openings = np.array([one.maximum_openings for one in states])
-            schema.write(file, "history/adhesion/maximum_openings", openings)
+            maximum_openings = np.array([one.maximum_openings for one in states])
+            schema.write(file, "history/adhesion/maximum_openings", maximum_openings)
         if run.last is not None:
             _write_state(file, run.last)
         if run.base is not None:
@@ -295,13 +295,13 @@ def _states(read: schema.Read, curve: Curve) -> tuple[StoredState, ...]:
     steps, displacement = read.integers("fields/step"), read.floats("fields/displacement")
     if (steps < 0).any() or (steps >= len(curve)).any() or (np.diff(steps) <= 0).any():
         raise UntrustedError("its fields are of steps that its curve does not have")
-    openings = read.get("history/adhesion/maximum_openings")
-    if openings is None:
+    maximum_openings = read.get("history/adhesion/maximum_openings")
+    if maximum_openings is None:
         last = read.get("last/maximum_openings")
-        openings = np.zeros((len(steps), *(np.empty((0, 0)) if last is None else last).shape))
+        maximum_openings = np.zeros((len(steps), *(np.empty((0, 0)) if last is None else last).shape))
     return tuple(
         StoredState(step, float(curve.parameter[step]), u, opening)
-        for step, u, opening in zip(steps.tolist(), displacement, map(frozen, openings), strict=True)
+        for step, u, opening in zip(steps.tolist(), displacement, map(frozen, maximum_openings), strict=True)
     )
 
 

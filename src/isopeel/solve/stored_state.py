@@ -65,11 +65,11 @@ def _solver_state(arrays: Mapping[str, FloatArray]) -> SolverState | None:
         return None
     parameter, steps, slow = _shaped(arrays, "chord_at", 3).tolist()
     y = _shaped(arrays, "chord_unknown_values", None)
-    openings = _shaped(arrays, "chord_maximum_openings", None, None)
+    maximum_openings = _shaped(arrays, "chord_maximum_openings", None, None)
     corrections = _shaped(arrays, "lbfgs_corrections", None, y.size)
     changes = _shaped(arrays, "lbfgs_changes", len(corrections), y.size)
     pairs = LbfgsPairs.of(corrections, changes)
-    return SolverState(frozen(y), parameter, frozen(openings), pairs, int(steps), bool(slow))
+    return SolverState(frozen(y), parameter, frozen(maximum_openings), pairs, int(steps), bool(slow))
 
 
 def _shaped(arrays: Mapping[str, FloatArray], name: str, *shape: int | None) -> FloatArray:
