@@ -415,11 +415,3 @@ def test_a_quarter_cylinder_is_graded_towards_its_contact() -> None:
     # elements that are named are even where the case names no grading
     named = Case.parse(text).space()
     assert np.ptp(np.diff(named.rows[0].breakpoints)) < 1e-12
-
-
-def test_a_run_from_before_todays_default_mesh_is_read() -> None:
-    text = load_case("tape-angle").text
-    text = re.sub(r"(?m)^mesh.*$", "", text)
-    earlier = Case.parse(text).overridden(mesh="200x10").space()
-    assert Case.of_run(text, "run.h5", 2 * earlier.size).space().elements == (200, 10)
-    assert Case.of_run(text, "run.h5", 2 * Case.parse(text).space().size).space().elements != (200, 10)

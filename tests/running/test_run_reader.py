@@ -65,19 +65,6 @@ def test_a_file_that_does_not_fit_to_its_case_is_refused(staged: Path, tmp_path:
             read_stages(tmp_path)
 
 
-def test_a_run_from_before_degree_2_was_the_default_is_linear_across(tmp_path: Path) -> None:
-    text = isopeel.load_case("press-and-peel").overridden(mesh="20x1", space="L1", to="1", step="0.5").text
-    linear = text.replace("[discretization]", "[discretization]\nacross_degree = 1")
-    run_case(isopeel.Case.parse(linear), tmp_path, Console(quiet=True))
-    for stage in ("1-press", "2-peel"):
-        run = read_run(tmp_path / stage / "run.h5")
-        # as such a run was written
-        write_run(tmp_path / stage / "run.h5", replace(run, case_text=text))
-    press, _ = read_stages(tmp_path)
-    assert press.space.across.degree == 1
-    assert press.run.attributes["dofs"] == 2 * press.space.size
-
-
 @pytest.mark.parametrize(
     ("name", "value"), [("mesh", ""), ("mesh", "9x9"), ("mesh", "a\x1b[2Jb"), ("space", "N2"), ("space", "")]
 )

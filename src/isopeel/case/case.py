@@ -53,8 +53,6 @@ LARGEST_ASPECT = 1e4
 USUAL_ELEMENTS = 200, 2, 10
 #: Those of a quarter cylinder, and the ratio of the last one to the first.
 CYLINDER_ELEMENTS, CYLINDER_GRADING = (120, 16), 20.0
-#: What it was before, of all bodies.
-EARLIER_MESH = "200x10"
 #: Bytes; the shipped cases have a thousand.
 LARGEST_FILE = 20_000
 
@@ -100,28 +98,6 @@ class Case(Section):
         longer, or nested deeper, than any case.
         """
         return cls._checked(document_of(text, source), folder)
-
-    @classmethod
-    def of_run(cls, text: str, source: str, dofs: object) -> Self:
-        """Read the text that a run holds, whose space has a number of degrees of freedom.
-
-        A run whose text names no mesh or no degree across may be from before today's defaults, of 200x10
-        linear elements across. Raises as `parse` does.
-        """
-        case = cls.parse(text, source)
-        table: dict[str, Any] = case._document.get("discretization", {})
-        earlier: list[dict[str, Any]] = [
-            {"mesh": EARLIER_MESH},
-            {"mesh": EARLIER_MESH, "across_degree": 1},
-            {"across_degree": 1},
-        ]
-        for defaults in earlier:
-            if dofs == 2 * case.space().size:
-                break
-            other = cls._checked({**case._document, "discretization": {**defaults, **table}})
-            if dofs == 2 * other.space().size:
-                return other
-        return case
 
     @classmethod
     def _checked(cls, document: dict[str, Any], folder: Path = Path()) -> Self:

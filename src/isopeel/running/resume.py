@@ -43,7 +43,7 @@ def _found(folder: Path, to: str | None, path_control: str | None) -> tuple[Case
     newest = files[-1]
     run = read_run(newest)
     try:
-        case = Case.of_run(run.case_text, str(newest), run.attributes.get("dofs"))
+        case = Case.parse(run.case_text, str(newest))
     except InputError as error:
         raise InputError("DIR", str(folder), f"the case in it cannot be run any more: {error}") from error
     case = case.overridden(to=to, path_control=path_control)

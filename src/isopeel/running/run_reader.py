@@ -47,7 +47,7 @@ def read_stages(folder: Path) -> tuple[StoredStage, ...]:
 def _read_stage(file: Path) -> StoredStage:
     run = read_run(file)
     try:
-        case = Case.of_run(run.case_text, str(file), run.attributes.get("dofs"))
+        case = Case.parse(run.case_text, str(file))
         stages, space = case.stages(), case.space()
     except InputError as error:
         raise InputError(
