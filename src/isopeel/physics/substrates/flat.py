@@ -2,32 +2,40 @@
 
 from dataclasses import dataclass, replace
 from functools import cache
+from math import pi
 from typing import ClassVar, Self
 
 import numpy as np
 
 from isopeel.common.arrays import FloatArray
 from isopeel.common.errors import InputError
-from isopeel.common.quantities import Length
+from isopeel.common.quantities import Angle, Length
 from isopeel.physics.batch import SUBSTRATE_SIGNATURE, BatchFunction, compile_batch
 
 
 @dataclass(frozen=True)
 class Flat:
-    """Half space below the line y = `height` (length); its normal points along +y."""
+    """Half space behind a line; its normal has an angle (radians) from the x axis, and points up by default.
+
+    Along the normal n the line has the distance `height` (length) from the origin: n . x = height.
+    """
 
     name: ClassVar[str] = "flat"
     height: Length = 0.0
+    angle: Angle = pi / 2
 
     def __post_init__(self) -> None:
-        """Check the height."""
-        if not np.isfinite(self.height):
-            raise InputError("substrate.height", self.height, "it must be finite")
+        """Check that the numbers are finite."""
+        for key, value in (("height", self.height), ("angle", self.angle)):
+            if not np.isfinite(value):
+                raise InputError(f"substrate.{key}", value, "it must be finite")
 
     @property
     def parameters(self) -> FloatArray:
-        """The height."""
-        return np.array([self.height], dtype=np.float64)
+        """The height and the normal."""
+        # the round-off of pi would slant what is meant to lie along an axis
+        normal = np.round([np.cos(self.angle), np.sin(self.angle)], 15)
+        return np.array([self.height, *normal], dtype=np.float64)
 
     @property
     def kernel(self) -> BatchFunction:
@@ -40,7 +48,7 @@ class Flat:
         return True
 
     def receded(self, gap: float) -> Self:
-        """Lower by a gap (length)."""
+        """Farther back by a gap (length)."""
         return replace(self, height=self.height - gap)
 
 
@@ -58,7 +66,7 @@ def _flat(
     curvature: FloatArray,
 ) -> None:
     for n in range(count):
-        gap[n] = position[1, n] - parameters[0]
-        normal[0, n] = 0.0
-        normal[1, n] = 1.0
+        gap[n] = parameters[1] * position[0, n] + parameters[2] * position[1, n] - parameters[0]
+        normal[0, n] = parameters[1]
+        normal[1, n] = parameters[2]
         curvature[n] = 0.0

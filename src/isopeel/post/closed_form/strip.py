@@ -44,6 +44,7 @@ def free_strip(problem: Problem) -> FreeStrip | None:
         drive.side not in ("left", "right")
         or adhesion.side not in ("bottom", "top")
         or not isinstance(adhesion.substrate, Flat)
+        or adhesion.substrate.angle != Flat().angle
     ):
         return None
     side = shape.boundary(adhesion.side)
