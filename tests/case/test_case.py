@@ -6,8 +6,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from isopeel.case import Case, load_case, parse_mesh, shipped_cases
-from isopeel.case.case import LARGEST_FILE
+from isopeel.case import Case, OneBody, load_case, parse_mesh, shipped_cases, with_options
+from isopeel.case.load import LARGEST_FILE
 from isopeel.common.errors import InputError
 from isopeel.physics.adhesion import (
     AdhesionLaw,
@@ -51,6 +51,8 @@ def test_sections_with_defaults_may_be_left_out() -> None:
     start = STRIP.index("[discretization]")
     case = Case.parse(STRIP[:start].replace('traction = "reference"', ""))
     full = load_case("strip")
+    assert isinstance(case, OneBody)
+    assert isinstance(full, OneBody)
     # the published strip is linear across, which is no default
     usual = full.discretization.model_copy(update={"across_degree": None, "mesh": None})
     assert (case.discretization, case.drive, case.adhesion) == (
@@ -68,19 +70,19 @@ def test_angles_are_multiples_of_the_step_and_end_at_the_requested_one() -> None
     assert stage.name == "rotation"
     assert np.array_equal(stage.parameters, np.radians(asked))
     for to, step in ((3.0, 0.7), ("3 deg", "0.7 deg"), ("180 arcmin", "0.7"), ("3", "42 arcmin")):
-        (stage,) = case.overridden(to=to, step=step).stages()
+        (stage,) = with_options(case, to=to, step=step).stages()
         assert np.array_equal(stage.parameters, np.radians([0, 0.7, 1.4, 2.1, 2.8, 3.0]))
-    (stage,) = case.overridden(to=0.05).stages()
+    (stage,) = with_options(case, to=0.05).stages()
     assert np.array_equal(stage.parameters, np.radians([0, 0.05]))
 
 
 def test_overrides_give_a_new_case_that_can_be_read_back() -> None:
     case = load_case("strip")
-    other = case.overridden(space="L1+N2", mesh="20x2", to=3.0, step=0.5, traction="projected")
+    other = with_options(case, space="L1+N2", mesh="20x2", to=3.0, step=0.5, traction="projected")
     assert case == load_case("strip")
     assert (other.discretization.space, other.space().elements) == ("L1+N2", (20, 2))
     (drive,) = other.drive
-    assert (drive.to, drive.step, other.adhesion.traction) == ("3.0 deg", "0.5 deg", "projected")
+    assert (drive.to, drive.step, other.problem().adhesion.traction) == ("3.0 deg", "0.5 deg", "projected")
     assert Case.parse(other.text) == other
     assert Case.parse(case.text) == case
 
@@ -234,7 +236,7 @@ BAD_VALUES = [
     ('length = "200 nm"', 'length = "-200 nm"', "body.length", "positive"),
     ('height = "10 nm"', 'height = "0 nm"', "body.height", "positive"),
     ('height = "10 nm"', 'heigth = "10 nm"', "body.heigth", "length, height"),
-    ("[body]", "[bodies]", "bodies", "name, about, units, body"),
+    ("[body]", "[bodies]", "bodies", "body, material, adhesion, substrate, held"),
     ('name = "strip"', 'name = "../strip"', "name", "letters"),
     ('name = "strip"', "name = 3", "name", "letters"),
     ('length = "150 nm"', 'length = "201 nm"', "adhesion.length", "at most 200"),
@@ -342,7 +344,7 @@ def test_bad_formulas_name_their_key(old: str, new: str, field: str) -> None:
 )
 def test_bad_overrides_name_the_option(option: str, value: object) -> None:
     with pytest.raises(InputError) as caught:
-        load_case("strip").overridden(**{option: value})  # type: ignore[arg-type]
+        with_options(load_case("strip"), **{option: value})  # type: ignore[arg-type]
     assert (caught.value.field, caught.value.value) == (f"--{option.replace('_', '-')}", value)
 
 

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from isopeel.case import Case, assignment, load_case
+from isopeel.case import Case, OneBody, assignment, load_case
 from isopeel.cli import main
 from isopeel.common.errors import InputError
 
@@ -31,6 +31,7 @@ def test_values_of_a_stage_are_those_of_its_number() -> None:
 
 def test_tables_and_keys_that_were_not_there_are_made() -> None:
     changed = STRIP.with_values({"held.left": "xy", "substrate.gap": "1 nm", "body.height": "9 nm"})
+    assert isinstance(changed, OneBody)
     assert changed.held is not None
     assert changed.held.left == "xy"
 
@@ -43,7 +44,7 @@ def test_none_leaves_a_key_out() -> None:
 @pytest.mark.parametrize("ratio", [0.3, np.float64(0.3)])
 def test_numbers_may_be_those_of_numpy(ratio: float) -> None:
     changed = STRIP.with_values({"material.poissons_ratio": ratio})
-    assert Case.parse(changed.text).material.material().poissons_ratio == 0.3
+    assert Case.parse(changed.text).problem().body.material.poissons_ratio == 0.3
 
 
 @pytest.mark.parametrize(

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from isopeel.case import Case, load_case
+from isopeel.case import Case, load_case, with_options
 from isopeel.common.errors import InputError
 from isopeel.physics.adhesion import Bilinear
 from isopeel.physics.adhesion.mirrored import Mirrored
@@ -151,7 +151,7 @@ def test_a_shape_s_file_is_seen_from_the_folder_of_the_case(
     assert shape.control_points.max() == 40.0
     # the text of the case, which a run keeps, can be read from any other place
     monkeypatch.chdir(Path("/"))
-    again = Case.parse(case.overridden(mesh="20x2").text)
+    again = Case.parse(with_options(case, mesh="20x2").text)
     assert np.array_equal(again.problem().body.shape.control_points, expected.control_points)
     with pytest.raises(InputError, match=r"body\.file"):
         Case.parse((tmp_path / "case.toml").read_text())
@@ -211,13 +211,13 @@ def test_windows_and_fields_are_in_the_dimension_of_the_last_drive() -> None:
 
 
 def test_overrides_are_for_the_last_stage() -> None:
-    case = Case.parse(two_stages(STAGES[1][0])).overridden(to="2 nm", step="5 angstrom")
+    case = with_options(Case.parse(two_stages(STAGES[1][0])), to="2 nm", step="5 angstrom")
     first, last = case.stages()
     assert first.parameters[-1] == np.radians(3.0)
     assert last.parameters.tolist() == [0.0, 0.5, 1.0, 1.5, 2.0]
     for to, reason in ((2.0, "no unit; a length is needed"), ("2 deg", "a length"), ("0 nm", "not be zero")):
         with pytest.raises(InputError, match=reason) as caught:
-            case.overridden(to=to)
+            with_options(case, to=to)
         assert (caught.value.field, caught.value.value) == ("--to", to)
 
 
@@ -259,7 +259,7 @@ BAD_TABLES = [
     ("discretization", "grading = [1.0, -2.0]", "discretization.grading", "two ratios"),
     ("drive", 'kind = "turn"', "drive.kind", "displacement, force"),
     ("drive", 'side = "front"', "drive.side", "'left'"),
-    ("drive", 'angle = "1 deg"', "drive.angle", "here the keys are name, to, step, path_control, kind, side"),
+    ("drive", 'angle = "1 deg"', "drive.angle", "name, boundary, to, step, path_control, kind, side"),
     ("drive", 'name = "a b"', "drive.name", "letters, digits and '-'"),
     ("drive", 'kind = "displacement"\nside = "right"\nangle = 3', "drive.angle", "an angle is needed"),
     ("drive", STAGES[1][0].replace('to = "3 nm"', ""), "drive.to", "missing; a length is needed"),
@@ -334,12 +334,12 @@ def test_too_many_steps_are_an_error_of_the_given_option() -> None:
     single = Case.parse(case_with(drive=STAGES[1][0]))
     for case in (stages, single):
         with pytest.raises(InputError, match=r"^--to: '1 m' cannot be used; .* at least 10 µm is") as caught:
-            case.overridden(to="1 m")
+            with_options(case, to="1 m")
         assert (caught.value.field, caught.value.value) == ("--to", "1 m")
         with pytest.raises(InputError, match=r"^--step: '1 fm' cannot be used; .* at least 30 fm is"):
-            case.overridden(step="1 fm")
+            with_options(case, step="1 fm")
         with pytest.raises(InputError, match=r"^--step: '1 fm' cannot be used; .* at least 20 fm is"):
-            case.overridden(to="2 nm", step="1 fm")
+            with_options(case, to="2 nm", step="1 fm")
 
 
 def test_a_mirror_is_flat() -> None:

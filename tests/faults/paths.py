@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from isopeel.case import Case
+from isopeel.case import Case, with_options
 from isopeel.common.arrays import FloatArray
 from isopeel.solve.newton import ConvergenceError, NewtonSettings
 from isopeel.solve.step import Step
@@ -13,7 +13,7 @@ def paths(text: str, path_control: str | None = None) -> list[list[Step]]:
     """The steps of each stage of a case; raises ConvergenceError."""
     case = Case.parse(text, "test")
     if path_control is not None:
-        case = case.overridden(path_control=path_control)
+        case = with_options(case, path_control=path_control)
     space, stages, base = case.space(), [], None
     for stage in case.stages():
         settings = NewtonSettings(path_control=stage.path_control)
@@ -26,7 +26,7 @@ def as_far_as_it_goes(
     text: str, path_control: str | None = None
 ) -> tuple[list[Step], ConvergenceError | None]:
     """The steps of the one stage of a case, and why there are no more."""
-    case = Case.parse(text, "test").overridden(path_control=path_control)
+    case = with_options(Case.parse(text, "test"), path_control=path_control)
     (stage,) = case.stages()
     steps: list[Step] = []
     try:

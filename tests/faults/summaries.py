@@ -65,7 +65,7 @@ def result_of(text: str) -> CaseResult:
         "completed",
         base=None if before is None else before.displacement,
     )
-    laboratory = Laboratory.of(case.units.system(), stage.problem, case.body.width)
+    laboratory = Laboratory.of(case.units.system(), stage.problem, case.width)
     found = find(stage.problem, space, run, stage.window, laboratory)
     summary = summarize(case.name, run, found, 1.0, [])
     return CaseResult(case, run.curve, found, summary, summary_rows(summary, run.curve, found))

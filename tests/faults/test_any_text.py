@@ -15,7 +15,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from isopeel.case import Case, load_case
-from isopeel.case.case import LARGEST_FILE
+from isopeel.case.load import LARGEST_FILE
 from isopeel.case.text import LARGEST_TEXT, MOST_PARTS
 from isopeel.cli import main
 from isopeel.common.errors import InputError

@@ -5,7 +5,7 @@ from time import perf_counter
 
 import pytest
 
-from isopeel.case import Case, load_case
+from isopeel.case import Case, load_case, with_options
 from isopeel.case.stages import MOST_STAGES, MOST_STEPS_IN_ALL
 from isopeel.cli import main
 from isopeel.common.errors import InputError
@@ -71,7 +71,7 @@ def test_as_much_work_as_is_allowed_is_read() -> None:
 def test_the_error_names_the_option_that_makes_too_many_steps() -> None:
     case = Case.parse(BODY + FINE + FINE.replace("1e-3", "2e-3") + COARSE)
     with pytest.raises(InputError, match="at most 200000 steps") as caught:
-        case.overridden(to="100 deg", step="1e-3 deg")
+        with_options(case, to="100 deg", step="1e-3 deg")
     assert caught.value.field == "--to"
 
 

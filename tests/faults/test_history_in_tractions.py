@@ -11,7 +11,7 @@ from rich.console import Console
 
 from isopeel.assembly.interface import InterfacePoints
 from isopeel.assembly.system import System
-from isopeel.case import Case
+from isopeel.case import Case, with_options
 from isopeel.common.arrays import FloatArray
 from isopeel.common.errors import InputError
 from isopeel.html_report.content import stage_content
@@ -182,7 +182,7 @@ def folders(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
 
 def integral(stage: StoredStage, state: StoredState) -> FloatArray:
     """The force on the body, of the tractions that are read from the file."""
-    points = InterfacePoints.of_contact(stage.stage.problem, stage.space)
+    points = InterfacePoints.of_contact(stage.stage.problem, stage.spaces["body"])
     found = points.state(state.displacement, state.maximum_openings)
     force: FloatArray = np.einsum("nk,nkc->c", points.lengths, found.traction)
     return force
@@ -192,7 +192,7 @@ def integral(stage: StoredStage, state: StoredState) -> FloatArray:
 def test_stored_tractions_integrate_to_the_assembled_force(name: str, folders: dict[str, Path]) -> None:
     for stage in read_stages(folders[name]):
         problem, run = stage.stage.problem, stage.run
-        system = System(problem, stage.space, base=run.base)
+        system = System(problem, stage.spaces["body"], base=run.base)
         assert len(run.states) >= 2
         largest = 0.0
         for state in run.states:
@@ -200,7 +200,7 @@ def test_stored_tractions_integrate_to_the_assembled_force(name: str, folders: d
                 system = system.after(state.maximum_openings)
             loose = system.without_joint().equilibrium(state.displacement).forces
             forces = loose - system.equilibrium(state.displacement).forces
-            expected = forces[stage.space.side_functions("bottom")].sum(axis=0)
+            expected = forces[stage.spaces["body"].side_functions("bottom")].sum(axis=0)
             # of the sum of sizes, a few times the net force: the round-off of both sums, and of stiff bodies
             size = max(np.abs(forces).sum(), 1e-9 * np.abs(loose).sum())
             np.testing.assert_allclose(integral(stage, state), expected, atol=1e-12 * size)
@@ -223,7 +223,7 @@ def test_the_block_has_force_over_area_in_every_stage_and_output(folders: dict[s
     """At an opening of 0.1 in stage 3, 0.926 was drawn, where the force is 0.1118 on an area of 1."""
     secant = envelope(0.5) / 0.5
     for number, stage in enumerate(read_stages(folders["block"])):
-        problem, run, space = stage.stage.problem, stage.run, stage.space
+        problem, run, space = stage.stage.problem, stage.run, stage.spaces["body"]
         content: dict[str, Any] = stage_content(stage, stage.found(), 10_000_000)
         drawn = {one["step"]: packed(one["faces"][0]["adhesion"]) for one in content["states"]}
         for state in run.states:
@@ -251,7 +251,8 @@ def test_the_cantilever_has_a_front_where_it_was_unloaded(folders: dict[str, Pat
     """Damage stays: while the arm closes, the front stays where it was, and the joint weakens beyond it."""
     opened, closed, _ = read_stages(folders["cantilever"])
     zones = [
-        list(process_zones(one.stage.problem, one.space, one.run.states).values()) for one in (opened, closed)
+        list(process_zones(one.stage.problem, one.spaces, one.run.states).values())
+        for one in (opened, closed)
     ]
     assert len(zones[0]) >= 3
     assert len(zones[1]) == len(closed.run.states)
@@ -264,7 +265,7 @@ def test_the_cantilever_has_a_front_where_it_was_unloaded(folders: dict[str, Pat
 
 def test_a_resumed_run_has_the_history_of_one_that_was_not(folders: dict[str, Path], tmp_path: Path) -> None:
     case = Case.parse(CANTILEVER + CANTILEVER_STAGES)
-    run_case(case.overridden(to="0.5 mm"), tmp_path / "out", QUIET)
+    run_case(with_options(case, to="0.5 mm"), tmp_path / "out", QUIET)
     resume_case(tmp_path / "out", QUIET, to="0.9 mm")
     for one, other in zip(read_stages(tmp_path / "out"), read_stages(folders["cantilever"]), strict=True):
         assert one.run.states[-1].maximum_openings.any()
@@ -280,6 +281,6 @@ def test_an_irreversible_joint_without_its_history_has_no_profile(folders: dict[
     problem, run = stage.stage.problem, stage.run
     displacement = run.states[-1].displacement
     with pytest.raises(InputError, match="openings"):
-        front_profile(problem, stage.space, displacement)
+        front_profile(problem, stage.spaces["body"], displacement)
     reversible = problem.changed(adhesion=replace(problem.adhesion, irreversible=False))
-    front_profile(reversible, stage.space, displacement)
+    front_profile(reversible, stage.spaces["body"], displacement)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from rich.console import Console
 
-from isopeel.case import Case, load_case, shipped_cases
+from isopeel.case import Case, load_case, shipped_cases, with_options
 from isopeel.cli import main
 from isopeel.post.front import front_profile, process_zone
 from isopeel.post.laboratory import Laboratory
@@ -114,7 +114,7 @@ def as_proposed(case: Case, text: str) -> Case:
     """The case on the mesh, and with the grading, that a note takes."""
     mesh, grading = (re.search(pattern, text) for pattern in (r"mesh = '(\d+x\d+)'", r"grading = (\[.*?\])"))
     assert mesh is not None
-    case = case.overridden(mesh=mesh[1])
+    case = with_options(case, mesh=mesh[1])
     if grading is None:
         return case
     table = f"[discretization]\ngrading = {grading[1]}\n"
@@ -141,7 +141,7 @@ def message(case: Case) -> str:
         strip("L1", "60x2"),
         strip("N2", "50x2"),
         strip("N2.1", "30x2"),
-        load_case("cylinder-pull-off").overridden(mesh="20x24"),
+        with_options(load_case("cylinder-pull-off"), mesh="20x24"),
     ],
     ids=["half beam", "stamp", "L1", "N2", "N2.1", "cylinder"],
 )
@@ -149,13 +149,13 @@ def test_too_large_elements_get_a_note_whose_remedy_suffices(case: Case) -> None
     text = message(case)
     assert not message(as_proposed(case, text))
     for space in re.findall(r"space = '([^']+)'", text):
-        assert not message(case.overridden(space=space))
+        assert not message(with_options(case, space=space))
 
 
 @pytest.mark.parametrize(("mesh", "strength"), [("12x24", 1.2), ("60x12", 2.4), ("100x10", 4.8)])
 def test_a_grading_is_proposed_for_a_front_that_stays(mesh: str, strength: float) -> None:
     text = ungraded(load_case("cylinder-pull-off")).replace("1.2 MPa", f"{strength} MPa")
-    case = Case.parse(text).overridden(mesh=mesh)
+    case = with_options(Case.parse(text), mesh=mesh)
     found = message(case)
     assert "with grading = [" in found
     assert not message(as_proposed(case, found))
@@ -172,7 +172,7 @@ def test_a_strength_is_proposed_if_no_mesh_suffices(length: float) -> None:
     softer = Case.parse(case.text.replace('strength = "3 MPa"', f'strength = "{strength[1]} {strength[2]}"'))
     mesh = re.search(r"mesh = '(\d+x\d+)'", message(softer))
     assert mesh is not None
-    assert not message(softer.overridden(mesh=mesh[1]))
+    assert not message(with_options(softer, mesh=mesh[1]))
 
 
 @pytest.mark.parametrize("case", [strip("N2", "20x2"), strip("L2", "18x2"), strip("N2", "30x1")])
@@ -181,7 +181,7 @@ def test_the_notes_of_a_run_name_one_sufficient_mesh(case: Case, tmp_path: Path)
     notes = json.loads((tmp_path / "summary.json").read_text("utf-8"))["notes"]
     assert sum(note["subject"] == "resolution" for note in notes) > 1
     (mesh,) = [name for note in notes for name in re.findall(r"mesh = '(\d+x\d+)'", note["text"])]
-    run_case(case.overridden(mesh=mesh), tmp_path / "finer", Console(quiet=True))
+    run_case(with_options(case, mesh=mesh), tmp_path / "finer", Console(quiet=True))
     left = json.loads((tmp_path / "finer" / "summary.json").read_text("utf-8"))["notes"]
     assert not any(note["subject"] == "resolution" for note in left)
 

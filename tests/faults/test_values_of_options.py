@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 from rich.console import Console
 
-from isopeel.case import Case
+from isopeel.case import Case, with_options
 from isopeel.cli import main
 from isopeel.common.errors import InputError
 from isopeel.output.selection import chosen_states, shown_stage
@@ -113,12 +113,12 @@ def test_a_plain_number_is_no_length(
 @pytest.mark.parametrize("written", ["0.1", "5", "1e-3", "inf"])
 def test_options_of_a_run_take_no_plain_length(option: str, written: str) -> None:
     with pytest.raises(InputError, match="a length is needed, such as '200 nm'") as caught:
-        Case.parse(CASE).overridden(**{option: written})  # type: ignore[arg-type]
+        with_options(Case.parse(CASE), **{option: written})  # type: ignore[arg-type]
     assert caught.value.field == f"--{option.replace('_', '-')}"
 
 
 def test_options_of_a_run_are_read_in_the_units_of_the_case() -> None:
-    (stage,) = Case.parse(CASE).overridden(to="200 nm", step="1e-7 m", fields_every="0.1 um").stages()
+    (stage,) = with_options(Case.parse(CASE), to="200 nm", step="1e-7 m", fields_every="0.1 um").stages()
     assert stage.parameters.tolist() == [0.0, 0.1, 0.2]
     assert stage.fields_every == 0.1
 

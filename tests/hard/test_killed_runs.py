@@ -17,7 +17,7 @@ from killing import (
 )
 
 import isopeel
-from isopeel.case import Case
+from isopeel.case import Case, with_options
 from isopeel.cli import main
 
 _STRIP = isopeel.load_case("strip").text
@@ -27,20 +27,22 @@ _EXPONENTIAL = (
 )
 
 CASES: dict[str, Callable[[], Case]] = {
-    "smooth": lambda: isopeel.load_case("strip").overridden(space="N2.1", mesh="160x8", to="60", step="0.1"),
-    "enriched": lambda: isopeel.load_case("strip").overridden(
-        space="L1+N2", mesh="160x4", to="60", step="0.1"
+    "smooth": lambda: with_options(
+        isopeel.load_case("strip"), space="N2.1", mesh="160x8", to="60", step="0.1"
+    ),
+    "enriched": lambda: with_options(
+        isopeel.load_case("strip"), space="L1+N2", mesh="160x4", to="60", step="0.1"
     ),
     # weaker than the strip's law, so that a coarse mesh resolves the front
-    "irreversible": lambda: Case.parse(_STRIP.replace(_LAW, _EXPONENTIAL)).overridden(
-        space="N2.1", mesh="100x3", to="70", step="0.1"
+    "irreversible": lambda: with_options(
+        Case.parse(_STRIP.replace(_LAW, _EXPONENTIAL)), space="N2.1", mesh="100x3", to="70", step="0.1"
     ),
     # without a potential: Newton's method throughout
-    "projected": lambda: isopeel.load_case("strip").overridden(
-        space="N2", mesh="160x4", to="40", step="0.2", traction="projected"
+    "projected": lambda: with_options(
+        isopeel.load_case("strip"), space="N2", mesh="160x4", to="40", step="0.2", traction="projected"
     ),
-    "jumps in stages": lambda: isopeel.load_case("press-and-peel").overridden(
-        space="N2.1", mesh="160x4", to="60", step="0.25"
+    "jumps in stages": lambda: with_options(
+        isopeel.load_case("press-and-peel"), space="N2.1", mesh="160x4", to="60", step="0.25"
     ),
 }
 

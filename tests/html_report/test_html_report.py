@@ -45,7 +45,7 @@ def stage(folder: Path) -> StoredStage:
 
 
 def contents(stage: StoredStage, most_bytes: int = 4_000_000) -> content.Content:
-    return stage_content(stage, find(stage.stage.problem, stage.space, stage.run, None), most_bytes)
+    return stage_content(stage, find(stage.stage.problem, stage.spaces, stage.run, None), most_bytes)
 
 
 class Elements(HTMLParser):
@@ -114,7 +114,7 @@ def test_a_page_shows_the_stored_states_at_their_steps(stage: StoredStage) -> No
     assert shown["grids"] == [[40, 2, 8, 8]]
     stress = np.frombuffer(b64decode(shown["states"][-1]["bodies"][0]["stress"]), np.uint8)
     exact = sample_fields(
-        stage.stage.problem, stage.space, stage.run.nearest(30.0).displacement, (8, 8)
+        stage.stage.problem, stage.spaces, stage.run.nearest(30.0).displacement, (8, 8)
     ).first_invariant
     # rounded to whole levels, 127 each way
     assert np.abs((stress.reshape(exact.shape) / 127 - 1) * shown["scale"] - exact).max() <= (

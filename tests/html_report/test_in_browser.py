@@ -184,7 +184,7 @@ def test_the_stress_under_the_pointer_is_that_of_the_run(browser: webdriver.Chro
     (stored,) = read_stages(strip_page.parent)
     displacement = stored.run.nearest(30.0).displacement
     # the middle of an element, near the front and of a stress that is not small
-    fields = sample_fields(stored.stage.problem, stored.space, displacement, (2, 2))
+    fields = sample_fields(stored.stage.problem, stored.spaces, displacement, (2, 2))
     x, y = fields.position[29, 0, 1, 1]
     axes = """
     const content = JSON.parse(document.getElementById("content").textContent).stages["stage-1"];
@@ -211,7 +211,7 @@ def test_the_script_unpacks_what_was_packed(browser: webdriver.Chrome, strip_pag
     """
     nodes, unit = browser.execute_script(script)
     (stored,) = read_stages(strip_page.parent)
-    fields = sample_fields(stored.stage.problem, stored.space, stored.run.nearest(10.0).displacement, (8, 8))
+    fields = sample_fields(stored.stage.problem, stored.spaces, stored.run.nearest(10.0).displacement, (8, 8))
     corners = fields.position[[0, -1], [0, -1], [0, -1], [0, -1]]
     found = np.array(nodes).reshape(-1, 2)[[0, -1]]
     # half a unit each way, and the round-off of sums

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from isopeel.case import Case, load_case
+from isopeel.case import Case, load_case, with_options
 from isopeel.common.arrays import FloatArray
 from isopeel.common.errors import InputError
 from isopeel.paper.execution import Report, Store, execute
@@ -31,7 +31,8 @@ class ShortRun(Run):
 
     @property
     def case(self) -> Case:
-        return load_case("strip").overridden(
+        return with_options(
+            load_case("strip"),
             space=self.space,
             mesh="20x2",
             to=20.0,

@@ -5,6 +5,7 @@ from dataclasses import replace
 import pytest
 
 from isopeel import row_space
+from isopeel.case import OneBody
 from isopeel.paper import fingerprint
 from isopeel.paper.study import (
     CONTACT_ROW,
@@ -73,6 +74,7 @@ def test_the_case_of_a_run_is_the_strip_with_its_choices() -> None:
     assert (case.discretization.space, case.discretization.mesh) == ("N4", "240x12")
     assert case.discretization.contact_points == 7
     assert case.problem().adhesion.traction == "projected"
+    assert isinstance(case, OneBody)
     assert (case.body.length, case.body.height) == (200.0, 10.0)
 
 

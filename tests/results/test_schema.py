@@ -9,6 +9,7 @@ from scipy.interpolate import BSpline
 
 from isopeel.problem import strip
 from isopeel.results.fields import KeptStates, StoredState
+from isopeel.results.layout import Layout
 from isopeel.results.provenance import Provenance
 from isopeel.results.run_file import read_run, run_attributes
 from isopeel.results.run_writer import RunWriter
@@ -23,8 +24,8 @@ PROBLEM, SPACE = strip(), row_space("L1+N2", (20, 2))
 def path(tmp_path_factory: pytest.TempPathFactory) -> Path:
     file = tmp_path_factory.mktemp("run") / "run.h5"
     attributes = run_attributes(PROBLEM, SPACE, Provenance({}, "", "", "", ""))
-    shape = SPACE, PROBLEM.body.shape
-    with RunWriter(file, PROBLEM.drive, "name = 'x'", attributes, space=shape) as writer:
+    layout = Layout.of(PROBLEM, SPACE)
+    with RunWriter(file, PROBLEM.drive, "name = 'x'", attributes, layout=layout) as writer:
         for step in trace(PROBLEM, SPACE, np.radians([0, 1, 2, 3])):
             writer.append(step)
         writer.end("completed")

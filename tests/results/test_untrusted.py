@@ -118,8 +118,9 @@ def attribute(name: str, value: object, of: str = "/") -> Change:
 
 def openings(value: float, *shape: int) -> Change:
     def change(file: h5py.File) -> None:
-        name = "history/adhesion/maximum_openings"
+        name = "history/interface/maximum_openings"
         file[name] = np.full(shape or (1, *file["last/maximum_openings"].shape), value)
+        file[name].attrs["first"] = 0
         sealed(file, name)
 
     return change

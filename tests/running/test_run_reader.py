@@ -10,6 +10,7 @@ from rich.console import Console
 
 import isopeel
 from isopeel import InputError
+from isopeel.case import with_options
 from isopeel.results.run_file import read_run, write_run
 from isopeel.running.folder import stage_files
 from isopeel.running.run import run_case
@@ -20,7 +21,7 @@ from isopeel.running.run_reader import read_stages
 def staged(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The folder of a case of two stages, of a few steps each."""
     folder = tmp_path_factory.mktemp("staged")
-    case = isopeel.load_case("press-and-peel").overridden(mesh="20x1", space="L1", to="1", step="0.5")
+    case = with_options(isopeel.load_case("press-and-peel"), mesh="20x1", space="L1", to="1", step="0.5")
     run_case(case, folder, Console(quiet=True))
     return folder
 
@@ -30,7 +31,7 @@ def test_stages_come_in_their_order(staged: Path) -> None:
     assert (press.title, peel.title) == ("press-and-peel, stage 1: press", "press-and-peel, stage 2: peel")
     assert peel.run.curve.parameter.tolist() == [0.0, 0.5, 1.0]
     assert press.stage.problem.drive.side == "top"
-    assert {state.displacement.shape for state in peel.run.states} == {(peel.space.size, 2)}
+    assert {state.displacement.shape for state in peel.run.states} == {(peel.spaces["body"].size, 2)}
 
 
 def test_the_folder_of_a_stage_holds_that_stage(staged: Path) -> None:

@@ -1,12 +1,14 @@
-"""The case: a TOML file with units that says what is peeled, on which space, how far and in which steps."""
+"""The case: a TOML file with units that says what is peeled, on which space, how far and in which steps.
 
-import re
+A case has one of two forms: that of one body (`OneBody`), or that of several bodies, interfaces and supports
+(`SeveralBodies`).
+"""
+
+from abc import abstractmethod
 from collections.abc import Mapping
-from importlib import resources
 from pathlib import Path
 from typing import Annotated, Any, Self
 
-import numpy as np
 import tomli_w
 from pydantic import (
     BeforeValidator,
@@ -18,10 +20,12 @@ from pydantic import (
     model_validator,
 )
 
+from isopeel.case.bodies import BodyTable, check_held, placed_bodies, width_of
+from isopeel.case.boundaries import InterfaceTable, SupportTable, split_boundary, with_side
 from isopeel.case.changes import changed
-from isopeel.case.errors import first_error
+from isopeel.case.discretization import space_of
+from isopeel.case.errors import first_error, renamed
 from isopeel.case.sections import (
-    HIGHEST_ACROSS,
     AdhesionSection,
     BodySection,
     DiscretizationSection,
@@ -37,24 +41,25 @@ from isopeel.case.sections import (
 )
 from isopeel.case.stages import Stage, check_number, check_work
 from isopeel.case.text import LARGEST_TEXT, document_of, size_of
-from isopeel.case.values import Section, as_written
+from isopeel.case.values import Section
 from isopeel.common.errors import InputError
-from isopeel.common.units import UnitSystem, measured_in, shown
-from isopeel.physics.substrates import Flat
+from isopeel.common.units import UnitSystem, measured_in
 from isopeel.problem import Body, Interface, Problem, Support
-from isopeel.problem.shapes.base import Shape
-from isopeel.problem.shapes.quarter_cylinder import QuarterCylinder
-from isopeel.splines.nurbs import NurbsSurface, Side
-from isopeel.splines.rows import RowSpace, row_space
+from isopeel.splines.rows import RowSpace
 
-#: More, and the stiffnesses along and across an element, its square apart, leave double precision.
-LARGEST_ASPECT = 1e4
-#: Elements along where a case names none, and the fewest and the most across.
-USUAL_ELEMENTS = 200, 2, 10
-#: Those of a quarter cylinder, and the ratio of the last one to the first.
-CYLINDER_ELEMENTS, CYLINDER_GRADING = (120, 16), 20.0
-#: Bytes; the shipped cases have a thousand.
-LARGEST_FILE = 20_000
+#: Tables of the form for one body, and what says the same of several.
+_SHORT = {
+    "material": "the material of each body is a table in its [[body]]",
+    "adhesion": "each adhesion is an [[interface]], whose boundary is BODY.SIDE",
+    "substrate": "each substrate is a table in its [[interface]]",
+    "held": "what is held is a [[support]], whose boundary is BODY.SIDE",
+}
+
+
+#: What the system calls keys of the discretization.
+_OF_THE_SPACE = ("mesh", "contact_points", "space", "across_degree")
+#: Tables of the form for one body, and those of several that the system calls by these names.
+_LISTS = {"held": "support", "adhesion": "interface", "substrate": "interface.substrate"}
 
 
 class Case(Section):
@@ -69,11 +74,6 @@ class Case(Section):
     ]
     about: Annotated[str, Field(description="a text is needed, in quotes")] = ""
     units: UnitsSection = UnitsSection()
-    body: BodySection
-    material: MaterialSection
-    adhesion: AdhesionSection
-    substrate: SubstrateSection = Field(default={}, validate_default=True)
-    held: HeldSection | None = None
     discretization: DiscretizationSection = DiscretizationSection()
     drive: Annotated[
         tuple[DriveSection, ...],
@@ -91,7 +91,7 @@ class Case(Section):
     _document: dict[str, Any] = PrivateAttr(default_factory=dict)
 
     @classmethod
-    def parse(cls, text: str, source: str = "text", folder: Path = Path()) -> Self:
+    def parse(cls, text: str, source: str = "text", folder: Path = Path()) -> "Case":
         """Read a TOML text, whose files are seen from a folder.
 
         Raises InputError whose field is the path of the key, or CASE for broken TOML and for texts that are
@@ -100,21 +100,15 @@ class Case(Section):
         return cls._checked(document_of(text, source), folder)
 
     @classmethod
-    def _checked(cls, document: dict[str, Any], folder: Path = Path()) -> Self:
+    def _checked(cls, document: dict[str, Any], folder: Path = Path()) -> "Case":
+        form = _form_of(document)
         try:
             with measured_in(_units(document)):
-                case = cls.model_validate(document, context={"folder": folder})
+                case = form.model_validate(document, context={"folder": folder})
         except ValidationError as error:
-            raise first_error(error, document, cls) from error
+            raise first_error(error, document, form) from error
         # files as they are seen from anywhere
-        files = {key: str(value) for key, value in case.body if isinstance(value, Path)}
-        for key, path in files.items():
-            if size_of(path) is None:
-                # as Python reads names of other encodings
-                raise InputError(
-                    f"body.{key}", path, "the path of a file, and of its folders, must be UTF-8 text"
-                )
-        case._document = document | {"body": document["body"] | files}
+        case._document = case._with_files(document)
         if (size_of(case.text) or 0) > LARGEST_TEXT:
             raise InputError("CASE", case.name, f"a case has at most {LARGEST_TEXT} bytes where it is stored")
         return case
@@ -138,75 +132,26 @@ class Case(Section):
     @model_validator(mode="after")
     def _parts_fit_together(self) -> Self:
         self.stages()
-        self.space()
+        self.spaces()
         return self
 
-    def overridden(
-        self,
-        *,
-        space: str | None = None,
-        mesh: str | None = None,
-        to: str | float | None = None,
-        step: str | float | None = None,
-        traction: str | None = None,
-        contact_points: int | None = None,
-        path_control: str | None = None,
-        fields_every: str | float | None = None,
-    ) -> Self:
-        """Return the case with other values, `to`, `step` and `fields_every` those of the last stage.
-
-        `path_control` is that of all stages.
-
-        They are texts with units; plain numbers are degrees of an angle, and refused elsewhere. Raises
-        InputError whose field is the option of the command line, such as --mesh.
-        """
-        given = {
-            ("discretization", "space"): space,
-            ("discretization", "mesh"): mesh,
-            ("drive", "to"): to,
-            ("drive", "step"): step,
-            ("adhesion", "traction"): traction,
-            ("discretization", "contact_points"): contact_points,
-            ("drive", "path_control"): path_control,
-            ("output", "fields_every"): fields_every,
-        }
-        changes = {path: value for path, value in given.items() if value is not None}
-        document = dict(self._document)
-        for (section, key), value in changes.items():
-            table = document.get(section, {})
-            parameter = key in ("to", "step", "fields_every")
-            entry = {key: as_written(self.drive[-1].dimension, value) if parameter else value}
-            if not isinstance(table, list):
-                document[section] = table | entry
-            elif key == "path_control":
-                document[section] = [stage | entry for stage in table]
-            else:
-                document[section] = [*table[:-1], table[-1] | entry]
-        try:
-            return self._checked(document)
-        except InputError as error:
-            for (section, key), value in changes.items():
-                several_stages = section == "drive" and isinstance(document[section], list)
-                # what all stages have is blamed on the first
-                number = 1 if key == "path_control" else len(self.drive)
-                place = f"{section}.{number}" if several_stages else section
-                blamed = [f"{place}.{key}"]
-                if key == "to" and step is None:
-                    blamed.append(f"{place}.step")  # which was good until the way became longer
-                if key in ("to", "step"):
-                    blamed.append("drive")  # of all stages together
-                if error.field in blamed:
-                    option = "control" if key == "path_control" else key.replace("_", "-")
-                    raise InputError(f"--{option}", value, error.allowed) from error
-            raise
-
-    def with_values(self, values: Mapping[str, Any]) -> Self:
+    def with_values(self, values: Mapping[str, Any]) -> "Case":
         """Return the case with other values of any keys, as a case file would have them.
 
-        Keys are dotted names, such as `adhesion.work_of_adhesion`, and `drive.2.to` where a case has several
-        stages; None leaves a key out. Raises InputError, whose field is the key, as for a case file.
+        Keys are dotted names, such as `adhesion.work_of_adhesion`. A table of a list is named by its number,
+        as in `drive.2.to` or `body.1.mesh`. None leaves a key out. Raises InputError, whose field is the
+        key, as for a case file.
         """
         return self._checked(changed(self._document, values))
+
+    def keys_of_tables(self, table: str, key: str) -> list[str]:
+        """Return the names of a key of all tables of a list; none where there is no such list."""
+        found = self._document.get(table)
+        return (
+            [f"{table}.{number}.{key}" for number in range(1, len(found) + 1)]
+            if isinstance(found, list)
+            else []
+        )
 
     @property
     def text(self) -> str:
@@ -218,104 +163,191 @@ class Case(Section):
         return self.stages()[0].problem
 
     def stages(self) -> tuple[Stage, ...]:
-        """Build all stages: one body and its adhesion, and a drive each."""
-        with measured_in(self.units.system()):
-            return self._stages()
-
-    def _stages(self) -> tuple[Stage, ...]:
-        shape, law = self.body.body_shape(), self.adhesion.adhesion_law()
-        substrate = self.substrate.substrate(law.equilibrium_gap)
-        if self.adhesion.symmetric and not isinstance(substrate, Flat):
-            allowed = "a body meets its mirror image at a plane, so that the substrate must be flat"
-            raise InputError("adhesion.symmetric", True, allowed)
-        if self.adhesion.symmetric and self.adhesion.sliding_length is not None:
-            allowed = "a body and its mirror image do not slip past each other; leave out sliding_length"
-            raise InputError("adhesion.symmetric", True, allowed)
-        length = self.adhesion.length
-        start, end = (0.0, 1.0) if length is None else shape.adhering_part(length)
-        body = Body(shape.surface(), self.material.material())
-        adhesion = Interface(
-            body.side("bottom", start, end),
-            law=law,
-            substrate=substrate,
-            traction=self.adhesion.traction,
-            irreversible=self.adhesion.irreversible,
-            sliding_length=self.adhesion.sliding_length,
-        )
+        """Build all stages: the bodies, their interfaces and supports, and a drive each."""
         last = self.drive[-1]
-        usual = (Support(body.side(shape.usual_hold), (0,)),)
-        supports = usual if self.held is None else self.held.supports(body)
-        return tuple(
-            Stage(
-                name=stage.label,
-                problem=Problem(self.name, (body,), (adhesion,), supports, stage.drive()),
-                parameters=stage.parameters(),
-                path_control=stage.path_control,
-                fields_every=self.output.fields_every if stage is last else stage.usual_fields_every,
-                window=self.reading.window if self.reading and stage is last else None,
+        with measured_in(self.units.system()):
+            bodies, interfaces, supports = self._parts()
+            return tuple(
+                Stage(
+                    name=stage.label,
+                    problem=Problem(
+                        self.name, bodies, interfaces, supports, stage.drive(), self._driven(stage)
+                    ),
+                    parameters=stage.parameters(),
+                    path_control=stage.path_control,
+                    fields_every=self.output.fields_every if stage is last else stage.usual_fields_every,
+                    window=self.reading.window if self.reading and stage is last else None,
+                )
+                for stage in self.drive
             )
-            for stage in self.drive
-        )
 
     def space(self) -> RowSpace:
-        """Build the space of the displacement."""
-        chosen = self.discretization
-        shape = self.body.body_shape().surface()
-        mesh, usual_grading = usual_mesh(self.body.body_shape())
-        if chosen.mesh is not None:
-            mesh, usual_grading = parse_mesh("discretization.mesh", chosen.mesh), (1.0, 1.0)
-        grading = chosen.grading or usual_grading
-        usual = usual_across_degree(self.material.material().poissons_ratio, shape)
-        try:
-            space = row_space(chosen.space, mesh, chosen.across_degree or usual, grading, shape)
-        except InputError as error:
-            raise InputError(f"discretization.{error.field}", error.value, error.allowed) from error
-        sides: tuple[tuple[Side, Side], ...] = ("bottom", "top"), ("left", "right")
-        lengths = [max(shape.boundary(side).length() for side in pair) for pair in sides]
-        along, across = (
-            length * np.diff(directional.breakpoints)
-            for length, directional in zip(lengths, (space.rows[0], space.across), strict=True)
+        """Build the space of the displacement of the only body."""
+        spaces = self.spaces()
+        if len(spaces) != 1:
+            raise InputError("body", list(spaces), "this is known for one body only")
+        return next(iter(spaces.values()))
+
+    def named(self, error: InputError) -> InputError:
+        """Return an error of the system with the key of the case in place of its field."""
+        field = f"discretization.{error.field}" if error.field in _OF_THE_SPACE else error.field
+        return InputError(field, error.value, error.allowed)
+
+    @abstractmethod
+    def spaces(self) -> dict[str, RowSpace]:
+        """Build the spaces of the displacement by the names of the bodies, in their order."""
+
+    @property
+    @abstractmethod
+    def width(self) -> float | None:
+        """Extent of the bodies across the plane, in L0, which only scales what is shown."""
+
+    @abstractmethod
+    def _parts(self) -> tuple[tuple[Body, ...], tuple[Interface, ...], tuple[Support, ...]]: ...
+
+    @abstractmethod
+    def _driven(self, stage: DriveSection) -> str:
+        """Name of the body that a stage moves or loads."""
+
+    @abstractmethod
+    def _with_files(self, document: dict[str, Any]) -> dict[str, Any]:
+        """Return the document with absolute paths of files. Raises InputError for other names than UTF-8."""
+
+
+class OneBody(Case):
+    """A body that adheres with its lower face: the tables of the short form."""
+
+    body: BodySection
+    material: MaterialSection
+    adhesion: AdhesionSection
+    substrate: SubstrateSection = Field(default={}, validate_default=True)
+    held: HeldSection | None = None
+
+    def spaces(self) -> dict[str, RowSpace]:
+        """That of the body."""
+        body = self._body()
+        shape, units = self.body.body_shape(), self.units.system()
+        return {body.name: space_of(shape, body, self.discretization, units)}
+
+    @property
+    def width(self) -> float | None:
+        """That of the body."""
+        return self.body.width
+
+    def _body(self) -> Body:
+        return Body(self.body.body_shape().surface(), self.material.material())
+
+    def _parts(self) -> tuple[tuple[Body, ...], tuple[Interface, ...], tuple[Support, ...]]:
+        body, shape, law = self._body(), self.body.body_shape(), self.adhesion.adhesion_law()
+        substrate = self.substrate.substrate(law.equilibrium_gap)
+        length = self.adhesion.length
+        start, end = (0.0, 1.0) if length is None else shape.adhering_part(length)
+        interface = self.adhesion.interface(body.side("bottom", start, end), law, substrate)
+        usual = (Support(body.side(shape.usual_hold), (0,)),)
+        return (body,), (interface,), usual if self.held is None else self.held.supports(body)
+
+    def _driven(self, stage: DriveSection) -> str:
+        if stage.boundary is not None:
+            allowed = "the drive of the only body has a side in place of a boundary"
+            raise InputError("drive.boundary", stage.boundary, allowed)
+        return ""
+
+    def _with_files(self, document: dict[str, Any]) -> dict[str, Any]:
+        return document | {"body": document["body"] | self.body.files("body")}
+
+
+class SeveralBodies(Case):
+    """Bodies by their names, with any interfaces and supports."""
+
+    body: Annotated[
+        tuple[BodyTable, ...],
+        Field(description="a table [[body]] is needed for each body"),
+    ]
+    interface: Annotated[
+        tuple[InterfaceTable, ...],
+        Field(min_length=1, description="a table [[interface]] is needed for each interface, or none"),
+    ] = ()
+    support: Annotated[
+        tuple[SupportTable, ...],
+        Field(min_length=1, description="a table [[support]] is needed for each support, or none"),
+    ] = ()
+
+    @field_validator("drive", mode="before")
+    @classmethod
+    def _on_boundaries(cls, written: object) -> object:
+        """Give each stage the side of its boundary, which its drive acts on."""
+        if isinstance(written, list):
+            return [with_side(f"drive.{number}", table) for number, table in enumerate(written, start=1)]
+        return with_side("drive", written)
+
+    def spaces(self) -> dict[str, RowSpace]:
+        """Build the spaces: keys of a body take the place of those of all bodies."""
+        units = self.units.system()
+        return {
+            table.name: table.row_space(f"body.{number}", self.discretization, units)
+            for number, table in enumerate(self.body, start=1)
+        }
+
+    def named(self, error: InputError) -> InputError:
+        """Return an error of the system with the key of the case in place of its field."""
+        for number, (table, space) in enumerate(zip(self.body, self.spaces().values(), strict=True), start=1):
+            values = {"space": (table.space, space.name), "across_degree": (table.across_degree,) * 2}
+            own, used = values.get(error.field, (None, None))
+            if own is not None and used == error.value:
+                return InputError(f"body.{number}.{error.field}", error.value, error.allowed)
+        return renamed(super().named(error), _LISTS)
+
+    @property
+    def width(self) -> float | None:
+        """That of all bodies, where one has any."""
+        return width_of(self.body)
+
+    def _parts(self) -> tuple[tuple[Body, ...], tuple[Interface, ...], tuple[Support, ...]]:
+        width_of(self.body)
+        placed = placed_bodies(self.body)
+        units = self.units.system()
+        interfaces = tuple(
+            table.interface_of(f"interface.{number}", placed, units)
+            for number, table in enumerate(self.interface, start=1)
         )
-        for one, other in ((along.max(), across.min()), (along.min(), across.max())):
-            if max(one, other) > LARGEST_ASPECT * min(one, other):
-                sizes = " x ".join(shown(size, self.units.system(), length=1) for size in (one, other))
-                allowed = (
-                    f"it has elements of {sizes}; one side may be {LARGEST_ASPECT:g} times the other at most"
-                )
-                raise InputError("discretization.mesh", "{}x{}".format(*mesh), allowed)
-        return space
+        supports = tuple(
+            table.support(f"support.{number}", placed, units)
+            for number, table in enumerate(self.support, start=1)
+        )
+        boundaries = [one.boundary for one in interfaces] + [one.boundary for one in supports]
+        held = {boundary.body for boundary in boundaries}
+        check_held(list(placed), held | {self._driven(stage) for stage in self.drive})
+        return tuple(one.body for one in placed.values()), interfaces, supports
+
+    def _driven(self, stage: DriveSection) -> str:
+        number = "" if len(self.drive) == 1 else f".{self.drive.index(stage) + 1}"
+        assert stage.boundary is not None
+        name, _ = split_boundary(
+            f"drive{number}.boundary", stage.boundary, [table.name for table in self.body]
+        )
+        return name
+
+    def _with_files(self, document: dict[str, Any]) -> dict[str, Any]:
+        bodies = [
+            written | table.files(f"body.{number}")
+            for number, (written, table) in enumerate(zip(document["body"], self.body, strict=True), start=1)
+        ]
+        return document | {"body": bodies}
 
 
-def usual_mesh(shape: Shape) -> tuple[tuple[int, int], tuple[float, float]]:
-    """Return the elements along the length and the height where a case names none, and their grading.
-
-    Of most bodies 200, and 2 to 10 across: they are about as high as they are long, as the stresses of a
-    front are as wide in both directions, and two are enough for bending, with the degree across that is
-    usual. A quarter cylinder touches around one corner: 120x16, graded to 1:20 both ways, is within 0.4 % of
-    the pull-off force of Johnson, Kendall and Roberts, and of the load of Hertz, where 200x10 is off by 4 %
-    (cases 124, 151 and 188 of `benchmarks/trial.py`).
-    """
-    if shape.name == QuarterCylinder.name:
-        return CYLINDER_ELEMENTS, (CYLINDER_GRADING, CYLINDER_GRADING)
-    surface = shape.surface()
-    length, height = (
-        max(surface.boundary(side).length() for side in pair)
-        for pair in (("bottom", "top"), ("left", "right"))
-    )
-    along, fewest, most = USUAL_ELEMENTS
-    return (along, min(max(round(along * height / length), fewest), most)), (1.0, 1.0)
-
-
-def usual_across_degree(poissons_ratio: float, shape: NurbsSurface) -> int:
-    """The degree across where a case names none: 2, 3 of nearly incompressible bodies, or that of the shape.
-
-    A strip that bends shortens and lifts by squares of the height, which a linear space does not contain. At
-    finite strain a change of volume in the fourth power is left by degree 2, which the bulk modulus makes
-    stiff: a moment of 3.6 % more at nu = 0.499 of a strip bent to 15 times its height, with one element
-    across, and of 0.4 % at 0.49 (`benchmarks/locking.py`). It grows with the square of the curvature.
-    """
-    bending = 2 if poissons_ratio <= 0.45 else 3
-    return min(max(bending, shape.spaces[1].degree), HIGHEST_ACROSS)
+def _form_of(document: Mapping[str, Any]) -> type[Case]:
+    """Return the form of a case. Raises InputError where tables of both forms are mixed."""
+    several = [key for key in ("interface", "support") if key in document]
+    if not several and not isinstance(document.get("body"), list):
+        return OneBody
+    if not isinstance(document.get("body", []), list):
+        raise InputError("body", "[body]", f"with [[{several[0]}]] each body is a [[body]] with a name")
+    if not document.get("body"):
+        raise InputError("body", document.get("body"), "a table [[body]] is needed for each body")
+    for key, allowed in _SHORT.items():
+        if key in document:
+            raise InputError(key, f"[{key}]", f"with [[body]], {allowed}")
+    return SeveralBodies
 
 
 def _units(document: Mapping[str, Any]) -> UnitSystem:
@@ -324,48 +356,3 @@ def _units(document: Mapping[str, Any]) -> UnitSystem:
         return UnitsSection.model_validate(document.get("units", {})).system()
     except ValidationError:
         return UnitSystem()
-
-
-def shipped_cases() -> tuple[str, ...]:
-    """Return names of the cases that come with the package."""
-    folders = resources.files("isopeel").joinpath("cases").iterdir()
-    return tuple(sorted(folder.name for folder in folders if folder.is_dir() and folder.name[0] not in "._"))
-
-
-def load_case(case: str | Path) -> Case:
-    """Load a shipped case by its name, or a TOML file by its path.
-
-    Raises InputError; its field is the key's path, or CASE where the file itself cannot be used.
-    """
-    if case in shipped_cases():
-        file = resources.files("isopeel").joinpath("cases", str(case), "case.toml")
-        return Case.parse(file.read_text("utf-8"))
-    path = Path(case)
-    try:
-        # what is no file, such as a pipe, could be waited for without an end
-        if not path.is_file():
-            kind = "is no file" if path.exists() else "does not exist"
-            allowed = f"it {kind}; give a TOML file or a shipped case: {', '.join(shipped_cases())}"
-            raise InputError("CASE", str(case), allowed)
-        with path.open("rb") as opened:
-            content = opened.read(LARGEST_FILE + 1)
-        if len(content) > LARGEST_FILE:
-            raise InputError("CASE", str(case), f"a case has at most {LARGEST_FILE} bytes")
-        text = content.decode()
-    except OSError as error:
-        raise InputError("CASE", str(case), f"it cannot be read: {error.strerror}") from error
-    except UnicodeDecodeError as error:
-        is_utf_16 = content.startswith((b"\xff\xfe", b"\xfe\xff"))
-        allowed = "a TOML file is UTF-8 text; " + (
-            "it is UTF-16, to be saved as UTF-8" if is_utf_16 else f"byte {error.start} is not"
-        )
-        raise InputError("CASE", str(case), allowed) from error
-    return Case.parse(text.replace("\r\n", "\n"), str(case), path.parent)
-
-
-def parse_mesh(field: str, text: str) -> tuple[int, int]:
-    """Read a number of elements along the length x the height, such as 200x10; InputError names the field."""
-    parts = re.fullmatch(r"(\d{1,15})x(\d{1,15})", text)
-    if not parts:
-        raise InputError(field, text, "elements along length x height are needed, such as 200x10")
-    return int(parts[1]), int(parts[2])

@@ -1,10 +1,12 @@
 """What pydantic finds wrong with a case, as a user meets it."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from inspect import isclass
 from typing import Any, get_args
 
 from pydantic import ValidationError
+from pydantic.fields import FieldInfo
 
 from isopeel.case.kinds import KindSection
 from isopeel.case.values import Section
@@ -17,11 +19,10 @@ def first_error(error: ValidationError, document: Mapping[str, Any], case: type[
     place, value = details["loc"], details["input"]
     cause = details.get("ctx", {}).get("error")
     if isinstance(cause, InputError):
-        field = _numbered(cause.field, place, document)
+        field = _in_list(cause.field, place, document)
         return InputError(field, written(document, field, cause.value), cause.allowed)
-    path = [str(part) for part in place if isinstance(part, str)]
-    field = _numbered(".".join(path), place, document)
-    section = _section_at(place[:2], document, case) if len(path) > 1 else case
+    field = _field(place, document)
+    section, key = _key_at(place, document, case)
     match details["type"]:
         case "extra_forbidden":
             return InputError(
@@ -29,11 +30,26 @@ def first_error(error: ValidationError, document: Mapping[str, Any], case: type[
             )
         case "value_error":
             return InputError(field, value, str(cause))
-    key = section.model_fields.get(path[min(1, len(path) - 1)])
     needed = (key.description if key else None) or f"a table [{field}] is needed"
     if details["type"] == "missing":
         return InputError(field, None, f"the key is missing; {needed}")
     return InputError(field, value, needed)
+
+
+@contextmanager
+def named_by(keys: Mapping[str, str]) -> Iterator[None]:
+    """Name what is wrong by the keys of the case: with {"body": "body.2"}, body.length by body.2.length."""
+    try:
+        yield
+    except InputError as error:
+        raise renamed(error, keys) from error
+
+
+def renamed(error: InputError, keys: Mapping[str, str]) -> InputError:
+    """Return an error whose field is named by other keys, for the whole field or its table."""
+    table, point, rest = error.field.partition(".")
+    field = keys.get(error.field) or keys.get(table, table) + point + rest
+    return InputError(field, error.value, error.allowed)
 
 
 def written(document: Mapping[str, Any], field: str, value: object) -> object:
@@ -48,22 +64,50 @@ def written(document: Mapping[str, Any], field: str, value: object) -> object:
     return value if found is None or tables or isinstance(found, Mapping) else found
 
 
-def _numbered(field: str, place: tuple[int | str, ...], document: Mapping[str, Any]) -> str:
-    """Return the field, with the number of the stage from 1 on where there may be several."""
-    if place[:1] == ("drive",) and len(place) > 1 and isinstance(document.get("drive"), list):
-        return field.replace("drive", f"drive.{int(place[1]) + 1}", 1)
-    return field
+def _field(place: tuple[int | str, ...], document: Mapping[str, Any]) -> str:
+    """Return the key at a place, with the number of the table from 1 on where there is a list of them."""
+    several = place and isinstance(document.get(str(place[0])), list)
+    return ".".join(
+        str(part + 1) if isinstance(part, int) else part
+        for number, part in enumerate(place)
+        if isinstance(part, str) or (several and number == 1)
+    )
 
 
-def _section_at(
-    place: tuple[int | str, ...], document: Mapping[str, Any], case: type[Section]
-) -> type[Section]:
-    """Return the section of a table: where there are several kinds, the one that the table chose."""
-    key, number = str(place[0]), place[1]
-    annotation = case.model_fields[key].annotation
-    candidates = [kind for kind in (annotation, *get_args(annotation)) if isclass(kind)]
-    section: type[Section] = next(kind for kind in candidates if issubclass(kind, Section))
-    if not issubclass(section, KindSection):
-        return section
-    table = document.get(key, {})
-    return section.chosen(table[int(number)] if isinstance(table, list) else table)
+def _in_list(field: str, place: tuple[int | str, ...], document: Mapping[str, Any]) -> str:
+    """Return the key of a field of some table, as the class of its kind names it, where that is in a list."""
+    if len(place) < 2 or not isinstance(document.get(str(place[0])), list):
+        return field
+    path, (_, _, key) = _field(place, document), field.partition(".")
+    return path if not key or path.endswith(f".{key}") else f"{path}.{key}"
+
+
+def _key_at(
+    place: tuple[int | str, ...], document: Mapping[str, Any], section: type[Section]
+) -> tuple[type[Section], FieldInfo | None]:
+    """Return the section of a place, of several kinds the one that its table chose, and the key there."""
+    table: Any = document
+    key: FieldInfo | None = None
+    for part in place:
+        if isinstance(part, int):
+            table = table[part] if isinstance(table, list) and part < len(table) else table
+            continue
+        if part not in section.model_fields:
+            break
+        key = section.model_fields[part]
+        table = table.get(part) if isinstance(table, Mapping) else None
+        inner = _section_in(key.annotation)
+        if inner is None:
+            break
+        choice = issubclass(inner, KindSection) and isinstance(table, Mapping)
+        section = inner
+        if choice and len(place) > 1:
+            section = inner.chosen(table)  # type: ignore[attr-defined]
+    return section, key
+
+
+def _section_in(annotation: Any) -> type[Section] | None:
+    """Return the section in a type, such as a tuple of them or one or none; None where there is none."""
+    if isclass(annotation) and issubclass(annotation, Section):
+        return annotation
+    return next(filter(None, map(_section_in, get_args(annotation))), None)

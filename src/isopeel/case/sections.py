@@ -1,12 +1,14 @@
 """The sections of a case file: what each key means, but for the keys that dataclasses bring."""
 
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Annotated, Any, Literal, Self, get_args
 
 from pydantic import BeforeValidator, Field, field_validator, model_validator
 
 from isopeel.case.kinds import KindSection
 from isopeel.case.stages import Steps, stage_parameters, stage_steps
+from isopeel.case.text import size_of
 from isopeel.case.values import (
     LARGEST,
     SMALLEST,
@@ -28,8 +30,8 @@ from isopeel.physics.adhesion import AdhesionLaw
 from isopeel.physics.adhesion.mirrored import Mirrored
 from isopeel.physics.materials import Material
 from isopeel.physics.materials.prestretched import Prestretched
-from isopeel.physics.substrates import Substrate
-from isopeel.problem import Body, Drive, Support, Traction
+from isopeel.physics.substrates import Flat, Substrate
+from isopeel.problem import Body, Boundary, Drive, Interface, Support, Traction
 from isopeel.problem.shapes import Shape
 from isopeel.splines.nurbs import Side
 
@@ -52,6 +54,17 @@ class BodySection(KindSection):
         """Build the shape."""
         shape: Shape = self.made()
         return shape
+
+    def files(self, key: str) -> dict[str, str]:
+        """Return the paths of files, by their keys. Raises InputError for paths that are not UTF-8."""
+        files = {name: str(value) for name, value in self if isinstance(value, Path)}
+        for name, path in files.items():
+            if size_of(path) is None:
+                # as Python reads names of other encodings
+                raise InputError(
+                    f"{key}.{name}", path, "the path of a file, and of its folders, must be UTF-8 text"
+                )
+        return files
 
 
 class MaterialSection(KindSection):
@@ -82,6 +95,23 @@ class AdhesionSection(KindSection):
         """Build the law."""
         law: AdhesionLaw = self.made()
         return Mirrored(law) if self.symmetric else law
+
+    def interface(self, boundary: Boundary, law: AdhesionLaw, substrate: Substrate) -> Interface:
+        """Build the interface on a boundary. Raises InputError for what cannot be combined."""
+        if self.symmetric and not isinstance(substrate, Flat):
+            allowed = "a body meets its mirror image at a plane, so that the substrate must be flat"
+            raise InputError("adhesion.symmetric", True, allowed)
+        if self.symmetric and self.sliding_length is not None:
+            allowed = "a body and its mirror image do not slip past each other; leave out sliding_length"
+            raise InputError("adhesion.symmetric", True, allowed)
+        return Interface(
+            boundary,
+            law=law,
+            substrate=substrate,
+            traction=self.traction,
+            irreversible=self.irreversible,
+            sliding_length=self.sliding_length,
+        )
 
 
 class SubstrateSection(KindSection):
@@ -122,6 +152,7 @@ class UnitsSection(Section):
         return UnitSystem(*sizes)
 
 
+A_BOUNDARY = "a boundary is needed, BODY.SIDE, such as 'upper.bottom'"
 _A_WINDOW = "two values are needed, the smaller one first"
 _RATIOS = several(2, "the size of the last element over that of the first is needed")
 _Held = Annotated[Literal["x", "y", "xy"] | None, Field(description="'x', 'y' or 'xy' is needed")]
@@ -147,35 +178,39 @@ class HeldSection(Section):
 
 #: Highest degree across the height.
 HIGHEST_ACROSS = 8
+SpaceKey = Annotated[str, Field(description="the name of a space is needed, such as 'N2.1'")]
+MeshKey = Annotated[
+    str | None, Field(description="elements along length x height are needed, such as '200x10'")
+]
+AcrossDegreeKey = Annotated[
+    int | None,
+    Field(
+        strict=True,
+        ge=1,
+        le=HIGHEST_ACROSS,
+        description=f"a degree across the height is needed, from 1 to {HIGHEST_ACROSS}",
+    ),
+]
+GradingKey = Annotated[
+    tuple[NumberKey, NumberKey] | None, BeforeValidator(list_of(2, _RATIOS)), Field(description=_RATIOS)
+]
 
 
 class DiscretizationSection(Section):
     """The spline space, its elements along the length and the height, and the adhesive force's points.
 
-    Without a mesh it is that of `case.usual_mesh`, with its grading. Without a degree across it is that of
-    `case.usual_across_degree`: linear elements are too stiff in bending.
+    Without a mesh it is that of `discretization.usual_mesh`, with its grading. Without a degree across it is
+    that of `discretization.usual_across_degree`: linear elements are too stiff in bending.
     """
 
-    space: Annotated[str, Field(description="the name of a space is needed, such as 'N2.1'")] = "N2.1"
-    mesh: Annotated[
-        str | None, Field(description="elements along length x height are needed, such as '200x10'")
-    ] = None
+    space: SpaceKey = "N2.1"
+    mesh: MeshKey = None
     contact_points: Annotated[
         int | None,
         Field(strict=True, ge=1, description="a number of Gauss points on an element is needed"),
     ] = None
-    across_degree: Annotated[
-        int | None,
-        Field(
-            strict=True,
-            ge=1,
-            le=HIGHEST_ACROSS,
-            description=f"a degree across the height is needed, from 1 to {HIGHEST_ACROSS}",
-        ),
-    ] = None
-    grading: Annotated[
-        tuple[NumberKey, NumberKey] | None, BeforeValidator(list_of(2, _RATIOS)), Field(description=_RATIOS)
-    ] = None
+    across_degree: AcrossDegreeKey = None
+    grading: GradingKey = None
 
 
 class DriveSection(KindSection):
@@ -187,6 +222,8 @@ class DriveSection(KindSection):
         str | None,
         Field(pattern=r"^[A-Za-z0-9-]{1,40}$", description="a name of letters, digits and '-' is needed"),
     ] = None
+    #: BODY.SIDE, in a case of several bodies.
+    boundary: Annotated[str | None, Field(description=A_BOUNDARY)] = None
     to: Any = "120 deg"
     step: Any = "0.1 deg"
     path_control: Annotated[

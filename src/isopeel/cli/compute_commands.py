@@ -88,22 +88,20 @@ def run(
     """
     folder: Path | None = None
     try:
-        from isopeel.case import assignment, load_case
+        from isopeel.case import assignment, load_case, with_options
 
         values = dict(assignment(text) for text in assigned or ())
-        chosen = (
-            load_case(case)
-            .with_values(values)
-            .overridden(
-                space=space,
-                mesh=mesh,
-                to=to,
-                step=step,
-                traction=traction,
-                contact_points=contact_points,
-                path_control=control,
-                fields_every=fields_every,
-            )
+        read = load_case(case)
+        chosen = with_options(
+            read.with_values(values) if values else read,
+            space=space,
+            mesh=mesh,
+            to=to,
+            step=step,
+            traction=traction,
+            contact_points=contact_points,
+            path_control=control,
+            fields_every=fields_every,
         )
         folder = out or Path("out") / chosen.name
         # this import takes a while: errors in the case are reported before it

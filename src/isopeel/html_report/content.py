@@ -103,10 +103,10 @@ def _drawn(stored: StoredStage, state: StoredState) -> DrawnState:
     # on a graded mesh small elements have no more cells than large ones, to keep the page small
     problem = stored.stage.problem
     cells = {}
-    for name, space in spaces_by_name(problem, stored.space).items():
+    for name, space in spaces_by_name(problem, stored.spaces).items():
         along, across = (ceil(smooth / count) for smooth, count in zip(SMOOTH, space.elements, strict=True))
         cells[name] = along, across
-    return drawn_state(problem, stored.space, state, cells)
+    return drawn_state(problem, stored.spaces, state, cells)
 
 
 def _fronts(problem: Problem, state: DrawnState) -> dict[str, Window]:
@@ -217,7 +217,7 @@ def _nodes(fields: SampledFields) -> FloatArray:
 
 def _profile(stored: StoredStage, state: StoredState, name: str) -> FrontProfile:
     """Return the tractions on an interface at the points of the page."""
-    problem, space = stored.stage.problem, stored.space
+    problem, space = stored.stage.problem, stored.spaces
     boundary = problem.interface_of(name).boundary
     knots = spaces_by_name(problem, space)[boundary.body].rows[0].breakpoints
     elements = sum(end > boundary.start and start < boundary.end for start, end in pairwise(knots))
@@ -231,7 +231,7 @@ def _side(stored: StoredStage, drawn: DrawnState, name: str) -> Content:
     profile = _profile(stored, state, name)
     at_rest = state._replace(displacement=np.zeros_like(state.displacement))
     cells = dict.fromkeys(drawn.bodies, (1, 1))
-    rest = drawn_state(stored.stage.problem, stored.space, at_rest, cells).faces[name].position
+    rest = drawn_state(stored.stage.problem, stored.spaces, at_rest, cells).faces[name].position
     chords = np.linalg.norm(np.diff(rest, axis=0), axis=1)
     # places on the undeformed face of the points of the deformed face
     places = profile.position[0, 0] + np.append(0.0, np.cumsum(chords))[_along_face(rest)]

@@ -87,7 +87,7 @@ def _section(name: str, stored: StoredStage, several: bool, most_bytes: int) -> 
     points = stored.case.discretization.contact_points
     changes = stored_changes(stored.folder / "summary.json", run)
     if changes is None:
-        changes = mesh_changes(stage.problem, stored.space, run, points)
+        changes = mesh_changes(stage.problem, stored.spaces, run, points)
     content = stage_content(stored, found, most_bytes)
     seconds = float(run.curve.seconds.sum())
     section = _template("stage.html").substitute(

@@ -81,7 +81,7 @@ def _pixels(size: str) -> tuple[int, int]:
 
 def _pictures(stage: StoredStage, size: tuple[int, int], next_one: Callable[[], None]) -> Iterator[Picture]:
     run = stage.run
-    figure = MovingFigure(stage.stage.problem, stage.space, run.curve, run.states, size, stage.laboratory)
+    figure = MovingFigure(stage.stage.problem, stage.spaces, run.curve, run.states, size, stage.laboratory)
     for number in range(len(figure)):
         check()
         yield figure.picture(number)

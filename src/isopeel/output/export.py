@@ -95,7 +95,7 @@ def _export(stage: StoredStage, out: Path, linear: int | None) -> list[Path]:
 
 def _body_series(stage: StoredStage, linear: int | None) -> Mapping[str, Iterator[Grid]]:
     """Return the grids of all states of each body."""
-    problem, space, states = stage.stage.problem, stage.space, stage.run.states
+    problem, space, states = stage.stage.problem, stage.spaces, stage.run.states
     return {
         body.name: body_grids(problem, space, body_mesh(problem, space, linear, body.name), states, body.name)
         for body in problem.bodies
@@ -104,7 +104,7 @@ def _body_series(stage: StoredStage, linear: int | None) -> Mapping[str, Iterato
 
 def _side_series(stage: StoredStage, linear: int | None) -> Mapping[str, Iterator[Grid]]:
     """Return the grids of all states of each interface."""
-    problem, space, states = stage.stage.problem, stage.space, stage.run.states
+    problem, space, states = stage.stage.problem, stage.spaces, stage.run.states
     return {
         name: side_grids(problem, space, side_mesh(problem, space, linear, name), states, name)
         for name in problem.interface_names

@@ -117,19 +117,19 @@ def _plateau(shown: _Shown) -> Figure:
 def _shapes(shown: _Shown) -> Figure:
     stored, chosen = shown.stored, shown.chosen
     states = chosen or stored.run.states
-    return shapes_figure(stored.stage.problem, stored.space, states, shown.units, every=bool(chosen))
+    return shapes_figure(stored.stage.problem, stored.spaces, states, shown.units, every=bool(chosen))
 
 
 def _front(shown: _Shown) -> Figure:
     stored = shown.stored
     last = (shown.chosen or stored.run.states)[-1]
-    return front_figure(stored.stage.problem, stored.space, last, shown.units)
+    return front_figure(stored.stage.problem, stored.spaces, last, shown.units)
 
 
 def _tractions(shown: _Shown) -> Figure:
     stored = shown.stored
     states = shown.chosen or spread(stored.run.states, MOST_SHAPES)
-    return tractions_figure(stored.stage.problem, stored.space, states, shown.units)
+    return tractions_figure(stored.stage.problem, stored.spaces, states, shown.units)
 
 
 #: The figures of a run, by the names of their files.

@@ -105,7 +105,7 @@ class Viewer:
         self._column = stage.stage.problem.drive.parameter_column
         problem = stage.stage.problem
         self._stage = stage
-        window, scale = common_view(problem, stage.space, stage.run.states)
+        window, scale = common_view(problem, stage.spaces, stage.run.states)
         first = self._state(0)
         #: The number of the shown state, from zero.
         self.shown: int = 0
@@ -150,7 +150,7 @@ class Viewer:
 
     def _state(self, number: int) -> DrawnState:
         stage = self._stage
-        return drawn_state(stage.stage.problem, stage.space, stage.run.states[number])
+        return drawn_state(stage.stage.problem, stage.spaces, stage.run.states[number])
 
     def show(self, number: int) -> None:
         """Show a state, by its number from zero; numbers beyond the ends show the states at the ends."""

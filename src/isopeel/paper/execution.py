@@ -17,6 +17,7 @@ from isopeel.common.errors import InputError
 from isopeel.common.interrupts import check
 from isopeel.common.processes import worker_pool
 from isopeel.paper.study import Run, with_bases
+from isopeel.results.layout import Layout
 from isopeel.results.provenance import Provenance
 from isopeel.results.run_file import Failure, StoredRun, read_run, run_attributes
 from isopeel.results.run_writer import RunWriter
@@ -162,7 +163,7 @@ def _compute(run: Run, key: str, store: Store) -> None:
         case.text,
         attributes,
         case.output.fields_every,
-        space=(space, problem.body.shape),
+        layout=Layout.of(problem, space, case.discretization.contact_points),
     ) as writer:
         try:
             for step in steps:

@@ -91,13 +91,15 @@ class Run:
     @property
     def case(self) -> Case:
         """The shipped case of the strip, with the choices of this run."""
-        return load_case("strip").overridden(
-            space=self.space,
-            mesh="{}x{}".format(*MESHES[self.mesh]),
-            to=self.range_deg[1],
-            step=STEP,
-            traction=self.traction,
-            contact_points=self.contact_points,
+        return load_case("strip").with_values(
+            {
+                "discretization.space": self.space,
+                "discretization.mesh": "{}x{}".format(*MESHES[self.mesh]),
+                "discretization.contact_points": self.contact_points,
+                "adhesion.traction": self.traction,
+                "drive.to": f"{self.range_deg[1]!r} deg",
+                "drive.step": f"{STEP!r} deg",
+            }
         )
 
     @property

@@ -1,9 +1,10 @@
 """The file of a run, run.h5: its curve, fields at chosen steps, the case, and where it comes from.
 
 `isopeel.results.schema` lists the data sets with their units and meanings; each has them as attributes too.
-Beside those there are `spaces/NAME`, knots, degrees and control points of the displacement space of a body
-(`isopeel.results.spaces`); `last`, the state of the last step, from which the path goes on, with `solver`,
-arrays that only the solver reads (`isopeel.solve.stored_state`); and attributes of the root for all else.
+Beside those there are `spaces/NAME`, knots, degrees and control points of the displacement space of each body
+(`isopeel.results.spaces`); `history/NAME`, the maximum openings of each irreversible interface; `last`, the
+state of the last step, from which the path goes on, with `solver`, arrays that only the solver reads
+(`isopeel.solve.stored_state`); and attributes of the root for all else.
 
 Beside it, while the run goes on and where it was killed, lies its journal (`isopeel.results.journal`).
 """
@@ -29,14 +30,12 @@ from isopeel.results.curve import Curve
 from isopeel.results.fields import KeptStates, StoredState, nearest
 from isopeel.results.files import check_readable, replacing
 from isopeel.results.journal import Record, read_journal
+from isopeel.results.layout import Layout, read_history
 from isopeel.results.provenance import Provenance
-from isopeel.results.spaces import write_space
 from isopeel.results.untrusted import UntrustedError
 from isopeel.solve.newton import HINTS, Cause
 from isopeel.solve.step import KINDS, State
 from isopeel.solve.stored_state import VERSION, restored, solver_arrays
-from isopeel.splines.nurbs import NurbsSurface
-from isopeel.splines.rows import RowSpace
 
 #: The ending of a run; that of a killed run is "running".
 Ending = Literal["running", "completed", "not converged", "interrupted"]
@@ -74,7 +73,7 @@ class StoredRun:
     `states` are those of the first step at or beyond each multiple of `field_interval`, in the unit of the
     parameter's column, and of the last step. `attributes` are those of `run_attributes`. Where the run was
     killed, `journaled` of its steps come from its journal, which is known by the `identity` of the file, and
-    `last` is the state before them. `space` and shape are written for other programs, and not read.
+    `last` is the state before them. the `layout` is written for other programs, and not read.
     """
 
     case_text: str
@@ -88,7 +87,7 @@ class StoredRun:
     field_interval: float = 10.0
     identity: str = field(default_factory=lambda: uuid4().hex)
     journaled: int = 0
-    space: tuple[RowSpace, NurbsSurface] | None = None
+    layout: Layout = field(default_factory=Layout)
 
     def nearest(self, parameter: float) -> StoredState:
         """Return the stored state nearest to a parameter, in the unit of the curve's column.
@@ -193,8 +192,7 @@ def _image(run: StoredRun) -> bytes:
         functions = 0 if run.last is None else len(run.last.displacement)
         schema.write(file, "fields/displacement", np.array(u or np.empty((0, functions, 2))))
         if any(one.maximum_openings.any() for one in states):
-            maximum_openings = np.array([one.maximum_openings for one in states])
-            schema.write(file, "history/adhesion/maximum_openings", maximum_openings)
+            run.layout.write_history(file, [one.maximum_openings for one in states])
         if run.last is not None:
             _write_state(file, run.last)
         if run.base is not None:
@@ -205,8 +203,7 @@ def _image(run: StoredRun) -> bytes:
             file["failure"].attrs.update(
                 {"parameter": stated.parameter, "reason": stated.reason, "cause": stated.cause}
             )
-        if run.space is not None:
-            write_space(file, "body", *run.space)
+        run.layout.write_spaces(file)
         file.flush()
         image: bytes = file.id.get_file_image()
     return image
@@ -266,7 +263,7 @@ def _stored(file: h5py.File) -> StoredRun:
     return StoredRun(
         read.case,
         curve,
-        _states(read, curve),
+        _states(file, read, curve, last),
         MappingProxyType(attributes),
         endings[stated],
         _failure(file, read),
@@ -291,14 +288,14 @@ def _failure(file: h5py.File, read: schema.Read) -> Failure | None:
     )
 
 
-def _states(read: schema.Read, curve: Curve) -> tuple[StoredState, ...]:
+def _states(file: h5py.File, read: schema.Read, curve: Curve, last: State | None) -> tuple[StoredState, ...]:
     steps, displacement = read.integers("fields/step"), read.floats("fields/displacement")
     if (steps < 0).any() or (steps >= len(curve)).any() or (np.diff(steps) <= 0).any():
         raise UntrustedError("its fields are of steps that its curve does not have")
-    maximum_openings = read.get("history/adhesion/maximum_openings")
+    shape = np.empty((0, 0)).shape if last is None else _history_of(last).shape
+    maximum_openings = read_history(file, len(steps), shape)
     if maximum_openings is None:
-        last = read.get("last/maximum_openings")
-        maximum_openings = np.zeros((len(steps), *(np.empty((0, 0)) if last is None else last).shape))
+        maximum_openings = np.zeros((len(steps), *shape))
     return tuple(
         StoredState(step, float(curve.parameter[step]), u, opening)
         for step, u, opening in zip(steps.tolist(), displacement, map(frozen, maximum_openings), strict=True)

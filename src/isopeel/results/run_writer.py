@@ -16,13 +16,13 @@ from isopeel.problem import Drive
 from isopeel.results.curve import Curve
 from isopeel.results.fields import KeptStates, StoredState
 from isopeel.results.journal import Journal, Record
+from isopeel.results.layout import Layout
 from isopeel.results.run_file import Ending, Failure, StoredRun, write_run
 from isopeel.solve.step import Step
-from isopeel.splines.nurbs import NurbsSurface
-from isopeel.splines.rows import RowSpace
 
 _SAVE_SECONDS = 1.0
 _SAVE_SHARE = 0.02  # of the time, at most, for saving
+_UNKNOWN = Layout()
 
 
 class RunWriter:
@@ -53,7 +53,7 @@ class RunWriter:
         base: FloatArray | None = None,
         after: StoredRun | None = None,
         journaled: int = 0,
-        space: tuple[RowSpace, NurbsSurface] | None = None,
+        layout: Layout = _UNKNOWN,
     ) -> None:
         self._path = path
         self._drive = drive
@@ -71,7 +71,7 @@ class RunWriter:
         )
         #: The run as it was stored before, without the steps since then.
         self._run = replace(
-            after or nothing, case_text=case_text, ending="running", failure=None, space=space
+            after or nothing, case_text=case_text, ending="running", failure=None, layout=layout
         )
         self._kept = KeptStates(field_interval, self._run.states)
         self._last = self._run.last

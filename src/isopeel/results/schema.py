@@ -41,7 +41,7 @@ class DataSet(NamedTuple):
     finite: bool = True
 
 
-#: All data sets but those of the solver and of the spaces, whose number varies.
+#: All data sets but those of the solver, the spaces and the histories of interfaces, whose number varies.
 SCHEMA: dict[str, DataSet] = {
     "case": DataSet("text", (), "", "the case file, in TOML"),
     "curve/parameter": DataSet("float", ("steps",), "", "parameter of the drive"),
@@ -63,20 +63,13 @@ SCHEMA: dict[str, DataSet] = {
     ),
     "fields/step": DataSet("integer", ("fields",), "1", "number of the step, its row in the curve"),
     "fields/displacement": DataSet(
-        "float", ("fields", "functions", 2), "L0", "displacement coefficients in the space `spaces/body`"
-    ),
-    "history/adhesion/maximum_openings": DataSet(
-        "float",
-        ("fields", "elements", "points"),
-        "L0",
-        "largest opening so far at the Gauss points of the interface, -1 where it has not closed yet",
-        required=False,
+        "float", ("fields", "functions", 2), "L0", "displacement coefficients in the `spaces` of the bodies"
     ),
     "last/displacement": DataSet(
         "float", ("functions", 2), "L0", "displacement coefficients of the last step", required=False
     ),
     "last/maximum_openings": DataSet(
-        "float", ("elements", "points"), "L0", "largest opening at the last step", required=False
+        "float", ("elements", "points"), "L0", "largest openings at the last step", required=False
     ),
     "base": DataSet(
         "float", ("functions", 2), "L0", "displacement that this stage began with", required=False

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from isopeel.case import Case, Stage
-from isopeel.case.case import LARGEST_FILE
+from isopeel.case.load import LARGEST_FILE
 from isopeel.common.errors import InputError
 from isopeel.post.laboratory import short_unit
 from isopeel.problem import Column
@@ -37,7 +37,9 @@ from isopeel.solve.step import KINDS
 _SAME = 1e-9
 _ANOTHER = "give another folder, or --force"
 #: Tables of a case file that define the problem; the others define the computation and its end.
-_PHYSICS = ("units", "body", "material", "adhesion", "substrate", "held")
+_PHYSICS = ("units", "body", "material", "adhesion", "substrate", "held", "interface", "support")
+#: Keys in them that do not: options of the command line change them, or they belong to the space.
+_OTHERS = ("traction", "space", "mesh", "across_degree", "grading")
 
 
 class _Length(NamedTuple):
@@ -186,10 +188,14 @@ def _document(text: str) -> dict[str, Any]:
         return {}
 
 
-def _table(document: dict[str, Any], name: str) -> dict[str, Any]:
-    """Return a table without the keys that an option of the command line may change."""
-    table = document.get(name) or {}
-    return {key: value for key, value in table.items() if key != "traction"}
+def _table(document: dict[str, Any], name: str) -> Any:
+    """Return a table, or a list of tables, without the keys that do not define the problem."""
+    found = document.get(name) or {}
+    if isinstance(found, list):
+        return [_table({name: table}, name) for table in found]
+    if not isinstance(found, dict):
+        return found
+    return {key: value for key, value in found.items() if key not in _OTHERS}
 
 
 def _reached(run: StoredRun) -> _Length:

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 from rich.console import Console
 
-from isopeel.case import Case, Stage
+from isopeel.case import Case, Stage, with_options
 from isopeel.common.errors import InputError
 from isopeel.post.laboratory import Laboratory
 from isopeel.results.run_file import StoredRun, read_run
@@ -46,7 +46,7 @@ def _found(folder: Path, to: str | None, path_control: str | None) -> tuple[Case
         case = Case.parse(run.case_text, str(newest))
     except InputError as error:
         raise InputError("DIR", str(folder), f"the case in it cannot be run any more: {error}") from error
-    case = case.overridden(to=to, path_control=path_control)
+    case = with_options(case, to=to, path_control=path_control)
     stages = case.stages()
     where = places(case.name, [stage.name for stage in stages], folder)
     stored = {}

@@ -28,6 +28,7 @@ from isopeel.post.summary_table import summary_rows
 from isopeel.post.table import write_curve
 from isopeel.results.curve import Curve
 from isopeel.results.files import replacing
+from isopeel.results.layout import Layout
 from isopeel.results.notes import with_one_remedy
 from isopeel.results.provenance import Provenance
 from isopeel.results.run_file import Failure, StoredRun, read_run, run_attributes
@@ -47,6 +48,9 @@ from isopeel.solve.newton import ConvergenceError, NewtonSettings
 from isopeel.solve.step import State, Step
 from isopeel.solve.trace import check_stage, trace
 from isopeel.splines.rows import RowSpace
+
+#: Spaces of the displacement by names of bodies.
+Spaces = Mapping[str, RowSpace]
 
 
 class Result(NamedTuple):
@@ -75,7 +79,7 @@ def run_case(case: Case, out: Path, console: Console, strict: bool = False, *, f
     # the stages are checked before any folder is made
     stages = case.stages()
     check_later_stages(case)
-    steps = _steps(case, stages[0], case.space(), None, None)
+    steps = _steps(case, stages[0], case.spaces(), None, None)
     _say_doubts(case, console, strict)
     where = places(case.name, [stage.name for stage in stages], out)
     make_folder(out)
@@ -109,17 +113,15 @@ def let_go_when_finished(result: Result, case: Case, out: Path, console: Console
 
 def _say_doubts(case: Case, console: Console, strict: bool) -> None:
     """Print the doubts about the discretization before the first step; raise InputError where `strict`."""
-    space = case.space()
-    notes = []
+    spaces, notes = case.spaces(), []
     for stage in case.stages():
         laboratory = _laboratory(case, stage)
-        notes += estimate_notes(stage.problem, space, laboratory)
-        notes += locking_notes(stage.problem, space, laboratory)
+        notes += estimate_notes(stage.problem, spaces, laboratory)
+        notes += locking_notes(stage.problem, spaces, laboratory)
     for note in with_one_remedy(list(dict.fromkeys(notes))):
         if strict:
-            raise InputError(
-                "discretization.mesh", "{}x{}".format(*space.elements), f"{note.subject}: {note.text}"
-            )
+            mesh = ", ".join("{}x{}".format(*space.elements) for space in spaces.values())
+            raise InputError("discretization.mesh", mesh, f"{note.subject}: {note.text}")
         console.print(f"note: {note.text}", soft_wrap=True)
 
 
@@ -128,14 +130,15 @@ def check_later_stages(case: Case) -> None:
 
     Raises InputError that names the stage; without this check the error could come after hours.
     """
-    space = case.space()
+    spaces = case.spaces()
     for number, stage in enumerate(case.stages()[1:], start=2):
         try:
-            check_stage(stage.problem, space, NewtonSettings(path_control=stage.path_control))
+            check_stage(stage.problem, spaces, NewtonSettings(path_control=stage.path_control))
         except InputError as error:
-            field = error.field.replace("drive.", f"drive.{number}.", 1)
+            named = case.named(error)
+            field = named.field.replace("drive.", f"drive.{number}.", 1)
             raise InputError(field, error.value, f"in stage {number}, {error.allowed}") from error
-        _check_memory(stage, space)
+        _check_memory(stage, spaces)
 
 
 def go_through(
@@ -151,7 +154,7 @@ def go_through(
     the first stored one do not change. The caller keeps other processes out of the folder, and may pass the
     steps of the first stage.
     """
-    space, stages = case.space(), case.stages()
+    spaces, stages = case.spaces(), case.stages()
     base: State | None = None
     result: Result | None = None
     try:
@@ -162,13 +165,13 @@ def go_through(
             if base is None and found is not None and found.base is not None:
                 base = State(0.0, found.base)
             if found is not None and is_complete(found, stage):
-                run = _complete(case, stage, space, found, place, console)
+                run = _complete(case, stage, spaces, found, place, console)
             elif found is not None and found.failure is not None:
                 run = found
             else:
-                steps = first_steps or _steps(case, stage, space, base, found)
+                steps = first_steps or _steps(case, stage, spaces, base, found)
                 first_steps = None
-                run = _run_stage(case, stage, space, base, found, steps, place, console)
+                run = _run_stage(case, stage, spaces, base, found, steps, place, console)
             result = Result(run, place.folder)
             if run.ending != "completed":
                 break
@@ -195,7 +198,7 @@ def _met(stage: Stage, run: StoredRun | None) -> int:
 
 
 def _steps(
-    case: Case, stage: Stage, space: RowSpace, base: State | None, found: StoredRun | None
+    case: Case, stage: Stage, spaces: Spaces, base: State | None, found: StoredRun | None
 ) -> Iterable[Step]:
     """Return the steps of a stage after the stored ones."""
     last = None if found is None else found.last
@@ -203,7 +206,7 @@ def _steps(
     try:
         steps = trace(
             stage.problem,
-            space,
+            spaces,
             rest,
             NewtonSettings(path_control=stage.path_control),
             start=() if last is None else [last],
@@ -212,19 +215,17 @@ def _steps(
             contact_points=case.discretization.contact_points,
         )
     except InputError as error:
-        chosen = error.field in ("mesh", "contact_points", "space", "across_degree")
-        field = f"discretization.{error.field}" if chosen else error.field
-        raise InputError(field, error.value, error.allowed) from error
-    _check_memory(stage, space)
+        raise case.named(error) from error
+    _check_memory(stage, spaces)
     return steps
 
 
-def _check_memory(stage: Stage, space: RowSpace) -> None:
+def _check_memory(stage: Stage, spaces: Spaces) -> None:
     """Raise InputError where the displacements to store would fill the memory."""
     column = stage.problem.drive.parameter_column
     kept = min(abs(column.shown(stage.parameters[-1])) / stage.fields_every, len(stage.parameters))
     # they are in memory three times: as they are, in one array, and in the image of the file
-    needed, free = 3 * 16 * space.size * kept, virtual_memory().available
+    needed, free = 3 * 16 * sum(space.size for space in spaces.values()) * kept, virtual_memory().available
     if needed > free:
         gib = f"{needed / 2**30:.1f} GiB of memory, and {free / 2**30:.1f} GiB are free"
         allowed = f"the displacements at its multiples need {gib}"
@@ -234,7 +235,7 @@ def _check_memory(stage: Stage, space: RowSpace) -> None:
 def _run_stage(
     case: Case,
     stage: Stage,
-    space: RowSpace,
+    spaces: Spaces,
     base: State | None,
     found: StoredRun | None,
     steps: Iterable[Step],
@@ -248,7 +249,7 @@ def _run_stage(
             "L0": case.units.length,
             "E0": case.units.stress,
             "stage": stage.name,
-            **run_attributes(problem, space, Provenance.of_this_process()),
+            **run_attributes(problem, spaces, Provenance.of_this_process()),
         }
         if found is None
         else found.attributes
@@ -263,7 +264,7 @@ def _run_stage(
         None if base is None else base.displacement,
         found,
         0 if found is None else read_run(place.run_file).journaled,
-        (space, problem.body.shape),
+        Layout.of(problem, spaces, case.discretization.contact_points),
     )
     with deferred():
         try:
@@ -277,7 +278,7 @@ def _run_stage(
                 write_curve(out / "curve.csv", writer.curve, problem, _laboratory(case, stage))
         run = replace(read_run(place.run_file), ending=writer.ending)
         try:
-            summary, read = _write_results(case, stage, space, run, place, perf_counter() - began)
+            summary, read = _write_results(case, stage, spaces, run, place, perf_counter() - began)
         except KeyboardInterrupt:
             return replace(run, ending="interrupted")
     if run.ending != "interrupted":
@@ -286,14 +287,14 @@ def _run_stage(
 
 
 def _complete(
-    case: Case, stage: Stage, space: RowSpace, run: StoredRun, place: Place, console: Console
+    case: Case, stage: Stage, spaces: Spaces, run: StoredRun, place: Place, console: Console
 ) -> StoredRun:
     """Print that a stage is complete, and write the files that it lacks."""
     column, laboratory = run.curve.parameter_column, _laboratory(case, stage)
     reached = laboratory.parameter(column, float(run.curve.parameter[-1]))
     console.print(f"{place.title} is complete: {len(run.curve)} steps, to {reached}", soft_wrap=True)
     if not all((place.folder / name).exists() for name in FILES):
-        _write_results(case, stage, space, run, place, float(run.curve.seconds.sum()))
+        _write_results(case, stage, spaces, run, place, float(run.curve.seconds.sum()))
     return run
 
 
@@ -352,7 +353,7 @@ def _follow(
 
 
 def _laboratory(case: Case, stage: Stage) -> Laboratory:
-    return Laboratory.of(case.units.system(), stage.problem, case.body.width)
+    return Laboratory.of(case.units.system(), stage.problem, case.width)
 
 
 def _list_removed(writer: RunWriter, console: Console) -> None:
@@ -365,18 +366,18 @@ def _list_removed(writer: RunWriter, console: Console) -> None:
 def _write_results(
     case: Case,
     stage: Stage,
-    space: RowSpace,
+    spaces: Spaces,
     run: StoredRun,
     place: Place,
     wall_time: float,
 ) -> tuple[dict[str, Any], Findings]:
     """Write curve, summary and, unless the run was interrupted, figures; return summary and findings."""
     out = place.folder
-    found = find(stage.problem, space, run, stage.window, _laboratory(case, stage))
+    found = find(stage.problem, spaces, run, stage.window, _laboratory(case, stage))
     write_curve(out / "curve.csv", run.curve, stage.problem, found.laboratory, found.fronts)
     # after Ctrl-C a finer mesh would take too long
     points = case.discretization.contact_points
-    changes = [] if run.ending == "interrupted" else mesh_changes(stage.problem, space, run, points)
+    changes = [] if run.ending == "interrupted" else mesh_changes(stage.problem, spaces, run, points)
     summary = summarize(place.title, run, found, wall_time, changes)
     text = json.dumps(summary, indent=2, allow_nan=False)
     with replacing(out / "summary.json") as part:
@@ -386,7 +387,7 @@ def _write_results(
         curve, plateau, closed_form, _ = in_laboratory(run.curve, found)
         for name, figure in (
             ("curve.png", reaction_figure(curve, plateau, closed_form)),
-            ("shapes.png", shapes_figure(stage.problem, space, run.states, found.laboratory)),
+            ("shapes.png", shapes_figure(stage.problem, spaces, run.states, found.laboratory)),
         ):
             check()
             with replacing(out / name) as part:

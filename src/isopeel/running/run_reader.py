@@ -1,5 +1,6 @@
 """Read the folder of a run: each stage with its problem, its space and its stored run."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -22,17 +23,17 @@ class StoredStage:
     folder: Path
     case: Case
     stage: Stage
-    space: RowSpace
+    spaces: Mapping[str, RowSpace]
     run: StoredRun
 
     @property
     def laboratory(self) -> Laboratory:
         """The units in which its outputs are shown."""
-        return Laboratory.of(self.case.units.system(), self.stage.problem, self.case.body.width)
+        return Laboratory.of(self.case.units.system(), self.stage.problem, self.case.width)
 
     def found(self) -> Findings:
         """Read the run."""
-        return find(self.stage.problem, self.space, self.run, self.stage.window, self.laboratory)
+        return find(self.stage.problem, self.spaces, self.run, self.stage.window, self.laboratory)
 
 
 def read_stages(folder: Path) -> tuple[StoredStage, ...]:
@@ -48,7 +49,7 @@ def _read_stage(file: Path) -> StoredStage:
     run = read_run(file)
     try:
         case = Case.parse(run.case_text, str(file))
-        stages, space = case.stages(), case.space()
+        stages, spaces = case.stages(), case.spaces()
     except InputError as error:
         raise InputError(
             "DIR", str(file.parent), f"the case in it cannot be read any more: {error}"
@@ -60,9 +61,11 @@ def _read_stage(file: Path) -> StoredStage:
     number = _number(file) if _number(file) in numbers else min(numbers, default=0)
     kept = [*(state.displacement for state in run.states), *([] if run.base is None else [run.base])]
     sizes = {len(displacement) for displacement in kept}
-    of_case = space.name, "{}x{}".format(*space.elements)
-    same = (run.attributes.get("space"), run.attributes.get("mesh")) == of_case
-    if missing or not number or not sizes <= {space.size} or not same:
+    size = sum(space.size for space in spaces.values())
+    names = ", ".join(space.name for space in spaces.values())
+    meshes = ", ".join("{}x{}".format(*space.elements) for space in spaces.values())
+    same = (run.attributes.get("space"), run.attributes.get("mesh")) == (names, meshes)
+    if missing or not number or not sizes <= {size} or not same:
         reason = (
             f"lacks {', '.join(missing)}" if missing else "has fields, a space or a stage of another case"
         )
@@ -72,7 +75,7 @@ def _read_stage(file: Path) -> StoredStage:
     if (run.curve.parameter_column, run.curve.reaction_column) != columns:
         raise InputError("FILE", str(file), "the file of a run is needed: its curve is of another drive")
     title = f"{case.name}, stage {number}: {stage.name}" if len(stages) > 1 else case.name
-    return StoredStage(title, file.parent, case, stage, space, run)
+    return StoredStage(title, file.parent, case, stage, spaces, run)
 
 
 def _number(file: Path) -> int:

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 
+from isopeel.case import OneBody
 from isopeel.paper.reading import WINDOW, Reading
 from isopeel.paper.study import STEP, Run
 from isopeel.paper.wording import UNIT
@@ -35,6 +36,7 @@ def blocks() -> Iterator[Block]:
     case = Run("L1", "m2").case
     problem = case.problem()
     settings = NewtonSettings()
+    assert isinstance(case, OneBody)
     stiffness, law = case.material, case.adhesion
     yield Text(
         f"The body is a strip of {case.body.length:g} nm x {case.body.height:g} nm in plane strain. Its "

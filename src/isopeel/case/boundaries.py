@@ -1,0 +1,195 @@
+"""The tables [[interface]] and [[support]] of a case, and what is common to them: a part of a boundary."""
+
+from collections.abc import Mapping, Sequence
+from typing import Annotated, Any, Literal, NamedTuple, get_args
+
+import numpy as np
+from pydantic import Field, PlainValidator, field_validator
+
+from isopeel.case.bodies import PlacedBody
+from isopeel.case.errors import named_by
+from isopeel.case.sections import A_BOUNDARY, AdhesionSection, SubstrateSection
+from isopeel.case.values import LengthKey, Section, read_quantity
+from isopeel.common.errors import InputError
+from isopeel.common.quantities import LENGTH
+from isopeel.common.units import UnitSystem, shown
+from isopeel.physics.substrates import Flat
+from isopeel.problem import Boundary, Interface, Support
+from isopeel.problem.shapes.base import ROUND_OFF, parameter_at_length
+from isopeel.splines.nurbs import NurbsCurve, Side
+
+_AN_END = (
+    "a length from the left or lower end of the side is needed, such as '20 nm', or the parameter along the"
+    " side, a number from 0 to 1"
+)
+#: A boundary is straight where it leaves its chord by no more than this share of it.
+_STRAIGHT = 1e-12
+
+
+class Place(NamedTuple):
+    """A place on a side: a length from its start, or its parameter."""
+
+    value: float
+    is_length: bool
+
+    def length(self, curve: NurbsCurve) -> float:
+        """Length from the start of the side."""
+        return self.value if self.is_length else _length_to(curve, self.value)
+
+    def parameter(self, curve: NurbsCurve) -> float:
+        """Parameter of the side."""
+        return _parameter_at(curve, self.value) if self.is_length else self.value
+
+
+def _read_place(written: object) -> Place:
+    if isinstance(written, int | float) and not isinstance(written, bool):
+        return Place(float(written), is_length=False)
+    if not isinstance(written, str):
+        raise ValueError(_AN_END)
+    return Place(read_quantity(LENGTH, written), is_length=True)
+
+
+PlaceKey = Annotated[Place | None, PlainValidator(_read_place), Field(description=_AN_END)]
+
+
+class BoundaryTable(Section):
+    """A side of a body, or a part of it: between two places, or by its length from one of them."""
+
+    boundary: Annotated[str, Field(description=A_BOUNDARY)]
+    start: PlaceKey = None
+    end: PlaceKey = None
+    length: LengthKey | None = None
+
+    def part(self, key: str, bodies: Mapping[str, PlacedBody], units: UnitSystem) -> Boundary:
+        """Find the part of the boundary. Raises InputError whose field begins with the key of the table."""
+        name, side = split_boundary(f"{key}.boundary", self.boundary, list(bodies))
+        shape, body = bodies[name]
+        curve = body.shape.boundary(side)
+        places = {"start": self.start, "end": self.end}
+        allowed = (
+            f"the part must lie on the side, which is {shown(_length_to(curve, 1.0), units, length=1)} long"
+        )
+        for field, place in places.items():
+            if place is not None and not 0 <= place.value <= (
+                _length_to(curve, 1.0) if place.is_length else 1.0
+            ):
+                raise InputError(f"{key}.{field}", place.value, allowed)
+        if self.length is None:
+            start = 0.0 if self.start is None else self.start.parameter(curve)
+            end = 1.0 if self.end is None else self.end.parameter(curve)
+        elif self.length <= 0 or None not in places.values():
+            allowed = "it must be positive, and stand with the start or the end of the part, not with both"
+            raise InputError(f"{key}.length", self.length, allowed)
+        elif self.start is None and self.end is None and side == "bottom":
+            with named_by({"adhesion": key}):
+                start, end = shape.adhering_part(self.length)
+        else:
+            first = 0.0 if self.start is None else self.start.length(curve)
+            last = first + self.length
+            if self.end is not None:
+                last = self.end.length(curve)
+                first = last - self.length
+            total = _length_to(curve, 1.0)
+            if first < -ROUND_OFF * total or last > (1 + ROUND_OFF) * total:
+                raise InputError(f"{key}.length", self.length, allowed)
+            start, end = (_parameter_at(curve, min(max(at, 0.0), total)) for at in (first, last))
+        if not start < end:
+            raise InputError(f"{key}.end", end, "it must lie beyond the start of the part")
+        return Boundary(name, side, start, end)
+
+
+class InterfaceTable(BoundaryTable, AdhesionSection):
+    """What attracts a boundary, by a law; a plane along it where no substrate is given."""
+
+    between: Any = None
+    substrate: Annotated[
+        SubstrateSection | None,
+        Field(description="a table is needed, such as { kind = 'flat', height = '0 nm' }"),
+    ] = None
+
+    @field_validator("between")
+    @classmethod
+    def _against_a_substrate(cls, between: object) -> object:
+        allowed = (
+            "interfaces between two bodies are not there yet; give the boundary of one, against a substrate"
+        )
+        raise InputError("adhesion.between", between, allowed)
+
+    def interface_of(self, key: str, bodies: Mapping[str, PlacedBody], units: UnitSystem) -> Interface:
+        """Build the interface. Raises InputError whose field begins with the key of the table."""
+        boundary = self.part(key, bodies, units)
+        with named_by({"adhesion": key, "substrate": f"{key}.substrate"}):
+            law = self.adhesion_law()
+            table = self.substrate
+            if table is not None and not table.model_fields_set <= {"gap"}:
+                substrate = table.substrate(law.equilibrium_gap)
+            else:
+                gap = law.equilibrium_gap if table is None or table.gap is None else table.gap
+                substrate = _plane_along(key, bodies[boundary.body], boundary).receded(gap)
+            return self.interface(boundary, law, substrate)
+
+
+class SupportTable(BoundaryTable):
+    """What holds a boundary, at zero or where an earlier stage left it."""
+
+    holds: Annotated[Literal["x", "y", "xy"], Field(description="'x', 'y' or 'xy' is needed")]
+
+    def support(self, key: str, bodies: Mapping[str, PlacedBody], units: UnitSystem) -> Support:
+        """Build the support. Raises InputError whose field begins with the key of the table."""
+        components = tuple("xy".index(component) for component in self.holds)
+        return Support(self.part(key, bodies, units), components)
+
+
+def split_boundary(key: str, written: str, names: Sequence[str]) -> tuple[str, Side]:
+    """Return body and side of BODY.SIDE. Raises InputError where there is no such body or side."""
+    name, _, side = written.rpartition(".")
+    if name not in names:
+        raise InputError(key, written, f"{A_BOUNDARY}, and the bodies are {', '.join(names)}")
+    for known in get_args(Side):
+        if side == known:
+            return name, known
+    raise InputError(key, written, f"{A_BOUNDARY}, and the sides are {', '.join(get_args(Side))}")
+
+
+def with_side(key: str, table: object) -> object:
+    """Give the table of a drive the side of its boundary. Raises InputError where it has none."""
+    if not isinstance(table, Mapping):
+        return table
+    if "side" in table:
+        raise InputError(f"{key}.side", table["side"], f"with [[body]], {A_BOUNDARY}, in place of a side")
+    boundary = table.get("boundary")
+    if not isinstance(boundary, str):
+        said = "" if boundary is not None else "the key is missing; "
+        raise InputError(f"{key}.boundary", boundary, said + A_BOUNDARY)
+    return {**table, "side": boundary.rpartition(".")[2]}
+
+
+def _plane_along(key: str, body: PlacedBody, boundary: Boundary) -> Flat:
+    """Return the plane along a straight boundary, which faces the body."""
+    curve = body.body.shape.boundary(boundary.side)
+    first, last = curve.control_points[[0, -1]]
+    chord = last - first
+    length = float(np.hypot(*chord))
+    along = chord / length if length else chord
+    across = (curve.control_points - first) @ np.array([-along[1], along[0]])
+    if np.abs(across).max() > _STRAIGHT * length or not length:
+        allowed = "a plane lies along a straight boundary only; give a table, such as { kind = 'flat' }"
+        raise InputError(f"{key}.substrate", None, allowed)
+    # xi runs along the lower and the upper side, and eta along the others
+    inwards = 1.0 if boundary.side in ("bottom", "right") else -1.0
+    normal = inwards * np.array([-along[1], along[0]])
+    return Flat(float(normal @ first), float(np.arctan2(normal[1], normal[0])))
+
+
+def _is_linear(curve: NurbsCurve) -> bool:
+    return len(curve.control_points) == 2 and bool(np.ptp(curve.weights) == 0)
+
+
+def _length_to(curve: NurbsCurve, parameter: float) -> float:
+    if _is_linear(curve):
+        return parameter * float(np.hypot(*np.diff(curve.control_points, axis=0)[0]))
+    return curve.length(parameter)
+
+
+def _parameter_at(curve: NurbsCurve, length: float) -> float:
+    return length / _length_to(curve, 1.0) if _is_linear(curve) else parameter_at_length(curve, length)

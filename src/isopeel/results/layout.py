@@ -1,0 +1,92 @@
+"""What the arrays of a run belong to: bodies, whose functions come one after another, and interfaces."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from math import prod
+from typing import Self
+
+import h5py
+import numpy as np
+
+from isopeel.assembly.spaces import SpaceOfBodies, spaces_by_name
+from isopeel.assembly.tables import side_points
+from isopeel.common.arrays import FloatArray
+from isopeel.problem import Problem
+from isopeel.results import untrusted
+from isopeel.results.schema import check_values, write_described
+from isopeel.results.spaces import write_space
+from isopeel.results.untrusted import UntrustedError
+from isopeel.splines.nurbs import NurbsSurface
+from isopeel.splines.rows import RowSpace
+
+#: Interfaces that the file of a run may have.
+_MOST = 1000
+_OPENINGS = "maximum_openings"
+_HISTORY: dict[str, str | float] = {
+    "unit": "L0",
+    "description": "largest opening so far at the Gauss points, -1 where it has not closed yet",
+}
+
+
+@dataclass(frozen=True)
+class Layout:
+    """Spaces and shapes by the names of bodies, and elements and points of each interface by its name."""
+
+    bodies: Mapping[str, tuple[RowSpace, NurbsSurface]] = field(default_factory=dict)
+    interfaces: Mapping[str, tuple[int, ...]] = field(default_factory=dict)
+
+    @classmethod
+    def of(cls, problem: Problem, space: SpaceOfBodies, contact_points: int | None = None) -> Self:
+        """Return the layout of a problem on its spaces."""
+        spaces = spaces_by_name(problem, space)
+        boundaries = [interface.boundary for interface in problem.interfaces]
+        shapes = [
+            side_points(spaces[one.body], one.side, one.part, contact_points)[0].shape for one in boundaries
+        ]
+        return cls(
+            {body.name: (spaces[body.name], body.shape) for body in problem.bodies},
+            dict(zip(problem.interface_names, shapes, strict=True)),
+        )
+
+    def write_spaces(self, file: h5py.File) -> None:
+        """Write the groups `spaces/NAME`, each with the number of its first function among all."""
+        first = 0
+        for name, (space, shape) in self.bodies.items():
+            write_space(file, name, space, shape)
+            file[f"spaces/{name}"].attrs["first"] = first
+            first += space.size
+
+    def write_history(self, file: h5py.File, maximum_openings: Sequence[FloatArray]) -> None:
+        """Write maximum openings of states, `history/NAME/maximum_openings` (states, elements, points).
+
+        The attribute `first` is the number of the first point among those of all interfaces.
+        """
+        first, flat = 0, np.array([one.ravel() for one in maximum_openings])
+        for name, shape in (self.interfaces or {"interface": maximum_openings[0].shape}).items():
+            values = flat[:, first : first + prod(shape)].reshape(-1, *shape)
+            write_described(file, f"history/{name}/{_OPENINGS}", values, first=first, **_HISTORY)
+            first += prod(shape)
+
+
+def read_history(file: h5py.File, states: int, shape: tuple[int, ...]) -> FloatArray | None:
+    """Return the maximum openings (states, *shape) of all interfaces; None where the file has none.
+
+    Raises UntrustedError where they are not of so many states, or not of the shape of the last state.
+    """
+    if "history" not in file:
+        return None
+    history = untrusted.group(file, "history")
+    if len(history) > _MOST:
+        raise UntrustedError(f"it has more than {_MOST} interfaces")
+    found: dict[float, FloatArray] = {}
+    for name in history:
+        of_one = untrusted.group(history, name)
+        values = untrusted.floats(of_one, _OPENINGS, 3)
+        check_values(of_one[_OPENINGS], values, finite=True)
+        found[untrusted.number(of_one[_OPENINGS], "first")] = values.reshape(len(values), -1)
+    parts = [found[first] for first in sorted(found)]
+    points = sum(part.shape[1] for part in parts)
+    if {len(part) for part in parts} != {states} or points != prod(shape):
+        raise UntrustedError("its history is of other states, or of other interfaces")
+    joined: FloatArray = np.concatenate(parts, axis=1).reshape(states, *shape)
+    return joined
