@@ -209,7 +209,7 @@ def test_parts_of_one_side_have_names_of_their_own() -> None:
 
 
 def test_a_history_is_a_value() -> None:
-    """What is committed leaves the system as it is; the system after it asks for its damage."""
+    """A commit does not change the system; the system after the commit has the damage."""
     system = System(OTHER, SPACES["pad"])
     rng = np.random.default_rng(0)
     u = 0.02 * rng.standard_normal((system.space.size, 2))

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 BENCHMARKS = Path(__file__).parents[2] / "benchmarks"
 ELEMENTS = (20, 2)
-# all stop at the same energy residual, after which only rounding tells them apart: 1e-13 at most
+# all stop at the same energy residual, so that they differ by round-off only: 1e-13 at most
 MOMENT_TOLERANCE = 1e-10
 
 

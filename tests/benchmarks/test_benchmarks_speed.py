@@ -132,7 +132,7 @@ def test_a_step_is_what_its_parts_are() -> None:
     # where the evaluation after its last correction is skipped
     assert found.clock.calls["solve"] == found.clock.calls["update"] == corrections
     assert corrections <= found.clock.calls["forces"] <= corrections + 3
-    # one tangent more tells whether the last state is stable
+    # one more tangent is needed to check the stability of the last state
     assert found.clock.calls["tangent"] - found.clock.calls["factor"] in (0, 1)
     assert 0 < sum(found.share(part) for part in found.clock.seconds) < 1
     assert System.equilibrium is unwatched

@@ -1,4 +1,4 @@
-"""The random cases of `benchmarks/trial.py`: how they are drawn, their answers, and how runs are judged."""
+"""The random cases of `benchmarks/trial.py`: their draws, their answers, and the verdicts on runs."""
 
 import sys
 from functools import partial

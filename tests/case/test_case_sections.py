@@ -1,4 +1,4 @@
-"""What a case file can say beyond the strip: shapes, substrates, held sides, drives and their stages."""
+"""Sections of a case file beyond the strip: shapes, substrates, held sides, drives and their stages."""
 
 import json
 import re

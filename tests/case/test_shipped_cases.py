@@ -1,4 +1,4 @@
-"""The shipped cases: each is whole, starts, and tells what its closed form or its paragraph says."""
+"""The shipped cases: each is complete, starts, and agrees with its closed form or its description."""
 
 from collections.abc import Callable
 from importlib import resources

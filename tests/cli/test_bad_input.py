@@ -1,4 +1,4 @@
-"""What a case asks for and cannot be: one line, before any step is taken."""
+"""Cases with impossible values: one line of error, before any step is made."""
 
 from pathlib import Path
 

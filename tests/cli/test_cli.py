@@ -121,7 +121,7 @@ def test_a_plateau_is_read_in_the_window_of_the_case(tmp_path: Path) -> None:
 def test_no_equilibrium_ends_with_3_and_stores_the_converged_steps(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
-    # elements of 20 nm bend so badly that 20 degrees more ask for several states at once
+    # elements of 20 nm bend so badly that 20 degrees more need several states at once
     arguments = ("--mesh", "10x1", "--space", "L1", "--to", "80", "--step", "20", "--control", "newton")
     assert main(["run", "strip", *arguments]) == 3
     out = Path("out/strip")

@@ -29,7 +29,7 @@ def test_peel_a_strip() -> None:
 
 def test_own_law() -> None:
     built_in, own = example("own_law").main()
-    # the same work of adhesion and small-strain moduli; strains of 10 % tell the materials apart
+    # the same work of adhesion and small-strain moduli; the materials differ at strains of 10 %
     assert own == pytest.approx(built_in, rel=0.02)
     assert own != built_in
 

@@ -1,4 +1,4 @@
-"""What the pages of the documentation say: their code is run, their commands and names exist."""
+"""The pages of the documentation: their code is run, their commands and names exist."""
 
 import re
 import shlex

@@ -1,4 +1,4 @@
-"""The site builds, with every cell executed, without a warning; and asks nothing of the network."""
+"""The site builds, with every cell executed, without a warning, and loads nothing from the network."""
 
 import json
 import os

@@ -1,4 +1,4 @@
-"""Summaries of small runs, for tests of what they say."""
+"""Results and summaries of small runs, for the tests of this folder."""
 
 from typing import Any, NamedTuple
 

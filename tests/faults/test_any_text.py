@@ -38,7 +38,7 @@ PATCH = {
 
 
 def with_about(about: str) -> Case:
-    """A case that says this about itself."""
+    """A case with this text in it."""
     return Case.parse(tomli_w.dumps({"name": "text", "about": about}) + BODY)
 
 

@@ -1,4 +1,4 @@
-"""Patches whose map is singular, or nearly: one line that says why, before the first step."""
+"""Patches whose map is singular, or nearly: one line with the reason, before the first step."""
 
 import json
 from pathlib import Path

@@ -147,7 +147,7 @@ def test_a_state_of_more_energy_than_the_work_is_refused(
         assert caught.value.cause == "energy without work"
         assert len(steps) == 2
     else:
-        # the search for less energy leads back to the branch
+        # the minimization of the energy returns to the branch
         steps = list(going)
         assert steps[-1].parameter == 0.02
         assert max(gained(steps)) <= 1e-6 * worth

@@ -1,4 +1,4 @@
-"""What is said of a symmetric problem, of which one half is modelled, says of what it is."""
+"""The output of a symmetric problem, of which one half is modelled, states whether a value is of the half."""
 
 import re
 from io import StringIO

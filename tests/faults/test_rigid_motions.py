@@ -107,7 +107,7 @@ def test_a_kink_is_a_breakpoint_wherever_it_lies(knot: float, elements: int, tmp
     along = case.space().rows[0]
     (at,) = np.flatnonzero(along.breakpoints == knot)
     assert along.continuities[at - 1] == 0
-    # elsewhere it is as smooth as its name says
+    # elsewhere it has the continuity of its name
     assert np.delete(along.continuities, at - 1).tolist() == [3] * (along.elements - 2)
     assert np.diff(along.breakpoints).min() > 0.3 * np.diff(along.breakpoints).max()
     assert energy_of_a_turn(case) < 1e-13

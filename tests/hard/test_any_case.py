@@ -1,4 +1,4 @@
-"""Whatever a case file says, it runs or is refused with one line, in seconds."""
+"""Any case file runs or is refused with one line, in seconds."""
 
 import io
 import signal

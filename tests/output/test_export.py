@@ -1,4 +1,4 @@
-"""The command: its files, for runs of each kind, and what it says of bad input."""
+"""The command: its files, for runs of each kind, and its errors for bad input."""
 
 import shutil
 from dataclasses import replace

@@ -15,7 +15,7 @@ ROOT = PACKAGE.parents[1]
 MODULES = [
     path.relative_to(PACKAGE.parent) for path in sorted(PACKAGE.rglob("*.py")) if path.parent != PACKAGE
 ]
-#: What any layer may ask the package itself for: where it is, and its version.
+#: What any layer may import from the package itself: its folder, and its version.
 OF_THE_PACKAGE = {"__file__", "__version__"}
 #: The name of a module, as `discover` and `import_module` take it.
 NAME = re.compile(r"isopeel(?:\.\w+)+")

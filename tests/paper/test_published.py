@@ -1,4 +1,4 @@
-"""The published tables: complete, consistent with each other, and wrong where we say so."""
+"""The published tables: complete, consistent with each other, and wrong where we list misprints."""
 
 from itertools import pairwise
 

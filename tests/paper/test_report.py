@@ -126,7 +126,7 @@ def compare(runs: list[Run], stored: Results, folder: Path) -> None:
         if run.plain or theirs.failed_at_deg is None:
             assert ours.failed_at_deg == theirs.failed_at_deg
         else:
-            # beyond a limit point the last digits tell whether another equilibrium is found
+            # beyond a limit point the last digits decide whether another equilibrium is found
             assert ours.failed_at_deg is not None
             steps = min(len(ours.moments), steps)
         # what Newton's tolerance leaves of moments near a limit point, where the tangent is almost singular

@@ -126,7 +126,7 @@ def test_the_substrate_counts_as_flat(law: Law) -> None:
 @every_law
 def test_laws_travel_to_other_processes_and_keep_nan(law: Law) -> None:
     assert pickle.loads(pickle.dumps(law)) == law
-    # the solver knows from it that a point has no gap
+    # by nan the solver detects that a point has no gap
     assert np.isnan(law_at(law, np.array([np.nan]))[1]).all()
 
 

@@ -1,4 +1,4 @@
-"""Figures: what they show is what was given, and their files are as large as they say."""
+"""Figures: they show the given values, and their files have the stated size."""
 
 from dataclasses import replace
 from fractions import Fraction
@@ -77,7 +77,7 @@ def test_a_short_run_has_one_panel_with_its_curve(run: tuple[Problem, RowSpace, 
     curve = Curve.of(steps, problem.drive)
     figure = reaction_figure(curve, None, expected(problem, space))
     (axes,) = figure.axes
-    (line,) = axes.lines  # the closed form begins to tell something at its onset, at 53.8 degrees
+    (line,) = axes.lines  # the closed form is valid from its onset on, at 53.8 degrees
     np.testing.assert_array_equal(data(line), [curve.parameter, curve.reaction])
     assert axes.get_xlabel() == "rotation of the driven face / degree"
     assert axes.get_ylabel() == "moment $M$ / $E_0 L_0^3$"

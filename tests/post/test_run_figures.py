@@ -1,4 +1,4 @@
-"""Figures of one run and of several: each line is what was read, each picture the state that it says."""
+"""Figures of one run and of several: lines have the values that were read, pictures the named states."""
 
 import numpy as np
 import pytest

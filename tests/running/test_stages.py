@@ -71,7 +71,7 @@ def test_a_stored_stage_continues_bit_for_bit(tmp_path: Path) -> None:
 
 def test_nothing_of_an_earlier_run_is_left(tmp_path: Path) -> None:
     run_case(CASE, tmp_path, QUIET)
-    # a step that asks for too much: the first stage ends early, and there is no second one any more
+    # a step that is too large: the first stage ends early, and there is no second one any more
     too_far = Case.parse(
         TEXT
         + STAGES.replace('to = "1 nm"', 'path_control = "newton"\nto = "400 nm"', 1).replace(

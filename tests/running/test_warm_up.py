@@ -9,7 +9,7 @@ from isopeel.running import warm_up
 from isopeel.running.warm_up import warmed_up_beside
 
 #: Prints how many loops over body and side a warm-up has compiled, and a path after it, and the compiled
-#: functions that the path asks for in other types, one in a line.
+#: functions that the path calls with other types, one per line.
 NOT_WARMED_UP = """
 import sys
 import numpy as np

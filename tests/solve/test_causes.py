@@ -68,7 +68,7 @@ def test_a_force_that_is_not_finite_is_reported() -> None:
 
 
 def test_a_singular_tangent_is_reported(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A pivot that vanishes to the last bit needs a tangent made for it: the factorization says so here."""
+    """A pivot that vanishes to the last bit needs a special tangent: here the factorization is replaced."""
 
     def singular(_matrix: object) -> None:
         raise SingularError("pivot 7 is zero")

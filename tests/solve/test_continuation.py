@@ -166,7 +166,7 @@ def test_a_jump_begins_at_the_limit_point_and_releases_its_energy(curve: list[St
     fall = before.stored_energy + before.adhesive_energy - after.stored_energy - after.adhesive_energy
     assert after.released_energy == pytest.approx(fall, rel=1e-9)
     assert fall > 0
-    # it lands on the curve
+    # it reaches the curve
     assert after.parameter == pytest.approx(pull(gap_of(after)), abs=1e-9)
 
 

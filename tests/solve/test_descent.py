@@ -53,7 +53,7 @@ def test_energy_is_released_by_a_jump(path: list[Step]) -> None:
     reaction = np.array([step.reaction for step in path[largest - 2 : largest]])
     steps = path[largest - 1 : largest + 1]
     size = steps[1].parameter - steps[0].parameter
-    # the moment falls somewhere in the step: at its start, or at the end of the branch carried on
+    # the moment falls somewhere in the step: at its start, or at the end of the extrapolated branch
     late = size * (reaction[1] + (reaction[1] - reaction[0]) / 2)
     early = size * steps[1].reaction
     gained = energy(steps[1]) - energy(steps[0])
@@ -64,7 +64,7 @@ def test_energy_is_released_by_a_jump(path: list[Step]) -> None:
 
 
 def test_letting_go_releases_what_the_side_was_held_with() -> None:
-    """Lifted by its whole end face, which is then let go at once: the energies tell, the work is none."""
+    """Lifted by its whole end face, which is then released at once: energy is released without work."""
     lift = replace(strip(length=60.0, height=4.0, adhering_length=40.0), drive=MovedSide("right", np.pi / 2))
     space = row_space("N2", (60, 2))
     lifted = list(trace(lift, space, np.linspace(0.0, 1.0, 11)))[-1]

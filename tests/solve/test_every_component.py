@@ -147,7 +147,7 @@ SUBSTRATES: dict[str, dict[str, tuple[Shape, Callable[[], Substrate]]]] = {
 
 
 def on_substrate(name: str, which: str, law: Any, _: Path) -> Peeling:
-    """With van der Waals adhesion also, which alone of the laws knows the curvature of a circle."""
+    """With van der Waals adhesion too, the only law that uses the curvature of a circle."""
     shape, substrate = SUBSTRATES[name][which]
     return peeling(shape=shape, substrate=substrate(), law=alike(law))
 

@@ -201,7 +201,7 @@ def test_predictor_is_exact_for_parabolas() -> None:
 
 
 def test_a_drive_may_turn_back() -> None:
-    """Up, down and up again: reversible adhesion leads back through the same states."""
+    """Up, down and up again: with reversible adhesion the path returns through the same states."""
     angles = np.radians([0.0, 2.0, 4.0, 2.0, 4.0, 4.0, 0.0])
     moments = [step.reaction for step in trace(strip(), row_space("N2", (60, 3)), angles)]
     np.testing.assert_allclose(moments[3:5], moments[1:3], rtol=1e-9)  # what the tolerance leaves
