@@ -1,4 +1,4 @@
-"""The state of an interface at points of its side, as the assembly has it at its own points."""
+"""The state of an interface at any points of its side, by the same kernel as in the assembly."""
 
 from dataclasses import dataclass
 from typing import Self
@@ -19,10 +19,10 @@ from isopeel.problem import Problem
 
 @dataclass(frozen=True, eq=False)
 class InterfaceState:
-    """What acts between a side and its substrate at points (n, k), in the units of the problem.
+    """The state of an interface at points (n, k), in the units of the problem.
 
-    Tractions and energies are per reference area, also where the law acts on the projected area. The traction
-    is T n_o + t t_o: of the normal n_o at the point, and the tangent t_o at its first position.
+    Tractions and energies are per reference area, even if the law acts on the projected area. The traction is
+    T n_o + t t_o, with the normal n_o at the point, and the tangent t_o at its initial position.
     """
 
     position: FloatArray  # x (n, k, 2)
@@ -32,18 +32,17 @@ class InterfaceState:
     normal_traction: FloatArray  # T, repulsion positive
     tangential_traction: FloatArray  # t
     traction: FloatArray  # on the body (n, k, 2)
-    opening: FloatArray  # largest one so far, beyond the equilibrium gap; zero where it has not closed yet
-    softening: BoolArray  # whether the law weakens with further opening than the largest one
-    energy: FloatArray  # what closing would give back
+    opening: FloatArray  # the maximum opening; zero at points that have not closed yet
+    softening: BoolArray  # whether the traction decreases beyond the maximum opening
+    energy: FloatArray  # the energy that closing would release
     dissipated: FloatArray
 
 
 class InterfacePoints:
     """Points of the side of an interface, on the spaces of a problem, at which states are evaluated.
 
-    `parameters` (n, k) lie in [0, 1] along the side, each row of them on one element; `weights` (n, k) are
-    those of a quadrature over the parameter, by default zero. Of several interfaces one is chosen by its
-    name.
+    `parameters` (n, k) are in [0, 1] along the side, each row on one element; `weights` (n, k) are those of a
+    quadrature over the parameter, by default zero. If there are several interfaces, the name selects one.
     """
 
     def __init__(
@@ -64,7 +63,7 @@ class InterfacePoints:
         space = self._space = spaces_by_name(problem, space)[body.name]
         weights = np.zeros(parameters.shape) if weights is None else weights
         table = table_at(shape, space.weighted(shape), adhesion.side, parameters, weights)
-        #: Reference length that each point stands for in an integral.
+        #: Weights of the points in integrals over the reference length.
         self.lengths: FloatArray = table.weights
         self._projected = adhesion.traction == "projected"
         self._table = table if self._projected else table.of_values()
@@ -73,7 +72,7 @@ class InterfacePoints:
         self._tangents = np.stack([-normal[..., 1], normal[..., 0]], axis=-1)
         no_unknowns = np.zeros((space.size, 2), dtype=np.int64)
         data = interface_data(adhesion, self._table, self._tangents, no_unknowns)
-        # of the types that the assembly has them in
+        # with the types of the assembly
         self._interface = read_interface.py_func(*packed(data))
         self._contact: InterfacePoints | None = None
 
@@ -87,21 +86,21 @@ class InterfacePoints:
         return cls(problem, space, *side_points(own, boundary.side, boundary.part, count), interface)
 
     def history(self, displacement: FloatArray, maximum_openings: FloatArray | None) -> FloatArray:
-        """Maximum openings (n, k) of an irreversible joint, `NOT_CLOSED` where it has not closed yet.
+        """Return the maximum openings (n, k) of an irreversible joint, `NOT_CLOSED` if it has not closed yet.
 
-        They follow from the `maximum_openings` so far at the points of the assembly of all interfaces, as a
-        step has them, in a state with coefficients (size, 2). Between these points, what they exceed the
-        present opening by is interpolated linearly along the side; it is constant beyond the first and the
-        last. Whether a point has closed yet is that of the nearest one. Where they are nan, they are not
-        known, and the joint is taken as never opened farther than now. Raises InputError where they are
-        missing, or they or the coefficients are of another space.
+        They follow from the `maximum_openings` of a step, which are at the points of the assembly of all
+        interfaces, and from its coefficients (size, 2). Between these points, the excess over the present
+        opening is interpolated linearly along the side; beyond the first and the last point it is constant.
+        A point has closed if the nearest point of the assembly has closed. If the maximum openings are nan,
+        they are not known: then the present openings are used. Raises InputError if they are missing, or if
+        they or the coefficients are of another space.
         """
         return self._largest(self._checked(displacement), maximum_openings)
 
     def state(self, displacement: FloatArray, maximum_openings: FloatArray | None = None) -> InterfaceState:
         """Evaluate a state with coefficients (size, 2).
 
-        An irreversible joint needs the `maximum_openings` so far, as `history` does, and raises as it does.
+        An irreversible joint needs the `maximum_openings`, and raises the errors of `history`.
         """
         u = self._checked(displacement)
         adhesion, law = self._adhesion, self._adhesion.law
@@ -140,7 +139,7 @@ class InterfacePoints:
         )
 
     def _checked(self, displacement: FloatArray) -> FloatArray:
-        """The coefficients of the body as compiled code takes them."""
+        """Return the coefficients of the body with the types of compiled code."""
         _, own = part_of_body(self._problem, self._spaces, displacement, self._adhesion.boundary.body)
         u = np.ascontiguousarray(own, dtype=np.float64).view()
         u.setflags(write=False)
@@ -156,7 +155,7 @@ class InterfacePoints:
         return answer
 
     def _opening(self, u: FloatArray) -> FloatArray:
-        """Present openings (n k,), zero where the joint is closed."""
+        """Return the present openings (n k,), zero where the joint is closed."""
         gap = self._respond(u, np.zeros(self.parameters.shape), irreversible=False).gap
         return np.maximum(gap - self._adhesion.law.equilibrium_gap, 0.0)
 
@@ -203,9 +202,9 @@ class InterfacePoints:
 def maximum_openings_by_name(
     problem: Problem, space: SpaceOfBodies, maximum_openings: FloatArray
 ) -> dict[str, FloatArray]:
-    """Return the maximum openings (E, Q) of each interface, by its name, of those of all that a step has.
+    """Return the maximum openings (E, Q) of each interface by its name, from those of all in a step.
 
-    Raises InputError where they are of other spaces.
+    Raises InputError if they are of other spaces.
     """
     spaces = spaces_by_name(problem, space)
     boundaries = [interface.boundary for interface in problem.interfaces]

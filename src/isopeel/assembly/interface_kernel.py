@@ -17,7 +17,7 @@ from isopeel.physics.batch import law_at, substrate_at
 
 
 class InterfaceData(NamedTuple):
-    """What the loops over an interface are told: of E elements of Q points each."""
+    """The data of the loops over an interface of E elements with Q points each."""
 
     law: int  # address
     parameters: Floats1
@@ -32,7 +32,7 @@ class InterfaceData(NamedTuple):
     normals: Floats3
     tangents: Floats3  # of the substrate at the points' first positions, (E, Q, 2)
     unknowns: Integers3  # (E, m, 2)
-    factors: bool  # whether the law is told the curvature
+    factors: bool  # whether the law depends on the curvature
     projected: bool
     irreversible: bool
     sliding_length: float  # zero for none
@@ -42,13 +42,13 @@ read_interface = reader(InterfaceData)
 
 
 class Response(NamedTuple):
-    """What the interface answers at points (n): those of the first element first."""
+    """The state of the interface at points (n), in the order of the elements."""
 
     position: FloatArray  # x (2, n)
     gap: FloatArray
     normal: FloatArray  # n_o (2, n)
-    curvature: FloatArray  # of the substrate, also where the law is not told it
-    potential: FloatArray  # per area that the traction acts on, as the following
+    curvature: FloatArray  # of the substrate, even if the law does not depend on it
+    potential: FloatArray  # this and the following per area that the traction acts on
     traction: FloatArray  # T along n_o, repulsion positive
     derivative: FloatArray  # of T by the gap
     dissipated: FloatArray
@@ -150,10 +150,10 @@ def project(
     v: FloatArray,
     w: FloatArray,
 ) -> float:
-    """Projected area -n . F^-T N_o of a unit reference area at one point; writes v = F^-T N_o, w = F^-1 n.
+    """Return the projected area -n . F^-T N_o of a unit reference area at one point.
 
-    Of the functions (m,) of an element with gradients (2, m), and the normal n = (n_x, n_y) of the substrate.
-    F and H = F^-1 are written as well.
+    The functions (m,) of the element have the gradients (2, m); n = (n_x, n_y) is the normal of the
+    substrate. Writes v = F^-T N_o, w = F^-1 n, F and H = F^-1.
     """
     for i in range(2):
         for J in range(2):
@@ -176,7 +176,7 @@ def project(
 def projected_areas(
     functions: IntArray, gradients: FloatArray, rest_normals: FloatArray, normal: FloatArray, u: FloatArray
 ) -> FloatArray:
-    """Projected areas (n,) of unit reference areas at the points of a `SideTable`, for normals (2, n)."""
+    """Return projected areas (n,) of unit reference areas at points of a `SideTable`, for normals (2, n)."""
     Q = gradients.shape[1]
     areas = np.empty(normal.shape[1])
     F, H, v, w = np.empty((2, 2)), np.empty((2, 2)), np.empty(2), np.empty(2)

@@ -12,11 +12,11 @@ from isopeel.problem import Body, Boundary
 from isopeel.splines.nurbs import NurbsSurface, Side
 from isopeel.splines.rows import Basis, RowSpace
 
-#: More Gauss points on an element than this resolve nothing: the adhesive force is smooth.
+#: Most Gauss points on an element: more are useless, because the adhesive force is smooth.
 MOST_CONTACT_POINTS = 100
-#: Lines of points are alike where their values agree to so many digits: to the round-off of their evaluation.
+#: Number of digits to which the values of equal lines of points agree: the round-off of their evaluation.
 _DIGITS = 13
-#: Share of the largest Jacobian below which it counts as zero: at a corner where two sides meet tangentially.
+#: Share of the largest Jacobian below which a Jacobian counts as zero: at a corner with tangential sides.
 FLAT = 1e-9
 #: Distance from a corner of a shape at which its tangent is evaluated, as a share of that to the middle.
 _INWARDS = 1e-9
@@ -26,10 +26,11 @@ _INWARDS = 1e-9
 class BodyTable:
     """The functions of all elements as products, and the maps from their derivatives to the gradient.
 
-    There are X elements along xi with P Gauss points each, Y across with R. A function of row j is a function
-    along xi times M_j(eta). Rows of one space (and, of a rational body, of the same weights) are of one kind.
+    There are X elements along xi with P Gauss points each, and Y across with R each. A function of row j is a
+    function along xi times M_j(eta). Rows with one space are of one kind; in a rational body they must have
+    the same weights too.
 
-    Lines of points along xi share their maps, and their areas, where they are alike, as on a rectangle.
+    Equal lines of points along xi share their maps and their areas, for example on a rectangle.
 
     The gradient with respect to the reference position is a sum of channels: the derivatives by xi and by
     eta of sum_j M_j sum_i w_ij N_i^(j) u_ij and, where weights make the functions rational, its value, by
@@ -52,11 +53,11 @@ class BodyTable:
 
     @property
     def area(self) -> float:
-        """Of the body."""
+        """Return the reference area of the body."""
         return float(self.weights.sum(axis=(1, 2))[self.weight_kinds].sum())
 
     def functions(self) -> tuple[IntArray, ...]:
-        """Numbers (X, m) of the functions of the elements, for each row of elements."""
+        """Return the indices (X, m) of the functions of the elements, for each row of elements."""
         rows = [
             first[:, None] + np.arange(size)
             for first, size in zip(self.first, self.sizes[self.kinds], strict=True)
@@ -65,7 +66,7 @@ class BodyTable:
         return tuple(np.concatenate(rows[start : start + count], axis=1) for start in self.first_rows)
 
     def unknowns(self, unknowns: IntArray) -> IntArray:
-        """Unknowns (rows, 2, largest size, X) of the functions of each row; HELD beyond its own."""
+        """Return the unknowns (rows, 2, largest size, X) of the functions of each row, filled with HELD."""
         largest = self.along.shape[3]
         numbers = np.full((*self.first.shape, largest, 2), HELD)
         for j, size in enumerate(self.sizes[self.kinds]):
@@ -85,7 +86,7 @@ class SideTable:
     normals: FloatArray  # (E, Q, 2) outward unit normal of the reference side
 
     def of_values(self) -> "SideTable":
-        """The same without functions that vanish on the side: enough where no gradient is used."""
+        """Return the same table without functions that vanish on the side, if no gradient is needed."""
         (kept,) = np.nonzero((self.values != 0).any(axis=(0, 1)))
         return replace(
             self,
@@ -96,7 +97,7 @@ class SideTable:
 
 
 def body_table(shape: NurbsSurface, space: RowSpace) -> BodyTable:
-    """Table of all elements, with one more Gauss point than the highest degree in each direction."""
+    """Return the table of all elements, with one more Gauss point than the highest degree per direction."""
     xi, xi_weights = _gauss_points(space.rows[0].breakpoints, space.degree + 1)
     eta, eta_weights = _gauss_points(space.across.breakpoints, space.across.degree + 1)
     kinds, along = _along(space, xi)
@@ -138,7 +139,7 @@ def body_table(shape: NurbsSurface, space: RowSpace) -> BodyTable:
 
 
 def _kinds(values: FloatArray) -> tuple[IntArray, FloatArray]:
-    """Kinds (Y, R) of lines with values (Y, R, ...), and the values of one line of each kind."""
+    """Return the kinds (Y, R) of lines with values (Y, R, ...), and the values of one line of each kind."""
     lines = values.reshape(-1, *values.shape[2:])
     # minus zero is zero
     rounded = np.round(lines / np.abs(lines).max(), _DIGITS) + 0.0
@@ -149,7 +150,7 @@ def _kinds(values: FloatArray) -> tuple[IntArray, FloatArray]:
 
 
 def _of_rectangles(maps: FloatArray, weights: FloatArray) -> bool:
-    """Whether maps (P, channels, 2, X) are diagonal, and they and areas (P, X) the same on all elements."""
+    """Return whether maps (P, channels, 2, X) are diagonal, and equal on all elements, like areas (P, X)."""
     if maps.shape[1] == 3:
         return False
     limit = 10.0**-_DIGITS
@@ -163,7 +164,7 @@ def _of_rectangles(maps: FloatArray, weights: FloatArray) -> bool:
 
 
 def _along(space: RowSpace, xi: FloatArray) -> tuple[IntArray, FloatArray]:
-    """Kinds of the rows, and values and derivatives (kinds, 2, P, largest size, X) of their functions."""
+    """Return kinds of the rows, and values and derivatives (kinds, 2, P, largest size, X) of functions."""
     elements = np.repeat(np.arange(xi.shape[0]), xi.shape[1])
     if space.weights is None:
         distinct = list(dict.fromkeys(space.rows))
@@ -180,9 +181,9 @@ def _along(space: RowSpace, xi: FloatArray) -> tuple[IntArray, FloatArray]:
 
 
 def _rational(inverse: FloatArray, along: FloatArray, across: FloatArray) -> FloatArray:
-    """Maps (R, P, 3, 2, X) of u = A/W: du/dX = (dA - A dW/W)/W dxi/dX, from dxi/dX (R, P, 2, 2, X).
+    """Return maps (R, P, 3, 2, X) of u = A/W: du/dX = (dA - A dW/W)/W dxi/dX, from dxi/dX (R, P, 2, 2, X).
 
-    W and dW are sums over the rows of an element, along (C, 2, P, size, X) times across (2, R, C).
+    W and dW are sums over the rows of an element, of along (C, 2, P, size, X) times across (2, R, C).
     """
     lines = along.sum(axis=3)
     W = np.einsum("rc,cpx->rpx", across[0], lines[:, 0])
@@ -230,7 +231,7 @@ def side_table(
 def side_points(
     space: RowSpace, side: Side, part: tuple[float, float], points: int | None = None
 ) -> tuple[FloatArray, FloatArray]:
-    """Parameters and weights (E, Q) of the Gauss points of `side_table`; weights are lengths of parameter."""
+    """Return parameters and weights (E, Q) of the Gauss points of `side_table`, in units of the parameter."""
     return _gauss_points(element_ends(space, side, part), points or usual_points(space, side))
 
 
@@ -240,7 +241,7 @@ def usual_points(space: RowSpace, side: Side) -> int:
 
 
 def element_ends(space: RowSpace, side: Side, part: tuple[float, float]) -> FloatArray:
-    """Parameters (E + 1,) of the ends of the elements of a side, as far as a part of it covers them."""
+    """Return the parameters (E + 1,) of the ends of the elements of a part of a side."""
     start, end = part
     breakpoints = (space.across if side in ("left", "right") else space.rows[0]).breakpoints
     inside = breakpoints[(breakpoints > start) & (breakpoints < end)]
@@ -250,18 +251,18 @@ def element_ends(space: RowSpace, side: Side, part: tuple[float, float]) -> Floa
 def table_at(
     shape: NurbsSurface, space: RowSpace, side: Side, parameter: FloatArray, weights: FloatArray
 ) -> SideTable:
-    """Table of points (E, Q) of a side, each row of them on one element, with their lengths of parameter.
+    """Return the table of points (E, Q) of a side, each row on one element, with weights over the parameter.
 
     Gradients are nan at a corner where two sides meet tangentially. Elements with fewer functions than others
-    repeat one, which is zero there. Raises InputError where the patch folds.
+    repeat one, with the value zero. Raises InputError if the patch folds.
     """
     elements, quadrature = parameter.shape
     upright = side in ("left", "right")
     constant = np.full(parameter.size, 0.0 if side in ("left", "bottom") else 1.0)
-    # a point where two elements meet belongs to that of its row
+    # a point between two elements belongs to the element of its row
     inside = parameter.mean(axis=1, keepdims=True)
     holders = (space.across if upright else space.rows[0]).element_of(inside[:, 0])
-    # and so does the tangent of a shape that has a corner there
+    # at a corner of the shape, its tangent is evaluated inside this element
     corners = np.isin(parameter, shape.spaces[int(upright)].breakpoints[1:-1])
     seen = (parameter + corners * _INWARDS * (inside - parameter)).ravel()
     if upright:
@@ -275,7 +276,7 @@ def table_at(
         jacobian = shape.jacobian(seen, eta)
     tangent = jacobian[:, :, int(upright)] * (1 if side in ("bottom", "right") else -1)
     length = np.linalg.norm(tangent, axis=1)
-    # the boundary runs anticlockwise, so that the outward normal lies to its right
+    # the boundary runs anticlockwise, so the outward normal is to its right
     normals = np.stack([tangent[:, 1], -tangent[:, 0]], axis=1) / length[:, None]
     m = basis.functions.shape[1]
     return SideTable(
@@ -289,7 +290,7 @@ def table_at(
 
 
 def _on_upright_side(space: RowSpace, xi: FloatArray, parameter: FloatArray, holders: IntArray) -> Basis:
-    """Functions at parameters (E, Q) of the left or right side, whose rows lie on the elements `holders`."""
+    """Return the functions at parameters (E, Q) of the left or right side; `holders` (E,) are the elements."""
     order = np.argsort(holders, kind="stable")
     parts = []
     for row in np.unique(holders):
@@ -297,14 +298,14 @@ def _on_upright_side(space: RowSpace, xi: FloatArray, parameter: FloatArray, hol
         parts.append(space.basis(xi[: eta.size], eta, int(row)))
     most = max(part.functions.shape[1] for part in parts)
     parts = [_padded(part, most) for part in parts]
-    # back from the order of the elements
+    # restore the order of the points
     places = np.empty(parameter.shape, dtype=np.int64)
     places[order] = np.arange(parameter.size).reshape(parameter.shape)
     return Basis(*(np.concatenate(arrays)[places.ravel()] for arrays in zip(*parts, strict=True)))
 
 
 def _padded(basis: Basis, count: int) -> Basis:
-    """The same with so many functions at each point, the last of which repeat the first with the value 0."""
+    """Return the same with more functions at each point: the last ones repeat the first with the value 0."""
     more = (0, count - basis.functions.shape[1])
     return Basis(
         np.concatenate([basis.functions, np.repeat(basis.functions[:, :1], more[1], axis=1)], axis=1),
@@ -314,14 +315,14 @@ def _padded(basis: Basis, count: int) -> Basis:
 
 
 def _gauss_points(breakpoints: FloatArray, count: int) -> tuple[FloatArray, FloatArray]:
-    """Gauss-Legendre points and weights (elements, count) on the intervals between breakpoints."""
+    """Return Gauss-Legendre points and weights (elements, count) on the intervals between breakpoints."""
     points, weights = np.polynomial.legendre.leggauss(count)
     half = np.diff(breakpoints)[:, None] / 2
     return breakpoints[:-1, None] + half * (points + 1), half * weights
 
 
 def _reference_gradients(jacobian: FloatArray, basis: Basis, xi: FloatArray, eta: FloatArray) -> FloatArray:
-    """Gradients (n, 2, m) with respect to the reference position, of dX/d(xi, eta) (n, 2, 2)."""
+    """Return gradients (n, 2, m) with respect to the reference position, from dX/d(xi, eta) (n, 2, 2)."""
     determinant = np.linalg.det(jacobian)
     flat = np.abs(determinant) <= FLAT * np.abs(determinant).max()
     regular = np.where(flat[:, None, None], np.eye(2), jacobian)
@@ -333,7 +334,7 @@ def _reference_gradients(jacobian: FloatArray, basis: Basis, xi: FloatArray, eta
 
 
 def _positive(jacobian: FloatArray, xi: FloatArray, eta: FloatArray) -> FloatArray:
-    """Determinants (n,) of dX/d(xi, eta), (n, 2, 2); InputError where one is not positive."""
+    """Return the determinants (n,) of dX/d(xi, eta), (n, 2, 2); InputError if one is not positive."""
     determinant: FloatArray = np.linalg.det(jacobian)
     if np.any(determinant <= 0):
         at = int(np.argmin(determinant))
