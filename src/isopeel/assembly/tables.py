@@ -290,7 +290,7 @@ def table_at(
 
 
 def _on_upright_side(space: RowSpace, xi: FloatArray, parameter: FloatArray, holders: IntArray) -> Basis:
-    """Return the functions at parameters (E, Q) of the left or right side; `holders` (E,) are the elements."""
+    """Return functions at parameters (E, Q) of the left or right side; `holders` (E,) are the elements."""
     order = np.argsort(holders, kind="stable")
     parts = []
     for row in np.unique(holders):
