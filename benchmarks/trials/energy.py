@@ -12,7 +12,7 @@ import numpy as np
 
 from isopeel.case import Case
 from isopeel.common.arrays import FloatArray
-from isopeel.problem import Problem
+from isopeel.problem import Problem, raises_load
 from isopeel.results.run_file import StoredRun
 from isopeel.solve.newton import NewtonSettings
 from isopeel.solve.step import KINDS, State, Step
@@ -49,9 +49,8 @@ def largest_gain(run: StoredRun, problem: Problem) -> Gain:
         return Gain(0.0, 0.0)
     parameter = curve.parameter / curve.parameter_column.factor
     reaction = curve.reaction / curve.reaction_column.factor
-    load = problem.drive.load
     # a dead load of a known size does work on its displacement, which is the reaction
-    along, force = (reaction, parameter) if load and load.control == "force" else (parameter, reaction)
+    along, force = (reaction, parameter) if raises_load(problem.drive) else (parameter, reaction)
     energy = curve.stored_energy + curve.adhesive_energy + curve.dissipated_energy
     work, error = works(along, force, jumped=curve.kind == KINDS.index("jump"))
     gained = np.diff(energy) - work - error
@@ -88,9 +87,8 @@ def gain_in_parts(case: Case, stage_number: int, gain: Gain) -> Gain:
 
 def _gained(path: list[Step], problem: Problem) -> float:
     """Return the growth of the energies in each step beyond the work and the error of the work."""
-    load = problem.drive.load
     parameter, reaction = (np.array([getattr(s, name) for s in path]) for name in ("parameter", "reaction"))
-    along, force = (reaction, parameter) if load and load.control == "force" else (parameter, reaction)
+    along, force = (reaction, parameter) if raises_load(problem.drive) else (parameter, reaction)
     work, error = works(along, force, jumped=np.array([step.kind == "jump" for step in path]))
     energies = [step.stored_energy + step.adhesive_energy + step.dissipated_energy for step in path]
     return max(energies[-1] - energies[0] - float(np.sum(work + error)), 0.0)

@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from isopeel.problem import (
         Body,
         Boundary,
+        HeldLoad,
         Interface,
         MovedSide,
         Problem,
@@ -51,6 +52,7 @@ if TYPE_CHECKING:
     from isopeel.results.run_file import StoredRun, read_run
     from isopeel.solve.newton import ConvergenceError, NewtonSettings
     from isopeel.solve.step import State, Step
+    from isopeel.solve.supports import support_reactions
     from isopeel.solve.trace import trace
     from isopeel.splines.rows import RowSpace, row_space
 
@@ -72,6 +74,7 @@ __all__ = [
     "FormulaMaterial",
     "FormulaSubstrate",
     "HalfCylinder",
+    "HeldLoad",
     "InputError",
     "Interface",
     "LennardJones",
@@ -102,6 +105,7 @@ __all__ = [
     "read_run",
     "row_space",
     "strip",
+    "support_reactions",
     "trace",
 ]
 
@@ -127,6 +131,7 @@ _MODULES = {
     "problem": (
         "Body",
         "Boundary",
+        "HeldLoad",
         "Interface",
         "MovedSide",
         "Problem",
@@ -147,6 +152,7 @@ _MODULES = {
     "results.run_file": ("StoredRun", "read_run"),
     "solve.newton": ("ConvergenceError", "NewtonSettings"),
     "solve.step": ("State", "Step"),
+    "solve.supports": ("support_reactions",),
     "solve.trace": ("trace",),
     "splines.rows": ("RowSpace", "row_space"),
 }

@@ -7,13 +7,13 @@ import pytest
 
 from isopeel.assembly.equations import Iterate, evaluate
 from isopeel.assembly.system import System
-from isopeel.problem import Drive, PulledSide, RotatedSide, strip
+from isopeel.problem import Boundary, Drive, PulledSide, RotatedSide, strip
 from isopeel.splines.rows import row_space
 
 
 @pytest.mark.parametrize(
     "drive",
-    [RotatedSide("right"), PulledSide("top", 1.0, control="force", start=0.5)],
+    [RotatedSide("right"), PulledSide(Boundary("body", "top", 0.5), 1.0, control="force")],
     ids=["angle", "force"],
 )
 def test_a_state_has_the_forces_and_energies_of_the_system(drive: Drive) -> None:
@@ -23,8 +23,8 @@ def test_a_state_has_the_forces_and_energies_of_the_system(drive: Drive) -> None
     u, load = system.state(y, parameter)
     expected = system.equilibrium(u, load)
     at = Iterate(y, np.full(shape, np.nan), np.full(shape, np.nan), np.full(system.count, np.nan))
-    moved, external = system.constraints.moved(parameter), system.external(load)
-    energies = evaluate(system.equations, system.maximum_openings.ravel(), moved, external, at)
+    moved, scalars = system.constraints.moved(parameter), np.array([load])
+    energies = evaluate(system.equations, system.maximum_openings.ravel(), moved, scalars, at)
     np.testing.assert_array_equal(at.displacement, u)
     # sums in another order
     largest = np.abs(expected.forces).max()
@@ -39,5 +39,6 @@ def test_a_state_has_the_forces_and_energies_of_the_system(drive: Drive) -> None
         ),
         rel=1e-14,
     )
-    # a load is noticed
-    assert (np.abs(external).max() > 0) == (system.load is not None)
+    # a load acts
+    unloaded = system.equilibrium(u, 0.0).residual
+    assert (np.abs(expected.residual - unloaded).max() > 0) == system.control.raises_load

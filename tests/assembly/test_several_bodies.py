@@ -31,7 +31,6 @@ from isopeel import (
 from isopeel.assembly.system import System
 from isopeel.common.arrays import FloatArray
 from isopeel.matrix.band import Storage
-from isopeel.problem import Drive
 from isopeel.splines.nurbs import annulus_sector, rectangle
 
 STRIP = strip(length=20.0, height=2.0, adhering_length=15.0)
@@ -45,18 +44,19 @@ STICKY = Interface(
     Circle(9.7, "inside", (0.0, 0.0)),
     irreversible=True,
 )
-ALONE = Problem("strip", (UPPER,), (JOINT,), (Support(UPPER.side("left"), (0,)),), STRIP.drive)
-OTHER = Problem(
-    "pad", (PAD,), (STICKY,), (Support(PAD.side("left"), (0, 1)),), MovedSide("right", 0.0, "held")
-)
+TURN = RotatedSide("right")
+ALONE = Problem("strip", (UPPER,), (JOINT,), (Support(UPPER.side("left"), (0,)),), TURN)
+PUSH = MovedSide("right", 0.0, "held")
+OTHER = Problem("pad", (PAD,), (STICKY,), (Support(PAD.side("left"), (0, 1)),), PUSH)
 SPACES: Mapping[str, RowSpace] = {"strip": row_space("N2.1", (20, 3)), "pad": row_space("L2", (12, 2))}
 
 
-def both(drive: Drive, driven: str) -> Problem:
+def both(drive: RotatedSide | MovedSide, driven: str) -> Problem:
     """The drive moves one of them; the other one is held where its own drive would move it."""
     rest = Support(PAD.side("right"), (0, 1)) if driven == "strip" else Support(UPPER.side("right"), (0, 1))
     supports = (*ALONE.supports, *OTHER.supports, rest)
-    return Problem("both", (UPPER, PAD), (JOINT, STICKY), supports, drive, driven)
+    body = UPPER if driven == "strip" else PAD
+    return Problem("both", (UPPER, PAD), (JOINT, STICKY), supports, replace(drive, on=body.side("right")))
 
 
 def matrix_of(system: System, u: FloatArray, storage: Storage) -> FloatArray:
@@ -73,7 +73,7 @@ def matrix_of(system: System, u: FloatArray, storage: Storage) -> FloatArray:
 @pytest.mark.parametrize("storage", ["symmetric", "general"])
 def test_residuals_and_tangents_are_those_of_two_systems(storage: Storage) -> None:
     one, other = System(ALONE, SPACES["strip"]), System(OTHER, SPACES["pad"])
-    held = System(both(ALONE.drive, "strip"), SPACES)
+    held = System(both(TURN, "strip"), SPACES)
     rng = np.random.default_rng(0)
     u, v = (0.02 * rng.standard_normal((system.space.size, 2)) for system in (one, other))
     one, other, held = (
@@ -105,18 +105,16 @@ def test_residuals_and_tangents_are_those_of_two_systems(storage: Storage) -> No
 @pytest.mark.parametrize("control", ["newton", "auto"])
 def test_curves_are_those_of_two_systems(control: str) -> None:
     settings = NewtonSettings(path_control=control)  # type: ignore[arg-type]
-    cases = {
-        "strip": (ALONE, np.radians(np.arange(0.0, 6.1, 0.25))),
-        "pad": (OTHER, np.arange(0.0, 0.31, 0.02)),
-    }
-    for driven, (alone, path) in cases.items():
+    paths = np.radians(np.arange(0.0, 6.1, 0.25)), np.arange(0.0, 0.31, 0.02)
+    cases = (("strip", ALONE, TURN, paths[0]), ("pad", OTHER, PUSH, paths[1]))
+    for driven, alone, drive, path in cases:
         expected = [step.reaction for step in trace(alone, SPACES[driven], path, settings)]
-        steps = list(trace(both(alone.drive, driven), SPACES, path, settings))
+        steps = list(trace(both(drive, driven), SPACES, path, settings))
         found = [step.reaction for step in steps]
         # what the other one relaxes by at first works on nothing that is driven
         np.testing.assert_allclose(found, expected, rtol=0, atol=1e-8 * np.abs(expected).max())
         assert steps[-1].maximum_openings.size == sum(
-            term.table.weights.size for term in System(both(alone.drive, driven), SPACES).interfaces
+            term.table.weights.size for term in System(both(drive, driven), SPACES).interfaces
         )
 
 
@@ -124,8 +122,8 @@ def test_curves_are_those_of_two_systems(control: str) -> None:
     "drive", [PulledSide("right", 1.0), PulledSide("right", 1.0, control="force", follows=True)]
 )
 def test_a_load_acts_on_the_second_body(drive: PulledSide) -> None:
-    alone = replace(ALONE, drive=drive)
-    first = Problem("both", (PAD, UPPER), (STICKY, JOINT), (*OTHER.supports, *ALONE.supports), drive, "strip")
+    alone, on_strip = replace(ALONE, drive=drive), replace(drive, on=UPPER.side("right"))
+    first = Problem("both", (PAD, UPPER), (STICKY, JOINT), (*OTHER.supports, *ALONE.supports), on_strip)
     path = np.linspace(0.0, 0.05 if drive.control == "displacement" else 1e-4, 6)
     expected = [step.reaction for step in trace(alone, SPACES["strip"], path)]
     found = [step.reaction for step in trace(first, SPACES, path)]
@@ -191,7 +189,7 @@ def test_a_support_holds_a_part_of_a_side(part: tuple[float, float], count: int)
     [
         (ALONE, {"pad": SPACES["pad"]}, "each body needs one: strip"),
         (
-            replace(both(ALONE.drive, "strip"), supports=()),
+            replace(both(TURN, "strip"), supports=()),
             SPACES,
             "nothing prevents this motion of the body",
         ),
@@ -243,5 +241,5 @@ def test_names_are_checked() -> None:
     with pytest.raises(InputError, match="0 <= start < end <= 1"):
         Boundary("strip", "top", 0.5, 0.5)
     with pytest.raises(InputError, match="2 of the kind interface"):
-        _ = both(ALONE.drive, "strip").adhesion
+        _ = both(TURN, "strip").adhesion
     assert NeoHooke(1.0, 0.2) == UPPER.material

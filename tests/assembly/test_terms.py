@@ -16,7 +16,7 @@ from isopeel.assembly.system import System
 from isopeel.common.arrays import FloatArray
 from isopeel.physics.adhesion import Exponential
 from isopeel.physics.materials import SaintVenantKirchhoff
-from isopeel.problem import Problem, Support, strip
+from isopeel.problem import HeldLoad, Problem, PulledSide, Support, strip
 from isopeel.solve.newton import NewtonSettings
 from isopeel.solve.path import Path
 from isopeel.splines.rows import row_space
@@ -64,7 +64,7 @@ def test_terms_of_a_list_add_up() -> None:
 
     def forces(listed: TermList) -> tuple[FloatArray, tuple[float, ...]]:
         found = np.zeros(u.shape)
-        return found, add_terms(listed, history, u, Sums(found, np.empty((0, 0)), 0, False))
+        return found, add_terms(listed, history, np.zeros(1), u, Sums(found, np.empty((0, 0)), 0, False))
 
     body, stored = forces(terms.only([0]))
     side, adhesive = forces(terms.only([1]))
@@ -92,10 +92,10 @@ def test_no_solver_function_is_compiled_anew_for_other_terms() -> None:
         system = path.system
         y, (u, _) = np.zeros(system.count), system.state(np.zeros(system.count), 0.1)
         at = Iterate(y, u, np.zeros(u.shape), np.zeros(system.count))
-        moved, external = system.constraints.moved(0.1), system.external(0.0)
+        moved, scalars = system.constraints.moved(0.1), np.zeros(1)
         for kept in ([], [0], [1, 1, 0]):
             some = system.equations._replace(terms=system.equations.terms.only(kept))
-            evaluate(some, system.maximum_openings.ravel(), moved, external, at)
+            evaluate(some, system.maximum_openings.ravel(), moved, scalars, at)
 
     go(strip(), row_space("N2.1", (40, 2)))
     known = signatures()
@@ -116,4 +116,8 @@ def test_no_solver_function_is_compiled_anew_for_other_terms() -> None:
     )
     space = row_space("N2.1", (40, 2))
     go(two, {"body": space, "beside": space})
+    assert signatures() == known
+    # loads, of the drive and held
+    raised = PulledSide("right", np.pi / 2, control="force")
+    go(replace(problem, drive=raised, loads=(HeldLoad(problem.body.side("top"), 1e-4, 1.0),)), space)
     assert signatures() == known

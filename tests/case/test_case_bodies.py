@@ -227,7 +227,8 @@ def test_options_set_the_keys_of_all_tables() -> None:
 def test_stages_may_drive_different_bodies() -> None:
     stage = 'boundary = "lower.right"\nto = "1 deg"\nstep = "1 deg"\n'
     case = Case.parse(TWO.replace("[drive]", "[[drive]]") + "[[drive]]\n" + stage)
-    assert [stage.problem.driven for stage in case.stages()] == ["upper", "lower"]
+    driven = [one.boundary.body for stage in case.stages() for one in stage.problem.driven]
+    assert driven == ["upper", "lower"]
 
 
 UPPER_NAME, LOWER_NAME = 'name = "upper"', 'name = "lower"'

@@ -170,7 +170,7 @@ STAGES = [
     ('kind = "displacement"\nside = "right"\nangle = "90 deg"\nto = "-2 nm"\nstep = "8 angstrom"',
      MovedSide("right", np.pi / 2), [0.0, -0.8, -1.6, -2.0]),
     ('kind = "force"\nside = "right"\nangle = "45 deg"\nto = "3 nm"\nstep = "1 nm"\nstart = 0.25',
-     PulledSide("right", np.pi / 4, start=0.25), [0.0, 1.0, 2.0, 3.0]),
+     PulledSide(Boundary("", "right", 0.25), np.pi / 4), [0.0, 1.0, 2.0, 3.0]),
     ('kind = "force"\nside = "top"\nangle = "90 deg"\ncontrol = "force"\nfollows = true\n'
      'to = "0.06 N/m"\nstep = "0.02 N/m"',
      PulledSide("top", np.pi / 2, follows=True, control="force"), [0.0, 0.01, 0.02, 0.03]),
@@ -259,7 +259,7 @@ BAD_TABLES = [
     ("discretization", "grading = [1.0, -2.0]", "discretization.grading", "two ratios"),
     ("drive", 'kind = "turn"', "drive.kind", "displacement, force"),
     ("drive", 'side = "front"', "drive.side", "'left'"),
-    ("drive", 'angle = "1 deg"', "drive.angle", "name, boundary, to, step, path_control, kind, side"),
+    ("drive", 'angle = "1 deg"', "drive.angle", "name, boundary, to, step, path_control, kind"),
     ("drive", 'name = "a b"', "drive.name", "letters, digits and '-'"),
     ("drive", 'kind = "displacement"\nside = "right"\nangle = 3', "drive.angle", "an angle is needed"),
     ("drive", STAGES[1][0].replace('to = "3 nm"', ""), "drive.to", "missing; a length is needed"),

@@ -60,7 +60,9 @@ def prestretched(problem: Problem, stretch: float) -> Problem:
         pytest.param(tape(0, None), id="along the substrate"),
         pytest.param(replace(tape(60), drive=PulledSide("right", 1.0, follows=True)), id="following"),
         pytest.param(replace(tape(60), drive=PulledSide("right", 1.0, control="force")), id="force raised"),
-        pytest.param(replace(tape(60), drive=PulledSide("right", 1.0, start=0.5)), id="half of the end"),
+        pytest.param(
+            replace(tape(60), drive=PulledSide(Boundary("", "right", 0.5), 1.0)), id="half of the end"
+        ),
         pytest.param(
             tape(60).changed(supports=(Support(Boundary("body", "bottom"), (1,)),)), id="held below"
         ),

@@ -50,7 +50,7 @@ from isopeel.results.run_file import StoredRun, run_attributes
 
 #: A moment peels the first tape, a force the second.
 TURN, LIFT = RotatedSide("right"), PulledSide("right", np.pi / 2)
-PATHS: Mapping[str, tuple[Drive, FloatArray]] = {
+PATHS: Mapping[str, tuple[RotatedSide | PulledSide, FloatArray]] = {
     "first": (TURN, np.radians(np.arange(0.0, 121.0, 5.0))),
     "second": (LIFT, np.arange(0.0, 16.1, 1.0)),
 }
@@ -308,6 +308,6 @@ def test_a_bar_without_an_interface_has_findings() -> None:
 
 
 def test_two_bodies_of_one_name_have_no_results() -> None:
-    with pytest.raises(InputError, match="there is first, second"):
-        replace(both(TURN, "first"), driven="third")
+    with pytest.raises(InputError, match="the bodies are first, second"):
+        both(TURN, "third")
     assert SECOND.name == "second"

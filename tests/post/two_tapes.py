@@ -5,8 +5,22 @@ from dataclasses import replace
 
 import numpy as np
 
-from isopeel import Body, Exponential, Flat, Interface, NeoHooke, Problem, RowSpace, Support, row_space
+from isopeel import (
+    Body,
+    Exponential,
+    Flat,
+    Interface,
+    MovedSide,
+    NeoHooke,
+    Problem,
+    PulledSide,
+    RotatedSide,
+    RowSpace,
+    Support,
+    row_space,
+)
 from isopeel.problem import Drive
+from isopeel.problem.boundary import driven_boundaries
 from isopeel.splines.nurbs import NurbsSurface, rectangle
 
 #: The laws of both, weak enough for the front to be longer than an element; the second is damaged.
@@ -34,7 +48,8 @@ def alone(number: int, drive: Drive) -> Problem:
     return Problem(body.name, (body,), (JOINTS[number],), (Support(body.side("left"), (0,)),), drive)
 
 
-def both(drive: Drive, driven: str) -> Problem:
+def both(drive: RotatedSide | MovedSide | PulledSide, driven: str) -> Problem:
     """Both tapes in one problem, of which the drive acts on one."""
     supports = (Support(FIRST.side("left"), (0,)), Support(SECOND.side("left"), (0,)))
-    return Problem("two", (FIRST, SECOND), JOINTS, supports, drive, driven)
+    ((boundary, _),) = driven_boundaries(drive.on, driven)
+    return Problem("two", (FIRST, SECOND), JOINTS, supports, replace(drive, on=boundary))

@@ -8,7 +8,7 @@ import pytest
 
 from isopeel.common.errors import InputError
 from isopeel.physics.adhesion import Exponential
-from isopeel.problem import strip
+from isopeel.problem import RotatedSide, strip
 from isopeel.results.curve import Curve
 from isopeel.results.provenance import Provenance
 from isopeel.results.run_file import Failure, read_run, run_attributes
@@ -165,6 +165,34 @@ def test_columns_have_their_units(tmp_path: Path) -> None:
         "kind": "1",
         "negative_eigenvalues": "1",
     }
+
+
+def test_reactions_of_boundaries_and_the_work_of_loads_are_read_back(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """From the file and from the journal of a killed run, under the names of the boundaries."""
+    monkeypatch.setattr("isopeel.results.run_writer._SAVE_SECONDS", 1e9)
+    body = PROBLEM.body
+    drive = RotatedSide(((body.side("right"), 1.0), (body.side("top", 0.0, 0.2), -1.0)))
+    taken = [replace(step, reactions=(k, -2.5), load_work=k / 3) for k, step in enumerate(steps([0, 10, 20]))]
+    file = RunWriter(tmp_path / "run.h5", drive, "", run_attributes(PROBLEM, SPACE, PROVENANCE))
+    for step in taken:
+        file.append(step)
+    run = read_run(tmp_path / "run.h5")
+    assert run.journaled == 2
+    file.end("completed")
+    file.__exit__(None, None, None)
+    for curve in (run.curve, read_run(tmp_path / "run.h5").curve):
+        assert curve.reactions.tolist() == [[0, -2.5], [1, -2.5], [2, -2.5]]
+        assert curve.load_work.tolist() == [0, 1 / 3, 2 / 3]
+        names = [column.name for column, _ in curve.table()]
+        assert names[:4] == ["theta_deg", "moment", "body.right", "body.top"]
+        assert "load_work" in names
+        assert columns(curve) == columns(Curve.of(taken, drive))
+    with h5py.File(tmp_path / "run.h5", "r+") as stored:
+        stored["curve/reactions"].attrs["names"] = "body.right, body"
+    with pytest.raises(InputError, match="the names of its boundaries do not fit"):
+        read_run(tmp_path / "run.h5")
 
 
 def test_an_exception_leaves_all_steps_before_it(tmp_path: Path) -> None:

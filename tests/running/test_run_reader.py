@@ -30,7 +30,7 @@ def test_stages_come_in_their_order(staged: Path) -> None:
     press, peel = read_stages(staged)
     assert (press.title, peel.title) == ("press-and-peel, stage 1: press", "press-and-peel, stage 2: peel")
     assert peel.run.curve.parameter.tolist() == [0.0, 0.5, 1.0]
-    assert press.stage.problem.drive.side == "top"
+    assert press.stage.problem.driven_side == "top"
     assert {state.displacement.shape for state in peel.run.states} == {(peel.spaces["body"].size, 2)}
 
 

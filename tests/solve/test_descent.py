@@ -101,8 +101,8 @@ def test_an_unknown_load_keeps_its_displacement() -> None:
     system = System(problem, row_space("N2", (60, 2)))
     found = descend(system, np.zeros(system.count), 2.0).unknown_values
     u, _ = system.state(found, 2.0)
-    assert system.load is not None
-    assert system.load.displacement(u) == pytest.approx(2.0, rel=1e-12)  # a linear equation, solved by steps
+    # a linear equation, solved by steps
+    assert system.control.displacement(u) == pytest.approx(2.0, rel=1e-12)
 
 
 def test_a_jump_without_a_start_is_reported() -> None:

@@ -15,6 +15,7 @@ def add_adhesion(
     integers: IntArray,
     floats: FloatArray,
     openings: FloatArray,
+    _scalars: FloatArray,
     u: FloatArray,
     forces: FloatArray,
     band: FloatArray,

@@ -83,6 +83,7 @@ def add_body(
     integers: IntArray,
     floats: FloatArray,
     _history: FloatArray,
+    _scalars: FloatArray,
     u: FloatArray,
     forces: FloatArray,
     band: FloatArray,

@@ -9,9 +9,32 @@ from isopeel.assembly.spaces import Spaces
 from isopeel.common.arrays import FloatArray, IntArray
 from isopeel.common.compilation import compiled
 from isopeel.common.errors import InputError
-from isopeel.problem import Drive
+from isopeel.problem import Boundary, Constraint, Load
 
 HELD = -1
+
+
+@dataclass(frozen=True, eq=False)
+class Motion:
+    """How a constraint moves one boundary, at its factor times the parameter."""
+
+    constraint: Constraint
+    boundary: Boundary
+    functions: IntArray
+    points: FloatArray  # their control points in the base state
+    factor: float
+
+    def moved(self, parameter: float) -> FloatArray:
+        """What the coefficients (n, 2) of the boundary are moved by."""
+        return self.constraint.prescribed(self.points, self.factor * parameter)
+
+    def rate(self, parameter: float) -> FloatArray:
+        """What they change by its own motion: not by the parameter, but by the factor times that."""
+        return self.constraint.rate(self.points, self.factor * parameter)
+
+    def reaction(self, forces: FloatArray, parameter: float) -> float:
+        """Generalised force that works on this motion, of forces (size, 2)."""
+        return _work(forces, self.functions, np.ascontiguousarray(self.rate(parameter)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -19,7 +42,7 @@ class Constraints:
     """The map u = T z + u0 + g(parameter) from unknowns z to the coefficients u of the displacement.
 
     Each coefficient follows one unknown or none (T has one 1 in a row, or none), so that a condensation
-    with T is exact and costs nothing: `unknowns` (size, 2) is the number of the unknown, or HELD. The side
+    with T is exact and costs nothing: `unknowns` (size, 2) is the number of the unknown, or HELD. A boundary
     that the drive moves shares one unknown per component that is common to it. What is held, and what moves
     as a whole, does so from where it is in the `base` state: `offset` holds that part of it, u0.
 
@@ -31,9 +54,8 @@ class Constraints:
     count: int  # of z
     global_unknowns: int
     offset: FloatArray  # (size, 2)
-    drive: Drive
-    driven: IntArray  # functions on the driven side
-    driven_points: FloatArray  # their control points in the base state
+    motions: tuple[Motion, ...]  # of boundaries that the drive moves
+    driven: IntArray  # their functions
     # what the drive prescribes at the last parameter, and its rate: a step asks for them several times
     _moved: dict[float, FloatArray] = field(default_factory=dict, init=False, repr=False)
     _rate: dict[float, FloatArray] = field(default_factory=dict, init=False, repr=False)
@@ -53,16 +75,16 @@ class Constraints:
         """What the driven coefficients (n, 2) are moved by at a value of the drive's parameter."""
         if parameter not in self._moved:
             self._moved.clear()
-            # loops are compiled for contiguous arrays alone
-            moved = self.drive.prescribed(self.driven_points, parameter)
-            self._moved[parameter] = np.ascontiguousarray(moved)
+            moved = [motion.moved(parameter) for motion in self.motions]
+            self._moved[parameter] = np.concatenate([np.empty((0, 2)), *moved])
         return self._moved[parameter]
 
     def rate(self, parameter: float) -> FloatArray:
         """What the driven coefficients (n, 2) change by the parameter."""
         if parameter not in self._rate:
             self._rate.clear()
-            self._rate[parameter] = np.ascontiguousarray(self.drive.rate(self.driven_points, parameter))
+            rates = [motion.factor * motion.rate(parameter) for motion in self.motions]
+            self._rate[parameter] = np.concatenate([np.empty((0, 2)), *rates])
         return self._rate[parameter]
 
     def unknown_values(self, displacement: FloatArray, parameter: float) -> FloatArray:
@@ -84,7 +106,7 @@ class Constraints:
         return totals
 
     def reaction(self, forces: FloatArray, parameter: float) -> float:
-        """Generalised force that works on the parameter of a drive that moves its side."""
+        """Generalised force that works on the parameter of a drive that moves boundaries."""
         return _work(forces, self.driven, self.rate(parameter))
 
 
@@ -134,29 +156,29 @@ def constrain(
     each other; `base` (size, 2) are the coefficients of the state that the drive begins with, by default
     those of the bodies as they are.
 
-    Raises InputError where a held component belongs to a driven side that must be free to move along it, or
-    where nothing of the bodies is left to move.
+    Raises InputError where a held component belongs to a boundary that the drive moves along it, where such
+    boundaries meet, or where nothing of the bodies is left to move.
     """
     problem = spaces.problem
-    drive = problem.drive
-    driven = spaces.side(problem.driven, drive.side)
     u0 = np.zeros((spaces.size, 2)) if base is None else base
     # groups[function, component]: what shares one unknown has one group
     groups = np.arange(2 * spaces.size).reshape(spaces.size, 2)
     offset = np.zeros((spaces.size, 2))
-    for component, freedom in enumerate(drive.freedoms):
-        if freedom != "free":
-            groups[driven, component] = groups[driven[0], component] if freedom == "tied" else HELD
-            offset[driven, component] = u0[driven, component]
+    motions = _motions(spaces, spaces.control_points() + u0)
+    for motion in motions:
+        driven = motion.functions
+        for component, freedom in enumerate(motion.constraint.freedoms):
+            if freedom != "free":
+                groups[driven, component] = groups[driven[0], component] if freedom == "tied" else HELD
+                offset[driven, component] = u0[driven, component]
     for support in problem.supports:
         held = spaces.boundary(support.boundary)
         for component in support.components:
-            if drive.freedoms[component] in ("tied", "prescribed") and np.isin(held, driven).any():
-                raise InputError(
-                    "held",
-                    support.side,
-                    f"the drive moves the side {drive.side}, which shares points with it",
-                )
+            for motion in motions:
+                moves = motion.constraint.freedoms[component] in ("tied", "prescribed")
+                if moves and np.isin(held, motion.functions).any():
+                    allowed = f"the drive moves the side {motion.boundary.side}, which shares points with it"
+                    raise InputError("held", support.side, allowed)
             groups[held, component] = HELD
             offset[held, component] = u0[held, component]
     if (groups == HELD).all():
@@ -171,9 +193,27 @@ def constrain(
         numbers = min(numberings, key=lambda numbering: half_bandwidth(numbering, own))
         unknowns[place] = np.where(numbers == HELD, HELD, numbers + count)
         count += int(numbers.max()) + 1
-    control_points = spaces.control_points() + u0
-    with_load = drive.load is not None and drive.load.control == "displacement"
-    return Constraints(unknowns, count, int(with_load), offset, drive, driven, control_points[driven])
+    of_load = isinstance(problem.drive, Load) and problem.drive.control == "displacement"
+    driven = np.concatenate([np.empty(0, np.int64), *(motion.functions for motion in motions)])
+    return Constraints(unknowns, count, int(of_load), offset, motions, driven)
+
+
+def _motions(spaces: Spaces, points: FloatArray) -> tuple[Motion, ...]:
+    """Return the motions of the boundaries that the drive moves, of control points (size, 2)."""
+    problem = spaces.problem
+    drive = problem.drive
+    if not isinstance(drive, Constraint):
+        return ()
+    taken = np.empty(0, np.int64)
+    motions = []
+    for name, (boundary, factor) in zip(problem.driven_names, problem.driven, strict=True):
+        functions = spaces.boundary(boundary)
+        if np.isin(functions, taken).any():
+            allowed = "the drive moves another boundary that shares points with it; leave an element between"
+            raise InputError("drive.boundary", name, allowed)
+        taken = np.concatenate([taken, functions])
+        motions.append(Motion(drive, boundary, functions, points[functions], factor))
+    return tuple(motions)
 
 
 def _number(groups: IntArray, places: FloatArray, axis: int) -> IntArray:

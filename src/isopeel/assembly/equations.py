@@ -30,17 +30,17 @@ class Iterate(NamedTuple):
 
 @compiled
 def evaluate(
-    equations: Equations, history: FloatArray, moved: FloatArray, external: FloatArray, at: Iterate
+    equations: Equations, history: FloatArray, moved: FloatArray, scalars: FloatArray, at: Iterate
 ) -> Energies:
     """Set displacement, forces and residual of unknowns, where the driven functions are moved by (n, 2).
 
-    External forces (count,) are those of a load.
+    The scalars are those that terms depend on, see `isopeel.assembly.loops`.
     """
     unknowns, u, forces, residual = equations.unknowns, at.displacement, at.forces, at.residual
     displace(unknowns, at.unknown_values, equations.offset, equations.driven, moved, u)
     forces.fill(0.0)
-    energies = add_terms(equations.terms, history, u, Sums(forces, np.empty((0, 0)), 0, False))
-    for i in range(len(residual)):
-        residual[i] = -external[i]
+    energies = add_terms(equations.terms, history, scalars, u, Sums(forces, np.empty((0, 0)), 0, False))
+    # with this sign, zero changes no number that is added to it
+    residual.fill(-0.0)
     condense(unknowns, forces, residual)
     return energies

@@ -2,8 +2,9 @@
 
 The loops of all terms have one signature, and so have lists of terms of any number and kind: code that is
 compiled for one list serves all. A term's loops are told its data (see `packing`), its part of the history,
-the coefficients u (size, 2) of the displacement, and what they add to: forces (size, 2) and, if asked for, a
-tangent in a band, whose rows have their diagonal at some place. They return what they add to the energies.
+the scalars that forces depend on (the size of the drive's load), the coefficients u (size, 2) of the
+displacement, and what they add to: forces (size, 2) and, if asked for, a tangent in a band, whose rows have
+their diagonal at some place. They return what they add to the energies.
 """
 
 from collections.abc import Callable, Sequence
@@ -28,10 +29,11 @@ def _read_only(kind: Any, dimensions: int) -> Any:
 
 
 # of floats that could be written to, as laws are compiled for such parameters
-#: (integers, floats, history, u, forces, band, diagonal, whether a tangent is asked for)
+#: (integers, floats, history, scalars, u, forces, band, diagonal, whether a tangent is asked for)
 LOOPS_SIGNATURE = types.UniTuple(float64, 4)(  # type: ignore[no-untyped-call]
     _read_only(int64, 1),
     float64[::1],
+    _read_only(float64, 1),
     _read_only(float64, 1),
     _read_only(float64, 2),
     float64[:, ::1],
@@ -41,7 +43,7 @@ LOOPS_SIGNATURE = types.UniTuple(float64, 4)(  # type: ignore[no-untyped-call]
 )
 
 Loops: TypeAlias = Callable[
-    [IntArray, FloatArray, FloatArray, FloatArray, FloatArray, FloatArray, int, bool], Energies
+    [IntArray, FloatArray, FloatArray, FloatArray, FloatArray, FloatArray, FloatArray, int, bool], Energies
 ]
 
 _loops_at = of_address(LOOPS_SIGNATURE)
@@ -89,8 +91,10 @@ class Sums(NamedTuple):
 
 
 @compiled
-def add_terms(terms: TermList, history: FloatArray, u: FloatArray, sums: Sums) -> Energies:
-    """Add forces and tangents of all terms, after a history, of coefficients u (size, 2)."""
+def add_terms(
+    terms: TermList, history: FloatArray, scalars: FloatArray, u: FloatArray, sums: Sums
+) -> Energies:
+    """Add forces and tangents of all terms, after a history, of scalars and coefficients u (size, 2)."""
     stored, adhesive, dissipated, lowest = 0.0, 0.0, 0.0, np.inf
     for t in range(len(terms.addresses)):
         start, end = terms.places[t, 0], terms.places[t, 1]
@@ -99,6 +103,7 @@ def add_terms(terms: TermList, history: FloatArray, u: FloatArray, sums: Sums) -
             terms.integers[start[0] : end[0]],
             terms.floats[start[1] : end[1]],
             history[start[2] : end[2]],
+            scalars,
             u,
             sums.forces,
             sums.band,

@@ -1,11 +1,11 @@
 """What can be known before the first step: whether the body overlaps the substrate, or is not held at all."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from isopeel.assembly.constraints import HELD, Constraints
-from isopeel.assembly.loads import AssembledLoad
+from isopeel.assembly.constraints import HELD
+from isopeel.assembly.control import Control
 from isopeel.assembly.spaces import Spaces
 from isopeel.assembly.tables import SideTable
 from isopeel.common.arrays import FloatArray, IntArray, frozen
@@ -32,8 +32,7 @@ def extent_of(body: Body) -> float:
 def check_start(
     spaces: Spaces,
     sides: Sequence[SideTable],
-    constraints: Constraints,
-    load: AssembledLoad | None,
+    control: Control,
     base: FloatArray | None,
 ) -> list[FloatArray]:
     """Return the substrate's tangents (E, Q, 2) at the points of each interface, where all is well.
@@ -49,19 +48,28 @@ def check_start(
         rows, tangent = _check_interface(interface, side, extent_of(body), base)
         held[body.name] += rows
         tangents.append(frozen(tangent))
-    points = spaces.control_points()
-    for body in problem.bodies:
-        place = spaces.places[body.name]
-        pattern = None
-        if load is not None and load.load.control == "displacement":
-            pattern = load.pattern[place]
-        rows = held[body.name] + _constrained(constraints.unknowns[place], pattern, _motions(points[place]))
-        free = _free_motion(np.concatenate(rows), extent_of(body))
-        if free is not None:
-            raise InputError(
-                "held", free, "nothing prevents this motion of the body; hold a side, or let it adhere"
-            )
+    free = _free_motion(_held(spaces, held, control), [extent_of(body) for body in problem.bodies])
+    if free is not None:
+        allowed = "nothing prevents this motion of the body; hold a side, or let it adhere"
+        raise InputError("held", free, allowed)
     return tangents
+
+
+def _held(spaces: Spaces, adhering: Mapping[str, list[FloatArray]], control: Control) -> FloatArray:
+    """Rows (n, 3 bodies): what rigid motions of the bodies would change of what is held, and what adheres.
+
+    A load whose displacement is prescribed holds that, which may be of several bodies.
+    """
+    points, unknowns, pattern = spaces.control_points(), control.constraints.unknowns, control.pattern()
+    rows, means = [], []
+    for number, (name, place) in enumerate(spaces.places.items()):
+        motions = _motions(points[place])
+        own = np.concatenate(adhering[name] + _constrained(unknowns[place], motions))
+        rows.append(np.pad(own, ((0, 0), (3 * number, 3 * (len(spaces.places) - 1 - number)))))
+        means.append(np.einsum("ai,aim->m", pattern[place], motions))
+    if control.constraints.global_unknowns:
+        rows.append(np.concatenate(means)[None])
+    return np.concatenate(rows)
 
 
 def _check_interface(
@@ -127,25 +135,20 @@ def _motions(points: FloatArray) -> FloatArray:
     return np.stack([along_x, along_y], axis=1)
 
 
-def _constrained(unknowns: IntArray, pattern: FloatArray | None, motions: FloatArray) -> list[FloatArray]:
-    """Rows (n, 3): what rigid motions (size, 2, 3) of the control points would change of what is held.
-
-    A load of a pattern (size, 2) holds its mean displacement.
-    """
+def _constrained(unknowns: IntArray, motions: FloatArray) -> list[FloatArray]:
+    """Rows (n, 3): what rigid motions (size, 2, 3) of the control points would change of what is held."""
     flat, numbers = motions.reshape(-1, 3), unknowns.ravel()
     order = np.argsort(numbers, kind="stable")
     shared = np.flatnonzero(np.diff(numbers[order]) == 0)
-    rows = [flat[numbers == HELD], flat[order[shared + 1]] - flat[order[shared]]]
-    if pattern is not None:
-        rows.append(np.einsum("ai,aim->m", pattern, motions)[None])
-    return rows
+    return [flat[numbers == HELD], flat[order[shared + 1]] - flat[order[shared]]]
 
 
-def _free_motion(rows: FloatArray, extent: float) -> str | None:
-    """Name a rigid motion that no row (n, 3) notices, where there is one."""
+def _free_motion(rows: FloatArray, extents: Sequence[float]) -> str | None:
+    """Name a rigid motion that no row (n, 3 bodies) notices, where there is one; bodies have their sizes."""
+    scales = np.concatenate([[1.0, 1.0, extent] for extent in extents])
     _, sizes, motions = np.linalg.svd(
-        np.vstack([rows, np.zeros((3, 3))]) / [1.0, 1.0, extent], full_matrices=False
+        np.vstack([rows, np.zeros((scales.size, scales.size))]) / scales, full_matrices=False
     )
     if sizes[-1] > ROUND_OFF * max(sizes[0], 1.0):
         return None
-    return ("a motion along x", "a motion along y", "a rotation")[int(np.argmax(np.abs(motions[-1])))]
+    return ("a motion along x", "a motion along y", "a rotation")[int(np.argmax(np.abs(motions[-1]))) % 3]

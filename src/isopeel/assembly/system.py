@@ -11,9 +11,10 @@ from psutil import virtual_memory
 from isopeel.assembly.body_kernel import add_body
 from isopeel.assembly.body_term import BodyTerm
 from isopeel.assembly.constraints import Constraints, constrain, half_bandwidth
+from isopeel.assembly.control import Control
 from isopeel.assembly.equations import Equations
 from isopeel.assembly.interface_term import InterfaceTerm
-from isopeel.assembly.loads import AssembledLoad
+from isopeel.assembly.load_term import LoadTerm, load_terms
 from isopeel.assembly.loops import Loops, Sums, add_terms, term_list
 from isopeel.assembly.spaces import SpaceOfBodies, Spaces
 from isopeel.assembly.start import ROUND_OFF, check_rigid, check_start, extent_of
@@ -23,6 +24,7 @@ from isopeel.common.arrays import FloatArray, frozen
 from isopeel.common.errors import InputError
 from isopeel.matrix.band import BandMatrix, Storage
 from isopeel.problem import Problem
+from isopeel.problem.boundary import boundary_names
 from isopeel.splines.rows import RowSpace
 
 
@@ -35,7 +37,7 @@ class Equilibrium:
     dissipated_energy: float
     lowest_determinant: float  # of F at the quadrature points
     forces: FloatArray  # (size, 2), on every coefficient
-    residual: FloatArray  # (count,), on every unknown; the forces less those of the load
+    residual: FloatArray  # (count,), on every unknown
 
 
 def bytes_needed(*spaces: RowSpace) -> int:
@@ -98,8 +100,13 @@ class System:
             side = side_of(self.spaces, interface.boundary, contact_points)
             # only the projected force asks for the deformation gradient
             tables.append(side if interface.traction == "projected" else side.of_values())
-        self.load: AssembledLoad | None = AssembledLoad.of(self.spaces, self.constraints, base)
-        tangents = check_start(self.spaces, tables, self.constraints, self.load, base)
+        self.loads: tuple[LoadTerm, ...] = load_terms(self.spaces, self.constraints, base)
+        #: Those that are held.
+        self.held: tuple[LoadTerm, ...] = tuple(load for load in self.loads if not load.of_drive)
+        driving = tuple(load for load in self.loads if load.of_drive)
+        #: How the parameter of the drive enters the equations.
+        self.control: Control = Control(self.constraints, driving)
+        tangents = check_start(self.spaces, tables, self.control, base)
         self.interfaces: tuple[InterfaceTerm, ...] = tuple(
             # gaps are known to the round-off of positions
             InterfaceTerm(
@@ -110,7 +117,7 @@ class System:
         #: Whether an interface is damaged as it opens.
         self.irreversible: bool = any(interface.irreversible for interface in problem.interfaces)
         #: What forces and tangent are the sum of.
-        self.terms: tuple[Term, ...] = *self.bodies, *self.interfaces
+        self.terms: tuple[Term, ...] = *self.bodies, *self.interfaces, *self.loads
         #: Maximum openings at the points of the adhesive force, for irreversible adhesion: the history after
         #: which forces are asked for, of the bodies as they are made unless `after` has given another one.
         #: They are (E, Q), elements of one interface after those of another; (n, 1) where these differ in Q.
@@ -120,7 +127,6 @@ class System:
             term.body.material.youngs_modulus * term.table.area for term in self.bodies
         )
         self._workspaces: dict[Storage, FloatArray] = {}
-        self._no_forces = np.zeros(self.constraints.count)
         held = self.constraints
         listed = [(term.loops, term.data(held.unknowns), term.initial().size) for term in self.terms]
         self.equations = Equations(term_list(listed), held.unknowns, held.offset, held.driven)
@@ -128,8 +134,8 @@ class System:
     def without_joint(self) -> Self:
         """The same bodies without what a substrate does to them. It shares the arrays of tangents."""
         loose = copy(self)
-        bodies = list(range(len(self.bodies)))
-        loose.equations = self.equations._replace(terms=self.equations.terms.only(bodies))
+        kept = [t for t, term in enumerate(self.terms) if term not in self.interfaces]
+        loose.equations = self.equations._replace(terms=self.equations.terms.only(kept))
         return loose
 
     @property
@@ -181,27 +187,29 @@ class System:
         return frozen(joined.reshape(-1, counts.pop() if len(counts) == 1 else 1))
 
     @property
-    def load_is_unknown(self) -> bool:
-        """Whether the size of the load is one more unknown, after those of the displacement."""
-        return bool(self.constraints.global_unknowns)
+    def global_unknowns(self) -> int:
+        """Number of unknowns that belong to no function: one where the size of a load is found."""
+        return self.constraints.global_unknowns
 
     @property
     def count(self) -> int:
-        """Number of unknowns y: those of the displacement, and the size of a load that is unknown."""
+        """Number of unknowns y: those of the displacement, and the global ones."""
         return self.constraints.total
+
+    @property
+    def has_potential(self) -> bool:
+        """Whether all forces are derivatives of an energy, so that the tangent is symmetric."""
+        return all(term.has_potential for term in self.terms)
+
+    @property
+    def storage(self) -> Storage:
+        """Of the tangent."""
+        return "symmetric" if self.has_potential else "general"
 
     def state(self, unknown_values: FloatArray, parameter: float) -> tuple[FloatArray, float]:
         """Coefficients u (size, 2) and size of the load, of unknowns y (count,) at a parameter."""
         u = self.constraints.displacement(unknown_values, parameter)
-        if self.load is None:
-            return u, 0.0
-        return u, float(unknown_values[-1]) if self.load_is_unknown else parameter
-
-    def external(self, load: float) -> FloatArray:
-        """Forces (count,) of a dead load of a size on the unknowns of the displacement."""
-        if self.load is None:
-            return self._no_forces
-        return load * self.constraints.condense(self.load.pattern)
+        return u, self.control.load(unknown_values, parameter)
 
     def unknown_values(self, displacement: FloatArray, parameter: float) -> FloatArray:
         """Unknowns y (count,) of coefficients u (size, 2); the size of an unknown load is left at zero."""
@@ -210,10 +218,12 @@ class System:
     def reaction(
         self, equilibrium: Equilibrium, displacement: FloatArray, load: float, parameter: float
     ) -> float:
-        """What answers the parameter: the force or moment that moves, the load, or its displacement."""
-        if self.load is None:
-            return self.constraints.reaction(equilibrium.forces, parameter)
-        return load if self.load_is_unknown else self.load.displacement(displacement)
+        """What works on the parameter: the force or moment that moves, the load, or its displacement."""
+        return self.control.reaction(equilibrium.forces, displacement, load, parameter)
+
+    def held_work(self, displacement: FloatArray) -> float:
+        """Work of the loads that are held, since the base state, at coefficients u (size, 2)."""
+        return sum((load.size * load.displacement(displacement) for load in self.held), 0.0)
 
     def potential(
         self, equilibrium: Equilibrium, displacement: FloatArray, load: float, parameter: float
@@ -221,25 +231,15 @@ class System:
         """Energy that is least in a stable state, and its derivative by the parameter along a path."""
         reaction = self.reaction(equilibrium, displacement, load, parameter)
         energy = equilibrium.stored_energy + equilibrium.adhesive_energy + equilibrium.dissipated_energy
-        if self.load is None or self.load_is_unknown:
-            return energy, reaction
-        return energy - load * reaction, -reaction
+        return self.control.potential(energy - self.held_work(displacement), load, reaction)
 
-    def displacement_control(
-        self, displacement: FloatArray, parameter: float
-    ) -> tuple[float, FloatArray, FloatArray]:
-        """Return the error of an unknown load's displacement, and the last column and row of the tangent."""
-        assert self.load is not None
-        missed = parameter - self.load.displacement(displacement)
-        column = -self.constraints.condense(self.load.forces(displacement))
-        return missed, column, -self.constraints.condense(self.load.pattern)
-
-    @property
-    def storage(self) -> Storage:
-        """Symmetric where all forces have a potential."""
-        turning = self.load is not None and self.load.load.follows
-        symmetric = not turning and all(term.has_potential for term in self.terms)
-        return "symmetric" if symmetric else "general"
+    def support_reactions(self, equilibrium: Equilibrium) -> dict[str, FloatArray]:
+        """Return the force (2,) of each support on its body, by its name; zero along what it leaves free."""
+        supports, found = self.problem.supports, {}
+        for name, support in zip(boundary_names([one.boundary for one in supports]), supports, strict=True):
+            total = equilibrium.forces[self.spaces.boundary(support.boundary)].sum(axis=0)
+            found[name] = np.where(np.isin([0, 1], support.components), total, 0.0)
+        return found
 
     def inverted_point(self, displacement: FloatArray) -> tuple[FloatArray, float] | None:
         """Reference position (2,) and determinant of F at the most inverted quadrature point, if any is."""
@@ -290,11 +290,6 @@ class System:
             sums = Sums(forces, matrix.workspace, matrix.diagonal, True)
         history = self.maximum_openings.ravel()
         # loops are compiled for contiguous arrays alone
-        energies = add_terms(self.equations.terms, history, np.ascontiguousarray(displacement), sums)
-        unbalanced = forces
-        if self.load is not None:
-            unbalanced = forces - load * self.load.forces(displacement)
-            if matrix is not None and self.load.load.follows:
-                self.load.add_stiffness(matrix, load)
-        residual = self.constraints.condense(unbalanced)
-        return Equilibrium(*energies, forces, residual)
+        u, scalars = np.ascontiguousarray(displacement), np.array([load])
+        energies = add_terms(self.equations.terms, history, scalars, u, sums)
+        return Equilibrium(*energies, forces, self.constraints.condense(forces))

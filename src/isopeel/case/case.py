@@ -171,7 +171,7 @@ class Case(Section):
                 Stage(
                     name=stage.label,
                     problem=Problem(
-                        self.name, bodies, interfaces, supports, stage.drive(), self._driven(stage)
+                        self.name, bodies, interfaces, supports, stage.drive(self._driven(stage))
                     ),
                     parameters=stage.parameters(),
                     path_control=stage.path_control,

@@ -25,6 +25,8 @@ class KindSection(Section):
     package: ClassVar[str]
     chooser: ClassVar[str]
     usual: ClassVar[str | None] = None
+    #: Fields of the dataclasses that the family gives them, from keys of its own.
+    own: ClassVar[frozenset[str]] = frozenset()
     #: The dataclass; a family has none.
     maker: ClassVar[type[Any] | None] = None
 
@@ -59,15 +61,16 @@ class KindSection(Section):
             check_dimensions(cls.table, dimensions, getattr(section, dimensions.field), constants)
         return section
 
-    def made(self) -> Any:
-        """Make the object. Raises InputError of its class."""
+    def made(self, **own: Any) -> Any:
+        """Make the object, with the fields that the family gives. Raises InputError of its class."""
         assert self.maker is not None
-        return self.maker(**{field.name: getattr(self, field.name) for field in _given(self.maker)})
+        fields = {field.name: getattr(self, field.name) for field in _given(type(self), self.maker)}
+        return self.maker(**fields, **own)
 
 
-def _given(kind: type[Any]) -> list[dataclasses.Field[Any]]:
-    """Return the fields of a dataclass that it is made with."""
-    return [field for field in dataclasses.fields(kind) if field.init]
+def _given(family: type[KindSection], kind: type[Any]) -> list[dataclasses.Field[Any]]:
+    """Return the fields of a dataclass that a table gives, each by its name."""
+    return [field for field in dataclasses.fields(kind) if field.init and field.name not in family.own]
 
 
 @cache
@@ -75,7 +78,7 @@ def _section(family: type[KindSection], kind: type[Any]) -> Any:
     """Make the section of a dataclass. Raises TypeError where no case could have one of its fields."""
     hints = get_type_hints(kind, include_extras=True)
     keys: dict[str, Any] = {}
-    for field in _given(kind):
+    for field in _given(family, kind):
         if field.name in (family.chooser, *family.model_fields) or hasattr(family, field.name):
             raise TypeError(f"{kind.__qualname__}.{field.name} needs another name: a case has its own")
         try:

@@ -6,6 +6,7 @@ from typing import Annotated, Any, Literal, Self, get_args
 
 from pydantic import BeforeValidator, Field, field_validator, model_validator
 
+from isopeel.case.drives import DrivenKeys
 from isopeel.case.kinds import KindSection
 from isopeel.case.stages import Steps, stage_parameters, stage_steps
 from isopeel.case.text import size_of
@@ -213,10 +214,11 @@ class DiscretizationSection(Section):
     grading: GradingKey = None
 
 
-class DriveSection(KindSection):
+class DriveSection(DrivenKeys, KindSection):
     """One stage: a drive, how far it goes, and in which steps, in the dimension of its parameter."""
 
     table, package, chooser, usual = "drive", "isopeel.problem.drives", "kind", "rotation"
+    own = frozenset({"on"})
 
     name: Annotated[
         str | None,
@@ -243,9 +245,9 @@ class DriveSection(KindSection):
         """The name of the stage, given or not."""
         return self.name or str(getattr(self, self.chooser))
 
-    def drive(self) -> Drive:
-        """Build the drive."""
-        drive: Drive = self.made()
+    def drive(self, body: str = "") -> Drive:
+        """Build the drive on a side of a body, by default of the first one."""
+        drive: Drive = self.made(on=self.place(body, getattr(self.maker, "on", None)))
         return drive
 
     @property

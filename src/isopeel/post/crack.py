@@ -9,7 +9,7 @@ from isopeel.assembly.spaces import SpaceOfBodies
 from isopeel.common.arrays import FloatArray
 from isopeel.post.driven import driven_on
 from isopeel.post.front import ProcessZone, process_zones
-from isopeel.problem import Problem
+from isopeel.problem import Problem, raises_load
 from isopeel.results.curve import Curve
 from isopeel.results.fields import StoredState
 from isopeel.solve.step import KINDS
@@ -164,12 +164,12 @@ def release(problem: Problem, curve: Curve, found: Fronts, start: float | None) 
     part = slice(i, j + 1)
     parameter = curve.parameter[part] / curve.parameter_column.factor
     reaction = curve.reaction[part] / curve.reaction_column.factor
-    load = problem.drive.load
-    raised = load is not None and load.control == "force"
-    path, force = (reaction, parameter) if raised else (parameter, reaction)
+    path, force = (reaction, parameter) if raises_load(problem.drive) else (parameter, reaction)
     work = float(np.sum(np.diff(path) * (force[1:] + force[:-1]) / 2))
     jumped = float(curve.released_energy[i + 1 : j + 1][jumps(curve)[i + 1 : j + 1]].sum())
     stored = float(curve.stored_energy[j] - curve.stored_energy[i])
+    if curve.load_work.size:
+        work += float(curve.load_work[j] - curve.load_work[i])
     return Release((work - jumped - stored) / (longer - crack), (first, last))
 
 

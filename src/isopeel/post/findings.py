@@ -33,7 +33,7 @@ from isopeel.post.readings import (
 from isopeel.post.resolution import Zones, elements_are_tall
 from isopeel.post.resolution_notes import oscillation_notes, peels, zone_notes
 from isopeel.post.steady_load import steady_load
-from isopeel.problem import Problem
+from isopeel.problem import Load, Problem
 from isopeel.results.curve import Curve
 from isopeel.results.notes import Note
 from isopeel.results.run_file import StoredRun
@@ -128,7 +128,7 @@ def _of_one_body(
     if form is not None and run.base is not None:
         # a later stage reaches the same steady state by another path; and a part that lies on the substrate
         # without being held was stretched by the stage before
-        slides = problem.adhesion.sliding_length is None and problem.drive.load is not None
+        slides = problem.adhesion.sliding_length is None and isinstance(problem.drive, Load)
         form = None if slides else replace(form, onset=None)
     period = form.period if form else None
     plateau = read_plateau(curve, window, period) if window else None

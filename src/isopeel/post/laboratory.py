@@ -192,8 +192,8 @@ _VALUE = re.compile(rf"(?<![\w.])([-+]?\d[\d.]*(?:e[-+]?\d+)?) ({_UNITS})(?![\w^
 
 def kind_of(column: Column) -> Kind:
     """Return the kind of quantity of a column."""
-    # moments and energies have the same unit: the name of the column decides
-    if column.unit == "E0 L0^3" and column.name == "moment":
+    # moments and energies have the same unit: the name of the column, or of its quantity, decides
+    if column.unit == "E0 L0^3" and "moment" in (column.name, column.words.partition(" ")[0]):
         return "moment"
     return _KINDS.get(column.unit, "number")
 

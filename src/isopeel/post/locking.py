@@ -16,7 +16,7 @@ from isopeel.physics.materials.base import plane_strain_modulus
 from isopeel.post.closed_form import expected
 from isopeel.post.laboratory import Laboratory
 from isopeel.post.resolution import lies_flat
-from isopeel.problem import Problem, RotatedSide
+from isopeel.problem import Constraint, Problem, RotatedSide
 from isopeel.results.notes import Note, Remedy
 from isopeel.splines.names import parse_space_name
 from isopeel.splines.rows import RowSpace
@@ -62,7 +62,7 @@ def bending(problem: Problem, space: RowSpace) -> Bending | None:
     It is the mean over the body's length under a uniform moment.
     """
     lengths, heights = _sizes(problem, space)
-    moved_flat = problem.drive.load is None and problem.drive.side in ("bottom", "top")
+    moved_flat = isinstance(problem.drive, Constraint) and problem.driven_side in ("bottom", "top")
     if lengths.sum() < _SLENDER * heights.mean() or moved_flat:
         return None
     nu = problem.body.material.poissons_ratio
@@ -102,7 +102,7 @@ def confined(problem: Problem, space: RowSpace) -> float | None:
     for other bodies.
     """
     nu = problem.body.material.poissons_ratio
-    drive, adhesion = problem.drive.side, problem.adhesion.side
+    drive, adhesion = problem.driven_side, problem.adhesion.side
     if nu <= _COMPRESSIBLE or {drive, adhesion} != {"bottom", "top"} or not lies_flat(problem):
         return None
     lengths, heights = _sizes(problem, space)

@@ -16,7 +16,7 @@ from isopeel.post.closed_form.opening import opening
 from isopeel.post.crack import Fronts, load_position, opened, release
 from isopeel.post.laboratory import Kind, kind_of
 from isopeel.post.resolution import lies_flat
-from isopeel.problem import Problem
+from isopeel.problem import Load, Problem
 from isopeel.results.curve import Curve
 from isopeel.solve.step import KINDS
 from isopeel.splines.nurbs import Side
@@ -339,7 +339,7 @@ def _away(problem: Problem) -> float:
     adhesion, drive = problem.adhesion, problem.drive
     place = problem.body.shape.boundary(adhesion.side).evaluate([adhesion.start])
     _, normal, _ = evaluate_substrate(adhesion.substrate.kernel, adhesion.substrate.parameters, place)
-    direction = drive.load.direction if drive.load else drive.rate(np.zeros((1, 2)), 0.0)[0]
+    direction = drive.direction if isinstance(drive, Load) else drive.rate(np.zeros((1, 2)), 0.0)[0]
     return float(direction @ normal[0])
 
 

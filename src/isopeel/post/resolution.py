@@ -192,7 +192,7 @@ def lies_flat(problem: Problem) -> bool:
 
 def parts_at_once(problem: Problem) -> bool:
     """Return whether a joint opens uniformly, without a front, as below a bar that is pulled."""
-    adhesion, drive = problem.adhesion, problem.drive
+    adhesion, driven = problem.adhesion, problem.driven_side
     opposite = {"bottom": "top", "top": "bottom", "left": "right", "right": "left"}
     across = 0 if adhesion.side in ("bottom", "top") else 1
     beside = {"left", "right"} if across == 0 else {"bottom", "top"}
@@ -203,7 +203,7 @@ def parts_at_once(problem: Problem) -> bool:
     }
     whole = adhesion.boundary.is_whole
     alone = held or problem.body.material.poissons_ratio == 0
-    return bool(drive.side == opposite[adhesion.side] and whole and alone and lies_flat(problem))
+    return bool(driven == opposite[adhesion.side] and whole and alone and lies_flat(problem))
 
 
 @dataclass(frozen=True)

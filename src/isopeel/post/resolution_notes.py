@@ -170,7 +170,7 @@ def _remedy(problem: Problem, space: RowSpace, found: Resolution) -> Remedy | No
     even = np.ptp(sizes) < EVEN
     wanted = (_rounded_up((more if even else more * _SPARE_GRADED / _SPARE) * along), across)
     # a front that stays near its start needs few small elements
-    stays = problem.drive.side in ("bottom", "top")
+    stays = problem.driven_side in ("bottom", "top")
     if stays and wanted[0] > _FEW_MORE * along:
         graded = _graded(problem, space, found)
         if graded is not None:

@@ -1,21 +1,37 @@
-"""Bodies and their shapes, interfaces, supports and the drive, as data; no meshes, no solvers."""
+"""Bodies and their shapes, interfaces, supports, the drive and loads, as data; no meshes, no solvers."""
 
-from isopeel.problem.drives import Column, Drive, Load, MovedSide, PulledSide, RotatedSide
-from isopeel.problem.problem import Body, Boundary, Interface, Problem, Support, Traction
+from isopeel.problem.boundary import Boundary, Driven, Place
+from isopeel.problem.drives import (
+    Column,
+    Constraint,
+    Drive,
+    Load,
+    MovedSide,
+    PulledSide,
+    RotatedSide,
+    raises_load,
+)
+from isopeel.problem.loads import HeldLoad
+from isopeel.problem.problem import Body, Interface, Problem, Support, Traction
 from isopeel.problem.strip import strip
 
 __all__ = [
     "Body",
     "Boundary",
     "Column",
+    "Constraint",
     "Drive",
+    "Driven",
+    "HeldLoad",
     "Interface",
     "Load",
     "MovedSide",
+    "Place",
     "Problem",
     "PulledSide",
     "RotatedSide",
     "Support",
     "Traction",
+    "raises_load",
     "strip",
 ]

@@ -7,39 +7,15 @@ from isopeel.common.errors import InputError
 from isopeel.physics.adhesion import AdhesionLaw
 from isopeel.physics.materials import Material
 from isopeel.physics.substrates import Substrate
+from isopeel.problem.boundary import Boundary, Driven, boundary_names, driven_boundaries
 from isopeel.problem.drives import Drive
-from isopeel.splines.nurbs import NurbsSurface, Side, check_side
+from isopeel.problem.loads import HeldLoad
+from isopeel.splines.nurbs import NurbsSurface, Side
 
 #: Area that the adhesive traction acts on: the reference area, or its projection on the substrate.
 Traction = Literal["reference", "projected"]
 
 Part = TypeVar("Part")
-
-
-@dataclass(frozen=True)
-class Boundary:
-    """A part of a side of the body with this name, from parameter `start` to `end` in [0, 1] along it."""
-
-    body: str
-    side: Side
-    start: float = 0.0
-    end: float = 1.0
-
-    def __post_init__(self) -> None:
-        """Check the side and the interval."""
-        check_side("boundary.side", self.side)
-        if not 0 <= self.start < self.end <= 1:
-            raise InputError("boundary", (self.start, self.end), "need 0 <= start < end <= 1 along the side")
-
-    @property
-    def part(self) -> tuple[float, float]:
-        """Its first and last parameter."""
-        return self.start, self.end
-
-    @property
-    def is_whole(self) -> bool:
-        """Whether it is all of the side."""
-        return self.part == (0.0, 1.0)
 
 
 @dataclass(frozen=True)
@@ -128,10 +104,10 @@ class Support:
 
 @dataclass(frozen=True)
 class Problem:
-    """Bodies, their interfaces, their supports, and the drive of one body.
+    """Bodies, their interfaces, their supports, the drive, and loads that are held.
 
-    The drive acts on the body with the name `driven`, by default on the first one. Any consistent units can
-    be used: results call the unit of length L0 and that of stress E0, and are for a width of L0.
+    A drive that names no body acts on the first one. Any consistent units can be used: results call the unit
+    of length L0 and that of stress E0, and are for a width of L0.
 
     Raises InputError if two bodies have one name, or if a boundary is of no body.
     """
@@ -141,19 +117,35 @@ class Problem:
     interfaces: tuple[Interface, ...]
     supports: tuple[Support, ...]
     drive: Drive
-    driven: str = ""
+    loads: tuple[HeldLoad, ...] = ()
 
     def __post_init__(self) -> None:
         """Check the names."""
         names = [body.name for body in self.bodies]
         if not names or len(set(names)) < len(names):
             raise InputError("bodies", names, "at least one is needed, and no two may have the same name")
-        if not self.driven:
-            object.__setattr__(self, "driven", names[0])
-        boundaries = [one.boundary for one in self.interfaces] + [one.boundary for one in self.supports]
-        for name in (self.driven, *(boundary.body for boundary in boundaries)):
-            if name not in names:
-                raise InputError("body", name, f"the bodies are {', '.join(names)}")
+        boundaries = [one.boundary for one in self.driven]
+        for parts in (self.interfaces, self.supports, self.loads):
+            boundaries += [one.boundary for one in parts]
+        for boundary in boundaries:
+            if boundary.body not in names:
+                raise InputError("body", boundary.body, f"the bodies are {', '.join(names)}")
+
+    @property
+    def driven(self) -> tuple[Driven, ...]:
+        """The boundaries that the drive acts on, with their factors."""
+        return driven_boundaries(self.drive.on, self.bodies[0].name)
+
+    @property
+    def driven_names(self) -> tuple[str, ...]:
+        """Their names, as `body.right`."""
+        return boundary_names([one.boundary for one in self.driven])
+
+    @property
+    def driven_side(self) -> Side | None:
+        """The side that the drive acts on; None if it acts on several boundaries, or by a factor."""
+        (boundary, factor), *others = self.driven
+        return None if others or factor != 1.0 else boundary.side
 
     def body_of(self, name: str) -> Body:
         """The body of a name."""
@@ -187,13 +179,8 @@ class Problem:
 
     @property
     def interface_names(self) -> tuple[str, ...]:
-        """Body and side of each interface, as `body.bottom`, with a number where a side has several."""
-        names: list[str] = []
-        for interface in self.interfaces:
-            name = f"{interface.boundary.body}.{interface.side}"
-            known = sum(other.partition("#")[0] == name for other in names)
-            names.append(f"{name}#{known + 1}" if known else name)
-        return tuple(names)
+        """Body and side of each interface, as `body.bottom`, with a number where that has several."""
+        return boundary_names([one.boundary for one in self.interfaces])
 
     def changed(
         self,

@@ -2,7 +2,8 @@
 
 import csv
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, field, fields, replace
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -10,6 +11,7 @@ import numpy as np
 
 from isopeel.common.arrays import FloatArray, IntArray, frozen
 from isopeel.problem import Column, Drive
+from isopeel.problem.boundary import boundary_names, driven_boundaries
 from isopeel.results.files import replacing
 from isopeel.solve.step import KINDS, Step
 
@@ -18,6 +20,7 @@ from isopeel.solve.step import KINDS, Step
 class Curve:
     """Reaction against the drive's parameter, both in the units of their columns.
 
+    Where the drive acts on several boundaries, `reactions` has a column for each, named as `upper.right`.
     Energies and reactions are for a width of L0, the problem's unit of length; E0 is its unit of stress.
     """
 
@@ -34,6 +37,9 @@ class Curve:
     energy_residuals: FloatArray  # per unknown, of the corrections of all steps, one step after the other
     kind: IntArray  # numbers of KINDS
     negative_eigenvalues: IntArray  # of the tangent: 0 in a stable state, -1 where not counted
+    boundaries: tuple[str, ...] = ()
+    reactions: FloatArray = field(default_factory=lambda: np.empty((0, 0)))  # (steps, boundaries)
+    load_work: FloatArray = field(default_factory=lambda: np.empty(0))  # of held loads; none without any
 
     @classmethod
     def of(cls, steps: Iterable[Step], drive: Drive) -> "Curve":
@@ -56,6 +62,9 @@ class Curve:
         ]
         table = np.array(rows, dtype=np.float64).reshape(len(rows), 10)
         parameter = [drive.parameter_column.shown(value) for value in table[:, 0]]
+        names = boundaries_of(drive)
+        reactions = np.array([s.reactions for s in steps], dtype=np.float64).reshape(len(steps), len(names))
+        work = [s.load_work for s in steps if s.load_work is not None]
         return cls(
             drive.parameter_column,
             drive.reaction_column,
@@ -70,14 +79,16 @@ class Curve:
             frozen(np.array([residual for s in steps for residual in s.iterations], dtype=np.float64)),
             table[:, 8].astype(np.int64),
             table[:, 9].astype(np.int64),
+            names,
+            frozen(reactions * drive.reaction_column.factor),
+            frozen(np.array(work, dtype=np.float64)),
         )
 
     def followed_by(self, others: Iterable["Curve"]) -> "Curve":
         """Return the curve with the rows of other curves of the same columns appended."""
         curves = [self, *others]
-        columns = (field.name for field in fields(self) if isinstance(getattr(self, field.name), np.ndarray))
         joined: dict[str, Any] = {
-            name: np.concatenate([getattr(curve, name) for curve in curves]) for name in columns
+            name: np.concatenate([getattr(curve, name) for curve in curves]) for name in arrays_of_curve()
         }
         for column in joined.values():
             column.setflags(write=False)
@@ -86,6 +97,12 @@ class Curve:
     def __len__(self) -> int:
         """Number of steps."""
         return len(self.parameter)
+
+    @property
+    def boundary_columns(self) -> tuple[Column, ...]:
+        """How the reactions of the boundaries are tabulated."""
+        one = self.reaction_column
+        return tuple(replace(one, name=name, words=f"{one.words} at {name}") for name in self.boundaries)
 
     def residuals_of(self, step: int) -> FloatArray:
         """Return the energy residuals per unknown, |R . dz|/n, before each Newton correction of a step."""
@@ -98,12 +115,26 @@ class Curve:
         return (
             (self.parameter_column, self.parameter),
             (self.reaction_column, self.reaction),
+            *zip(self.boundary_columns, self.reactions.T, strict=True),
             (Column("iterations", "1"), self.iterations),
             *((Column(name, "E0 L0^3"), getattr(self, name)) for name in energies),
+            *([(Column("load_work", "E0 L0^3"), self.load_work)] if self.load_work.size else []),
             (Column("kind", "1"), np.array(KINDS)[self.kind]),
             (Column("negative_eigenvalues", "1"), self.negative_eigenvalues),
             (Column("seconds", "s"), self.seconds),
         )
+
+
+def boundaries_of(drive: Drive) -> tuple[str, ...]:
+    """Return the names of the boundaries of a drive where it acts on several, else none."""
+    driven = driven_boundaries(drive.on)
+    return boundary_names([one.boundary for one in driven]) if len(driven) > 1 else ()
+
+
+@cache
+def arrays_of_curve() -> tuple[str, ...]:
+    """Return the names of the columns of a curve that hold numbers."""
+    return tuple(field.name for field in fields(Curve) if field.type in (FloatArray, IntArray))
 
 
 def write_table(path: Path, columns: Mapping[str, Sequence[object]]) -> None:

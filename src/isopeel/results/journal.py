@@ -15,15 +15,14 @@ import os
 import struct
 import zlib
 from collections.abc import Iterator
-from dataclasses import fields
-from functools import cache
+from dataclasses import replace
 from math import prod
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from isopeel.results.curve import Curve
+from isopeel.results.curve import Curve, arrays_of_curve
 from isopeel.results.fields import StoredState
 from isopeel.results.files import check_is_file, new_file
 
@@ -63,7 +62,7 @@ class Journal:
         u, maximum_openings = map(np.ascontiguousarray, (state.displacement, state.maximum_openings))
         maximum_openings = maximum_openings if maximum_openings.any() else maximum_openings[:0]
         parts = [_HEAD.pack(state.step, len(row.energy_residuals), maximum_openings.size)]
-        parts += [getattr(row, name).tobytes() for name in _columns()]
+        parts += [getattr(row, name).tobytes() for name in arrays_of_curve()]
         head = b"".join(parts)
         self._write([head, u.data.cast("B"), maximum_openings.tobytes(), _CHECKSUM.pack(zlib.crc32(head))])
 
@@ -103,16 +102,18 @@ def read_journal(
     path = journal_path(run_file)
     if not path.is_file():
         return
-    columns = _columns()
+    columns = arrays_of_curve()
     types = [getattr(curve, name).dtype for name in columns]
     points, size_of_u = prod(opening_shape), prod(displacement_shape)
+    # of those that have other than one number in a step
+    numbers = {"reactions": len(curve.boundaries), "load_work": min(curve.load_work.size, 1)}
     with path.open("rb") as file:
         if file.read(len(_MARK) + _IDENTITY) != _MARK + bytes.fromhex(identity):
             return
         size, expected = path.stat().st_size, len(curve)
         while len(head := file.read(_HEAD.size)) == _HEAD.size:
-            number, residuals, opened = _HEAD.unpack(head)
-            counts = [residuals if name == "energy_residuals" else 1 for name in columns]
+            number, numbers["energy_residuals"], opened = _HEAD.unpack(head)
+            counts = [numbers.get(name, 1) for name in columns]
             row_size, rest = 8 * sum(counts), 8 * (size_of_u + opened) + _CHECKSUM.size
             if number > expected or file.tell() + row_size + rest > size or opened not in (0, points):
                 return
@@ -123,11 +124,12 @@ def read_journal(
             if number < expected:
                 continue  # the file was saved, and the journal not yet begun anew
             places = np.cumsum([0, *counts[:-1]])
-            values = {
+            values: dict[str, Any] = {
                 name: np.frombuffer(row, dtype, count, 8 * place)
                 for name, dtype, count, place in zip(columns, types, counts, places, strict=True)
             }
-            row_read = Curve(curve.parameter_column, curve.reaction_column, **values)
+            values["reactions"] = values["reactions"].reshape(1, len(curve.boundaries))
+            row_read = replace(curve, **values)
             yield Record(
                 row_read,
                 StoredState(
@@ -138,9 +140,3 @@ def read_journal(
                 ),
             )
             expected += 1
-
-
-@cache
-def _columns() -> tuple[str, ...]:
-    """Return the names of the columns of a curve that hold numbers."""
-    return tuple(field.name for field in fields(Curve) if not field.name.endswith("_column"))

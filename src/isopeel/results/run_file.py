@@ -52,6 +52,10 @@ _OTHERS = (
 )
 
 
+#: Between names of boundaries, and such a name.
+_BETWEEN, _NAME = ", ", re.compile(r"[\w-][\w -]*\.[a-z]{1,10}(#\d{1,4})?")
+
+
 class Failure(NamedTuple):
     """A step without an equilibrium."""
 
@@ -215,6 +219,11 @@ def _write_curve(file: h5py.File, curve: Curve) -> None:
         schema.write(file, f"curve/{role}", getattr(curve, role), **asdict(column))
     for name in _OTHERS:
         schema.write(file, f"curve/{name}", getattr(curve, name))
+    if curve.boundaries:
+        names, unit = _BETWEEN.join(curve.boundaries), curve.reaction_column.unit
+        schema.write(file, "curve/reactions", curve.reactions, names=names, unit=unit)
+    if curve.load_work.size:
+        schema.write(file, "curve/load_work", curve.load_work)
 
 
 def _write_state(file: h5py.File, state: State) -> None:
@@ -316,4 +325,16 @@ def _stored_curve(file: h5py.File, read: schema.Read) -> Curve:
     values: dict[str, Any] = {
         name: read.arrays[f"curve/{name}"] for name in ("parameter", "reaction", *_OTHERS)
     }
+    for name in ("reactions", "load_work"):
+        if f"curve/{name}" in read.arrays:
+            values[name] = read.arrays[f"curve/{name}"]
+    if "reactions" in values:
+        values["boundaries"] = _boundaries(file["curve/reactions"])
     return Curve(columns["parameter"], columns["reaction"], **values)
+
+
+def _boundaries(reactions: h5py.Dataset) -> tuple[str, ...]:
+    names = tuple(schema.text_attribute(reactions, "names").split(_BETWEEN))
+    if len(names) != reactions.shape[1] or not all(_NAME.fullmatch(name) for name in names):
+        raise UntrustedError("the names of its boundaries do not fit")
+    return names

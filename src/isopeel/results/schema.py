@@ -46,11 +46,21 @@ SCHEMA: dict[str, DataSet] = {
     "case": DataSet("text", (), "", "the case file, in TOML"),
     "curve/parameter": DataSet("float", ("steps",), "", "parameter of the drive"),
     "curve/reaction": DataSet("float", ("steps",), "", "reaction to the drive, for a width of L0"),
+    "curve/reactions": DataSet(
+        "float",
+        ("steps", "boundaries"),
+        "",
+        "reaction of each boundary, of a drive that acts on several",
+        required=False,
+    ),
     "curve/iterations": DataSet("integer", ("steps",), "1", "corrections of the step"),
     "curve/stored_energy": DataSet("float", ("steps",), "E0 L0^3", "strain energy of the body"),
     "curve/adhesive_energy": DataSet("float", ("steps",), "E0 L0^3", "energy of the interface, 0 far away"),
     "curve/dissipated_energy": DataSet("float", ("steps",), "E0 L0^3", "energy dissipated by damage"),
     "curve/released_energy": DataSet("float", ("steps",), "E0 L0^3", "energy released by jumps"),
+    "curve/load_work": DataSet(
+        "float", ("steps",), "E0 L0^3", "work of the loads that are held", required=False
+    ),
     "curve/seconds": DataSet("float", ("steps",), "s", "wall time of the step"),
     "curve/energy_residuals": DataSet(
         "float", ("corrections",), "E0 L0^3", "energy residual per unknown before each correction, all steps"

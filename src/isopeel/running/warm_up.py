@@ -67,6 +67,7 @@ def _springs(
     integers: IntArray,
     floats: FloatArray,
     _history: FloatArray,
+    _scalars: FloatArray,
     u: FloatArray,
     forces: FloatArray,
     band: FloatArray,

@@ -286,8 +286,8 @@ class Curve:
         at, matrix = system.linearize(u, load=load)
         factor, negative = _factorized(matrix)
         values = at.residual
-        if system.load_is_unknown:
-            missed, column, row = system.displacement_control(u, parameter)
+        if system.global_unknowns:
+            missed, column, row = system.control.equation(u, parameter)
             values = np.append(values, missed)
             bordered = Bordered.of(factor, Border(column, row))
             factor = bordered
@@ -303,9 +303,9 @@ class Curve:
     def _forces(self, y: FloatArray, parameter: float) -> tuple[Equilibrium, FloatArray]:
         u, load = self.system.state(y, parameter)
         at = self.system.equilibrium(u, load)
-        if not self.system.load_is_unknown:
+        if not self.system.global_unknowns:
             return at, at.residual
-        return at, np.append(at.residual, self.system.displacement_control(u, parameter)[0])
+        return at, np.append(at.residual, self.system.control.equation(u, parameter)[0])
 
     def _row(self, point: Point) -> tuple[FloatArray, float]:
         row = point.along / self._n

@@ -58,9 +58,9 @@ def descend(system: System, start: FloatArray, parameter: float, most: int = _MO
         equilibrium, matrix = system.linearize(u, "symmetric", load)
         try:
             held = 0.0
-            if system.load_is_unknown:
+            if system.global_unknowns:
                 # the prescribed displacement holds one direction, along which K may be soft or indefinite
-                column = system.displacement_control(u, parameter)[1]
+                column = system.control.equation(u, parameter)[1]
                 size = float(np.abs(matrix.entries[:, 0]).mean()) / float(column @ column)
                 held = size if matrix.add_outer(column, size) else 0.0
             factor, shift = _positive_definite(matrix, shift)
@@ -71,9 +71,9 @@ def descend(system: System, start: FloatArray, parameter: float, most: int = _MO
         slope = float(equilibrium.residual @ direction[: system.constraints.count])
         # an unknown load does work until its displacement is met: the energy need only be finite
         size = abs(parameter) + float(np.abs(u).max())
-        astray = (
-            system.load_is_unknown and abs(system.displacement_control(u, parameter)[0]) > _ROUND_OFF * size
-        )
+        astray = False
+        if system.global_unknowns:
+            astray = abs(system.control.equation(u, parameter)[0]) > _ROUND_OFF * size
         step = 1.0
         trial = potential_energy(system, y + direction, parameter)
         while not (np.isfinite(trial) if astray else trial <= energy + _SUFFICIENT * step * min(slope, 0.0)):
@@ -123,8 +123,8 @@ def _solve(
     system: System, factor: Factor, equilibrium: Equilibrium, u: FloatArray, parameter: float, held: float
 ) -> FloatArray:
     """Return the correction, by a factor of K + `held` times the outer product of the load column."""
-    if not system.load_is_unknown:
+    if not system.global_unknowns:
         return factor.solve(equilibrium.residual)
-    missed, column, row = system.displacement_control(u, parameter)
+    missed, column, row = system.control.equation(u, parameter)
     right_side = np.append(equilibrium.residual + held * missed * column, missed)
     return Bordered.of(factor, Border(column, row)).solve(right_side)

@@ -164,7 +164,7 @@ def newton(
             y = y + correction
             near = len(measures) > 0 and threshold < measure < _NEAR * measures[-1]
             measures.append(measure)
-            if near and finish is not None and definite and not system.load_is_unknown:
+            if near and finish is not None and definite and not system.global_unknowns:
                 found = finish(made_at, matrix, y, parameter)
                 if found is not None:
                     return replace(found, iterations=(*measures, *found.iterations))
@@ -207,7 +207,7 @@ def _correction(
     if not np.isfinite(residual).all():
         raise _unsound(equilibrium, u)
     try:
-        if system.load_is_unknown:
+        if system.global_unknowns:
             correction, residual, again = _with_unknown_load(system, u, load, parameter, residual, matrix)
         else:
             factor, again = _factorized(system, u, load, matrix)
@@ -225,7 +225,7 @@ def _with_unknown_load(
 
     The last value is whether the tangent was made again because it is indefinite.
     """
-    missed, column, row = system.displacement_control(u, parameter)
+    missed, column, row = system.control.equation(u, parameter)
     # where the load could pull the body away, K is indefinite, but K plus the outer product seldom is
     size = float(np.abs(matrix.entries[:, 0]).mean()) / float(column @ column)
     held = matrix.add_outer(column, size)

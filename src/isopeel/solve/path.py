@@ -48,7 +48,7 @@ class Path:
         #: The branch that the path is on.
         self.branch = Branch(self)
         #: Whether all forces have a potential.
-        self.has_energy: bool = system.storage == "symmetric"
+        self.has_energy: bool = system.has_potential
         #: Energy that any step may gain without work.
         self.gain_allowed: float = gain_allowed(system)
         #: Size of the body, and its control points (size, 2).
@@ -93,13 +93,13 @@ class Path:
             self._predictor.clear()
             self.branch.forget()
         state = self.accepted_state_of(result, parameter)
-        reaction = state.rate if system.load is None else system.reaction(at, u, result.load, parameter)
         self._predictor.add(state, u)
         if not result.exact:
             # along the path dE/dp = dE/dp at fixed y + R . dy/dp: so the error is of second order in R
             missed = self._predictor.slope(at.residual)
             state = self.history[-1] = state._replace(rate=state.rate + missed)
-            reaction += missed if system.load is None else -missed
+        # as the load is raised, the energy falls by its displacement
+        reaction = -state.rate if system.control.raises_load else state.rate
         # at the same parameter, the stage before has released what it held
         releases = last is not None and last.parameter == parameter
         if last is not None and self.has_energy and (releases or not found.is_balanced):
@@ -130,12 +130,29 @@ class Path:
             maximum_openings=self.system.maximum_openings,
             unknown_values=y,
             released_energy=released_energy,
+            reactions=self._reactions(result, parameter, reaction),
+            load_work=system.held_work(u) if system.held else None,
             kind=found.kind,
             negative_eigenvalues=found.negative,
             resumes=found.resumes,
             accepted_states=tuple(self.history),
             solver_state=None if solver_state is None else ref(solver_state),
         )
+
+    def _reactions(self, result: NewtonResult, parameter: float, total: float) -> tuple[float, ...]:
+        """Return the reactions of several boundaries, whose sum by their factors is the total reaction."""
+        control, driven = self.system.control, self.system.problem.driven
+        if len(driven) == 1:
+            return ()
+        forces, u = result.equilibrium.forces, result.displacement
+        found = control.reactions(forces, u, result.load, parameter)
+        if self.system.global_unknowns:
+            return found
+        # the total reaction is corrected by the residual, and each of these by its share
+        factors = [one.factor for one in driven]
+        rest = total - sum(factor * one for factor, one in zip(factors, found, strict=True))
+        share = rest / sum(factor**2 for factor in factors)
+        return tuple(one + factor * share for factor, one in zip(factors, found, strict=True))
 
     def accepted_state(
         self, parameter: float, y: FloatArray, u: FloatArray, load: float, at: Equilibrium
@@ -297,8 +314,8 @@ class Path:
             # an extrapolated start may invert elements
             if np.isfinite(potential_energy(self.system, start, parameter)):
                 break
-        stays = self.system.load is not None and not self.system.load_is_unknown
-        descent = descend(self.system, start, parameter, _FAR_UNDER_LOAD if stays else _FAR)
+        far = _FAR_UNDER_LOAD if self.system.control.raises_load else _FAR
+        descent = descend(self.system, start, parameter, far)
         loose = self._come_off(descent, parameter) if descent.is_unfinished else None
         if loose is not None:
             descent = descend(self.system, loose, parameter)

@@ -104,8 +104,7 @@ def _at_limit(path: Path, error: ConvergenceError, parameter: float, limit: floa
     """Return the error of a step to a parameter beyond a limit point."""
     column = path.system.problem.drive.parameter_column
     at = f"{column.shown(limit):.6g} {column.unit}"
-    load = path.system.load
-    if load is not None and not path.system.load_is_unknown:
+    if path.system.control.raises_load:
         reason = f"the largest load is reached: no equilibrium is near above {at}, a limit point of the load"
         return ConvergenceError(reason, error.iterations, parameter, "limit load")
     reason = f"the path turns back at {at}; {error.reason}"

@@ -37,8 +37,11 @@ class Predictor:
         self._system = system
         self._translation = TranslationPredictor.of(system)
         sides = [term.table.functions.ravel() for term in system.interfaces]
-        # without an interface, states are compared along the driven side
-        side = np.unique(np.concatenate(sides or [system.constraints.driven]))
+        if not sides:
+            # states are compared along the driven sides
+            driven = [one.boundary for one in system.problem.driven]
+            sides = [system.spaces.side(boundary.body, boundary.side) for boundary in driven]
+        side = np.unique(np.concatenate(sides))
         ahead = side if self._translation is None else self._translation.ahead[side]
         self._functions = np.stack([side, ahead])
         # second differences are unchanged by a rotation of the whole body, which would dominate

@@ -38,7 +38,8 @@ _LEFT = 0.1
 #: Energies and reactions are known to second order in that correction, and its L-BFGS pair would gain little.
 _SKIP_SHARE = 1e-2
 #: Share of the tolerance, times _SHARE, where Newton's method has begun: its own last correction would square
-#: the error. The slope of a path that has just snapped on would correct no reaction.
+#: the error. The slope of a path that has just snapped on would correct no reaction. It is that of drives on
+#: several boundaries too: with the whole tolerance their reactions missed 1.4e-7 of themselves.
 _EXACT = 1e-3
 #: Number of steps after which the stiffness of the softest motion of a tangent is evaluated again. If nine
 #: tenths of it remain after a tenth of the steps that a tangent serves, and it decreases evenly, it does not
@@ -115,7 +116,7 @@ class QuasiNewton:
     @staticmethod
     def applies(system: System) -> bool:
         """Return whether the tangent is symmetric, and positive definite where the body is stable."""
-        return system.storage == "symmetric" and not system.load_is_unknown
+        return system.has_potential and not system.global_unknowns
 
     def has_softened(self, result: NewtonResult, parameter: float) -> tuple[bool, bool]:
         """Return whether the softest motion of the tangent has softened, and whether its energy may decrease.
@@ -154,12 +155,14 @@ class QuasiNewton:
         `last` are the unknowns (count,) of the last step.
         """
         system = self.system
-        # the displacement of a load and the dissipated energy are known to first order only
-        first_order = system.load is not None or system.irreversible
+        # displacements and works of loads, and the dissipated energy, are known to first order only
+        first_order = bool(system.loads) or system.irreversible
         skip_share = 0.0 if first_order else _SKIP_SHARE
         # a tangent made for the last step may mean that it has snapped on: slopes are of the states before
         last = None if self.solver_state is not None and self.solver_state.steps == 1 else last
-        result = self._solve(guess, parameter, last, self._settings.tolerance, skip_share)
+        # the error of a reaction is of second order in that of the unknowns, but of its parts of first order
+        share = _EXACT if len(system.problem.driven) > 1 else 1.0
+        result = self._solve(guess, parameter, last, share * self._settings.tolerance, skip_share)
         if result is None:
             self.forget()
         return result
@@ -195,8 +198,8 @@ class QuasiNewton:
         except NotPositiveDefiniteError:
             return None
         system, count = self.system, len(guess)
-        load = 0.0 if system.load is None else parameter
-        moved, external = system.constraints.moved(parameter), system.external(load)
+        load = system.control.load(guess, parameter)
+        moved, scalars = system.constraints.moved(parameter), np.array([load])
         u, forces = np.empty((2, *system.constraints.unknowns.shape))
         at = Iterate(guess.copy(), u, forces, np.empty(count))
         # read-only as those of a step: loops would be compiled anew for writable arrays
@@ -210,7 +213,7 @@ class QuasiNewton:
                 system.equations,
                 system.maximum_openings.ravel(),
                 moved,
-                external,
+                scalars,
                 factor.values,
                 factor.starts,
                 pairs.rows,
@@ -268,7 +271,7 @@ def corrected(
     equations: Equations,
     history: FloatArray,
     moved: FloatArray,
-    external: FloatArray,
+    scalars: FloatArray,
     values: Floats,
     starts: IntArray,
     rows: Singles,
@@ -297,7 +300,7 @@ def corrected(
     correction, change = np.empty(count), np.empty(count)
     energies = (0.0, 0.0, 0.0, 0.0)
     if made == 0:
-        energies = evaluate(equations, history, moved, external, at)
+        energies = evaluate(equations, history, moved, scalars, at)
     poor, before = 0, made
     while made < len(measures):
         correct(values, starts, rows, products, first, end, residual, correction)
@@ -319,7 +322,7 @@ def corrected(
         if measure <= skip_share * threshold and (before == 0 or made > before + 1):
             displace(equations.unknowns, y, equations.offset, equations.driven, moved, at.displacement)
             return _CONVERGED, made, first, end, threshold, energies
-        energies = evaluate(equations, history, moved, external, at)
+        energies = evaluate(equations, history, moved, scalars, at)
         finite = True
         for i in range(count):
             change[i] += residual[i]

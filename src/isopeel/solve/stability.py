@@ -36,9 +36,9 @@ def stability(system: System, y: FloatArray, parameter: float) -> Stability | No
     _, matrix = system.linearize(u, "symmetric", load)
     try:
         negative, factor = _inertia(matrix)
-        if not system.load_is_unknown:
+        if not system.global_unknowns:
             return Stability(negative, factor)
-        _, column, row = system.displacement_control(u, parameter)
+        _, column, row = system.control.equation(u, parameter)
         bordered = Bordered.of(factor, Border(column, row))
     except SingularError:
         return None

@@ -55,8 +55,13 @@ class Step:
     """One converged equilibrium. Energies and reactions are for a unit width, in the problem's units.
 
     The adhesive energy is the potential of the adhesive forces where they act on the reference area.
-    Projected forces have no potential: the work of the drive differs from the change of the energies. For
+    Projected forces have no potential: the work of the drive differs from the change of the energies. Loads
+    that are held work too: stored, adhesive and dissipated energy grow by both works. For
     irreversible adhesion it is the energy that closing would give back, zero where it was never opened.
+
+    The reaction of a boundary is that to its own motion: the force along the direction of the drive, or the
+    moment; of a raised load its displacement. The reaction to the parameter is their sum by the factors. Of a
+    load that is found it is the load, and the force on a boundary its factor times that.
 
     The released energy is the work of the drive since the last step, by the trapezoidal rule, minus the
     change of the energies. It is zero, or of third order in the step, unless the path jumped (then it is
@@ -77,6 +82,8 @@ class Step:
     maximum_openings: FloatArray  # (E, Q) at the points of the adhesive force, see `System`; read-only
     unknown_values: FloatArray  # (count,) of the solver, read-only
     released_energy: float = 0.0  # since the last step, see above
+    reactions: tuple[float, ...] = ()  # of each boundary, where the drive acts on several
+    load_work: float | None = None  # of the loads that are held, since the initial state; None without any
     kind: Kind = "requested"
     negative_eigenvalues: int | None = None  # of the tangent: 0 where stable, None where not counted
     resumes: bool = True  # whether a path continues from its state bit for bit to the next requested value

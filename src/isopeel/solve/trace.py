@@ -3,12 +3,12 @@
 from collections.abc import Iterable, Iterator, Sequence
 
 from isopeel.assembly.constraints import constrain
-from isopeel.assembly.loads import AssembledLoad
+from isopeel.assembly.load_term import load_terms
 from isopeel.assembly.spaces import SpaceOfBodies, Spaces
 from isopeel.assembly.system import System
 from isopeel.common.errors import InputError
 from isopeel.common.interrupts import deferred
-from isopeel.problem import Problem
+from isopeel.problem import Load, Problem
 from isopeel.solve.newton import NewtonSettings
 from isopeel.solve.path import Path
 from isopeel.solve.path_control import follow_path
@@ -69,19 +69,18 @@ def trace(
 def check_stage(problem: Problem, space: SpaceOfBodies, settings: NewtonSettings) -> None:
     """Check a stage that follows another stage, as far as possible without its initial state.
 
-    Raises InputError where a held side meets the side that the drive moves or loads, where no unknown is
+    Raises InputError where a held side meets one that the drive moves or loads, where no unknown is
     left, or where the path control needs an energy that the forces do not have. What depends on the initial
     state is not checked: whether adhesion holds the body, and where the substrate is.
     """
     spaces = Spaces.on(problem, space)
-    AssembledLoad.of(spaces, constrain(spaces, {}))
+    load_terms(spaces, constrain(spaces, {}))
     _check_path_control(problem, settings)
 
 
 def _check_path_control(problem: Problem, settings: NewtonSettings) -> None:
-    load = problem.drive.load
-    if settings.path_control == "jump" and (
-        any(one.traction == "projected" for one in problem.interfaces) or (load is not None and load.follows)
-    ):
+    follows = isinstance(problem.drive, Load) and problem.drive.follows
+    projected = any(one.traction == "projected" for one in problem.interfaces)
+    if settings.path_control == "jump" and (projected or follows):
         allowed = "projected and following forces have no energy to minimize; take continuation"
         raise InputError("drive.path_control", "jump", allowed)

@@ -38,9 +38,9 @@ class TranslationPredictor:
         problem = system.problem
         if len(problem.bodies) > 1 or len(problem.interfaces) != 1:
             return None
-        side, space = problem.drive.side, system.space
+        side, space = problem.driven_side, system.space
         along = side in ("left", "right") and problem.adhesion.side in ("bottom", "top")
-        if not along or space.elements[0] < 2:
+        if side is None or not along or space.elements[0] < 2:
             return None
         rows = list(zip(space.rows, space.offsets[:-1], space.offsets[1:], strict=True))
         ahead = np.arange(space.size)

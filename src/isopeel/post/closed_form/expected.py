@@ -14,7 +14,7 @@ from isopeel.post.closed_form.finite_strain import bent_strip, peeled_tape
 from isopeel.post.closed_form.strip import FreeStrip, beam_peeling, free_strip
 from isopeel.post.closed_form.tape import kendall_force, sliding_tape_force
 from isopeel.post.law import law_character
-from isopeel.problem import Problem
+from isopeel.problem import Problem, PulledSide
 from isopeel.splines.rows import RowSpace
 
 _ROUND_OFF = 1e-9
@@ -122,12 +122,12 @@ def decay_length(problem: Problem, height: float) -> float | None:
 
 def lies_free(problem: Problem, strip: FreeStrip) -> bool:
     """Return whether a slender strip lies at the equilibrium gap, adheres to its far end, and is held."""
-    adhesion, substrate, driven = problem.adhesion, problem.adhesion.substrate, problem.drive.side
+    adhesion, substrate, driven = problem.adhesion, problem.adhesion.substrate, problem.driven_side
     place = problem.body.shape.boundary(adhesion.side).evaluate([adhesion.start])
     gap, _, _ = evaluate_substrate(substrate.kernel, substrate.parameters, place)
     at_rest = abs(float(gap[0]) - adhesion.law.equilibrium_gap) < _ROUND_OFF * strip.length
     up_to_the_end = (adhesion.start if driven == "right" else 1 - adhesion.end) == 0
-    far = {"left": "right", "right": "left"}.get(driven)
+    far = {"left": "right", "right": "left"}.get(driven or "")
     held_there = all(support.side == far and support.boundary.is_whole for support in problem.supports)
     slender = strip.length > _SLENDER * strip.height
     return at_rest and up_to_the_end and held_there and slender
@@ -170,13 +170,14 @@ def _beam(problem: Problem, strip: FreeStrip, element: float | None) -> Theory |
 
 def _tape(problem: Problem, strip: FreeStrip, element: float | None) -> Theory | None:
     """Return the theory of a strip peeled by a dead force: Kendall's tape, or a tape that slides."""
-    adhesion, drive, load = problem.adhesion, problem.drive, problem.drive.load
-    if load is None or load.follows or load.control == "force" or (load.start, load.end) != (0.0, 1.0):
+    adhesion, load = problem.adhesion, problem.drive
+    whole = problem.driven[0].boundary.is_whole
+    if not isinstance(load, PulledSide) or load.follows or load.control == "force" or not whole:
         return None
     # of two halves, one of which is modelled, each bends the other: a cantilever, whose force is not steady
     if adhesion.side != "bottom" or isinstance(adhesion.law, Mirrored):
         return None
-    angle = remainder(load.angle if drive.side == "right" else pi - load.angle, 2 * pi)
+    angle = remainder(load.angle if problem.driven_side == "right" else pi - load.angle, 2 * pi)
     tension = _tension(problem, strip)
     held = adhesion.sliding_length is not None
     if angle <= 0 or (tension and not held):

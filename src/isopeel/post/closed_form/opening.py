@@ -6,7 +6,7 @@ from math import pi, remainder, sqrt
 from isopeel.physics.materials.base import plane_strain_modulus
 from isopeel.post.closed_form.expected import decay_length, lies_free
 from isopeel.post.closed_form.strip import free_strip
-from isopeel.problem import Problem
+from isopeel.problem import Problem, PulledSide
 
 # Each of the limits keeps the error of the force at a given lift within 1 %. The compliance of the arm's root
 # lengthens the crack; its effect on the force vanishes to first order: for an arm on springs the relative
@@ -78,8 +78,8 @@ def opening(problem: Problem, lift: float, force: float) -> Opening | str | None
     `force` is that of the run. None is returned for other problems: the form is that of a slender strip on a
     flat substrate, or on its mirror image, lifted across at one end and held at the other.
     """
-    strip, load = free_strip(problem), problem.drive.load
-    if strip is None or load is None or load.follows or problem.adhesion.side != "bottom":
+    strip, load = free_strip(problem), problem.drive
+    if strip is None or not isinstance(load, PulledSide) or load.follows or problem.adhesion.side != "bottom":
         return None
     across = abs(remainder(load.angle - pi / 2, 2 * pi)) < 1e-6
     if not across or not lies_free(problem, strip) or lift <= 0 or force <= 0:

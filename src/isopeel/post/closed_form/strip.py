@@ -39,12 +39,13 @@ def free_strip(problem: Problem) -> FreeStrip | None:
     """Measure a strip; None where the problem has another shape, substrate, driven side, or other bodies."""
     if not problem.is_single:
         return None
-    adhesion, drive, shape = problem.adhesion, problem.drive, problem.body.shape
+    adhesion, driven, shape = problem.adhesion, problem.driven_side, problem.body.shape
     if (
-        drive.side not in ("left", "right")
+        driven not in ("left", "right")
         or adhesion.side not in ("bottom", "top")
         or not isinstance(adhesion.substrate, Flat)
         or adhesion.substrate.angle != Flat().angle
+        or problem.loads
     ):
         return None
     side = shape.boundary(adhesion.side)
@@ -54,7 +55,7 @@ def free_strip(problem: Problem) -> FreeStrip | None:
     # only a rectangle along the axes fills the box around its control points
     if abs(length * height - shape.area()) > 1e-9 * length * height or np.ptp(ends[:, 1]) > 1e-9 * height:
         return None
-    free = np.diff(ends[:, 0])[0 if drive.side == "left" else 2]
+    free = np.diff(ends[:, 0])[0 if driven == "left" else 2]
     return FreeStrip(float(length), float(height), abs(float(free)))
 
 

@@ -1,16 +1,16 @@
-"""The interface of a drive: how one side of a body is moved or loaded by one parameter."""
+"""The two kinds of drives: a constraint moves boundaries, a load pulls them, each by one parameter."""
 
 from dataclasses import dataclass
-from typing import Literal, Protocol, TypeAlias
+from typing import Literal, Protocol, TypeAlias, runtime_checkable
 
 import numpy as np
 
 from isopeel.common.arrays import FloatArray
 from isopeel.common.quantities import FORCE_PER_WIDTH, LENGTH, Dimension
-from isopeel.splines.nurbs import Side
+from isopeel.problem.boundary import Place
 
-#: The displacement component of a driven side: free at each point; tied, one unknown for the whole side;
-#: prescribed by the drive; or held where it is.
+#: A displacement component of a driven boundary: free at each point; tied, one unknown for the whole
+#: boundary; prescribed by the drive; or held where it is.
 Freedom: TypeAlias = Literal["free", "tied", "prescribed", "held"]
 
 #: What the parameter of a load prescribes, its displacement or its force. The other one is the reaction.
@@ -35,34 +35,12 @@ DISPLACEMENT = Column("displacement", "L0", words="displacement $d$")
 FORCE = Column("force", "E0 L0", words="force $F$")
 
 
-@dataclass(frozen=True)
-class Load:
-    """A uniform traction on the part of a side, from parameter `start` to `end` in [0, 1].
-
-    Its sum is a force per unit width, at an `angle` (radians) from the x axis. A load that `follows` rotates
-    with the surface, and acts on the deformed length. Under `displacement` control the parameter of the drive
-    is the mean displacement of the part along the angle, and the force is an unknown. Under `force` control
-    the parameter is the force, and the reaction is the displacement.
-    """
-
-    start: float
-    end: float
-    angle: float
-    follows: bool
-    control: LoadControl
+class _Driving(Protocol):
+    """What all drives have."""
 
     @property
-    def direction(self) -> FloatArray:
-        """Unit vector (2,) of the force on the undeformed side."""
-        return unit_vector(self.angle)
-
-
-class Drive(Protocol):
-    """A side with a prescribed displacement g(parameter) or a load; components of it may be free."""
-
-    @property
-    def side(self) -> Side:
-        """The driven side."""
+    def on(self) -> Place:
+        """The boundaries that it acts on, and their factors."""
         ...
 
     @property
@@ -80,23 +58,62 @@ class Drive(Protocol):
         """The column of the reaction in tables."""
         ...
 
-    @property
-    def freedoms(self) -> tuple[Freedom, Freedom]:
-        """How the displacement of the side is constrained along x and along y."""
-        ...
+
+@runtime_checkable
+class Constraint(_Driving, Protocol):
+    """A drive that prescribes a displacement g of boundaries; components of it may be free.
+
+    The displacement of a boundary is that at its factor times the parameter.
+    """
 
     @property
-    def load(self) -> Load | None:
-        """The load on the side, or None."""
+    def freedoms(self) -> tuple[Freedom, Freedom]:
+        """How the displacement of a boundary is constrained along x and along y."""
         ...
 
     def prescribed(self, points: FloatArray, parameter: float) -> FloatArray:
-        """Displacement g (n, 2) of points (n, 2) of the side; zero along components that are free or held."""
+        """Displacement g (n, 2) of points (n, 2) of a boundary; zero along components that are free or held.
+
+        The points are in the order of the parameter of the side.
+        """
         ...
 
     def rate(self, points: FloatArray, parameter: float) -> FloatArray:
         """dg/dparameter (n, 2), which gives the reaction: force times rate, summed over the points."""
         ...
+
+
+@runtime_checkable
+class Load(_Driving, Protocol):
+    """A drive that pulls boundaries by uniform tractions of one size, the force per width.
+
+    The force on a boundary is its factor times that. Under `displacement` control the force is an unknown,
+    and the parameter is the displacement on which it works: the sum of factor times mean displacement along
+    the direction. Under `force` control it is the other way round.
+    """
+
+    @property
+    def direction(self) -> FloatArray:
+        """Unit vector (2,) of the force on the undeformed boundary."""
+        ...
+
+    @property
+    def follows(self) -> bool:
+        """Whether the force turns with the surface, and acts on its deformed length."""
+        ...
+
+    @property
+    def control(self) -> LoadControl:
+        """What the parameter is."""
+        ...
+
+
+Drive: TypeAlias = Constraint | Load
+
+
+def raises_load(drive: Drive) -> bool:
+    """Return whether the parameter is the size of a load, so that the reaction is a displacement."""
+    return isinstance(drive, Load) and drive.control == "force"
 
 
 def unit_vector(angle: float) -> FloatArray:

@@ -1,4 +1,4 @@
-"""A side that is moved along a straight line."""
+"""Sides that are moved along a straight line."""
 
 from dataclasses import dataclass
 from typing import ClassVar, Literal, TypeAlias, get_args
@@ -8,8 +8,8 @@ import numpy as np
 from isopeel.common.arrays import FloatArray
 from isopeel.common.errors import InputError
 from isopeel.common.quantities import LENGTH, Angle, Dimension
-from isopeel.problem.drives.base import DISPLACEMENT, FORCE, Column, Freedom, Load, unit_vector
-from isopeel.splines.nurbs import Side, check_side
+from isopeel.problem.boundary import Place, driven_boundaries
+from isopeel.problem.drives.base import DISPLACEMENT, FORCE, Column, Freedom, unit_vector
 
 #: How the displacement across the motion is constrained.
 Transverse: TypeAlias = Literal["free", "held"]
@@ -17,21 +17,22 @@ Transverse: TypeAlias = Literal["free", "held"]
 
 @dataclass(frozen=True)
 class MovedSide:
-    """A side whose points all move by one displacement along an angle (radians) from the x axis.
+    """A side, or boundaries by factors, whose points all move by one displacement.
 
-    Parameter: the displacement (length). Reaction: the force along it per unit width. Across the motion each
-    point is `held`, or `free` if the motion is along an axis. A side that moves along itself cannot rotate
-    without being stretched: for the end of a beam take `PulledSide`.
+    It is along an angle (radians) from the x axis. Parameter: the displacement (length). Reaction: the force
+    along it per unit width. Across the motion each point is `held`, or `free` if the motion is along an axis.
+    A side that moves along itself cannot rotate without being stretched: for the end of a beam take
+    `PulledSide`.
     """
 
     name: ClassVar[str] = "displacement"
-    side: Side
+    on: Place
     angle: Angle
     transverse: Transverse = "free"
 
     def __post_init__(self) -> None:
-        """Check the side, the angle and the constraint across the motion."""
-        check_side("drive.side", self.side)
+        """Check the boundaries, the angle and the constraint across the motion."""
+        driven_boundaries(self.on)
         if self.transverse not in get_args(Transverse):
             allowed = f"it must be {' or '.join(get_args(Transverse))}"
             raise InputError("drive.transverse", self.transverse, allowed)
@@ -62,11 +63,6 @@ class MovedSide:
         x, y = unit_vector(self.angle)
         across: Freedom = "free" if self.transverse == "free" else "held"
         return "prescribed" if x else across, "prescribed" if y else across
-
-    @property
-    def load(self) -> Load | None:
-        """None."""
-        return None
 
     def prescribed(self, points: FloatArray, parameter: float) -> FloatArray:
         """Return the same displacement for all points."""

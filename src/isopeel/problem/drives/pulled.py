@@ -1,4 +1,4 @@
-"""A side that a force pulls."""
+"""Sides that a force pulls."""
 
 from dataclasses import dataclass
 from typing import ClassVar, get_args
@@ -7,41 +7,46 @@ import numpy as np
 
 from isopeel.common.arrays import FloatArray
 from isopeel.common.errors import InputError
-from isopeel.common.quantities import Angle, Dimension, Number
-from isopeel.problem.drives.base import DISPLACEMENT, FORCE, Column, Freedom, Load, LoadControl, dimension_of
-from isopeel.splines.nurbs import Side, check_side
+from isopeel.common.quantities import Angle, Dimension
+from isopeel.problem.boundary import Place, driven_boundaries
+from isopeel.problem.drives.base import (
+    DISPLACEMENT,
+    FORCE,
+    Column,
+    LoadControl,
+    dimension_of,
+    unit_vector,
+)
 
 
 @dataclass(frozen=True)
 class PulledSide:
-    """A force on the part of a side from parameter `start` to `end`, at an angle (radians) from the x axis.
+    """A force on a side or a part of it, or forces on boundaries, at an angle (radians) from the x axis.
 
     It is a dead traction, or one that `follows` the surface; the side deforms freely. Under `displacement`
-    control the parameter is the mean displacement of the part along the angle (length). The force per unit
-    width is an unknown, and the reaction. This pulls a tape at a fixed angle past an instability of the
-    force. Under `force` control the parameter is the force, which begins with zero, and the reaction is the
-    displacement. A load that follows keeps its angle to the surface at each point.
+    control the parameter is the mean displacement along the angle (length). The force per unit width is an
+    unknown, and the reaction. This pulls a tape at a fixed angle past an instability of the force. On several
+    boundaries the force on each is its factor times this force, and the parameter is the sum of factor times
+    mean displacement: with the factors 1 and -1, by how much two arms are pulled apart. Under `force` control
+    the parameter is the force, which begins with zero, and the reaction is the displacement. A load that
+    follows keeps its angle to the surface at each point.
     """
 
     name: ClassVar[str] = "force"
-    side: Side
+    on: Place
     angle: Angle
     follows: bool = False
     control: LoadControl = "displacement"
-    start: Number = 0.0
-    end: Number = 1.0
 
     def __post_init__(self) -> None:
-        """Check the side, its part, the angle and the control."""
-        check_side("drive.side", self.side)
+        """Check the boundaries, the angle and the control."""
+        driven_boundaries(self.on)
         if not np.isfinite(self.angle):
             raise InputError("drive.angle", self.angle, "it must be finite")
         if self.control not in get_args(LoadControl):
             raise InputError(
                 "drive.control", self.control, f"it must be {' or '.join(get_args(LoadControl))}"
             )
-        if not 0 <= self.start < self.end <= 1:
-            raise InputError("drive", (self.start, self.end), "need 0 <= start < end <= 1 along the side")
 
     @property
     def parameter_dimension(self) -> Dimension:
@@ -59,19 +64,6 @@ class PulledSide:
         return FORCE if self.control == "displacement" else DISPLACEMENT
 
     @property
-    def freedoms(self) -> tuple[Freedom, Freedom]:
-        """The side deforms freely."""
-        return "free", "free"
-
-    @property
-    def load(self) -> Load | None:
-        """The traction."""
-        return Load(self.start, self.end, self.angle, self.follows, self.control)
-
-    def prescribed(self, points: FloatArray, parameter: float) -> FloatArray:  # noqa: ARG002 (a drive's interface)
-        """Return zeros."""
-        return np.zeros_like(points)
-
-    def rate(self, points: FloatArray, parameter: float) -> FloatArray:  # noqa: ARG002 (a drive's interface)
-        """Return zeros."""
-        return np.zeros_like(points)
+    def direction(self) -> FloatArray:
+        """Along the angle."""
+        return unit_vector(self.angle)

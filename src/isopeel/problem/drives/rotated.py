@@ -1,4 +1,4 @@
-"""A side that is rotated by a pure moment."""
+"""Sides that are rotated by a pure moment."""
 
 from dataclasses import dataclass
 from math import cos, sin
@@ -8,24 +8,24 @@ import numpy as np
 
 from isopeel.common.arrays import FloatArray
 from isopeel.common.quantities import ANGLE, Dimension
-from isopeel.problem.drives.base import Column, Freedom, Load
-from isopeel.splines.nurbs import Side, check_side
+from isopeel.problem.boundary import Place, driven_boundaries
+from isopeel.problem.drives.base import Column, Freedom
 
 
 @dataclass(frozen=True)
 class RotatedSide:
-    """A side that moves as a rigid line: it rotates anticlockwise by an angle about its own free centre.
+    """A side, or boundaries by factors: each rotates as a rigid line by an angle about its own free centre.
 
-    Parameter: the angle in radians. The centre is free, so that the net force vanishes and the only
-    reaction is a pure moment (energy per radian and unit width).
+    It rotates anticlockwise. Parameter: the angle in radians. The centre is free, so that the net force
+    vanishes and the only reaction is a pure moment (energy per radian and unit width).
     """
 
     name: ClassVar[str] = "rotation"
-    side: Side = "right"
+    on: Place = "right"
 
     def __post_init__(self) -> None:
-        """Check the side."""
-        check_side("drive.side", self.side)
+        """Check the boundaries."""
+        driven_boundaries(self.on)
 
     @property
     def parameter_dimension(self) -> Dimension:
@@ -46,11 +46,6 @@ class RotatedSide:
     def freedoms(self) -> tuple[Freedom, Freedom]:
         """Both tied: the centre is free."""
         return "tied", "tied"
-
-    @property
-    def load(self) -> Load | None:
-        """None."""
-        return None
 
     def prescribed(self, points: FloatArray, parameter: float) -> FloatArray:
         """Return (Q(angle) - 1)(x - centre)."""
