@@ -85,7 +85,7 @@ def test_stages_have_figures_each(runs: Path, tmp_path: Path, capsys: pytest.Cap
     ]
     assert main(["plot", str(runs / "staged" / "1-press"), "--only", "tractions", "--at", "2 N/m"]) == 0
     assert (runs / "staged" / "1-press" / "figures" / "tractions.png").is_file()
-    assert "give its folder" in refused(capsys, "plot", runs / "staged", "--at", "1")
+    assert "give the folder of one stage" in refused(capsys, "plot", runs / "staged", "--at", "1")
     assert "give the folder of one" in refused(capsys, "compare", runs / "staged", runs / "L1")
     assert "give the folder of one" in refused(capsys, "view", runs / "staged")
 
@@ -250,7 +250,7 @@ def test_what_is_no_run_is_refused(
     no_numbers = last._replace(displacement=last.displacement * np.nan)
     for changed, message in (
         (replace(stored, states=(*stored.states[:-1], no_numbers)), "not finite"),
-        (replace(stored, states=()), "no step of the run in it converged"),
+        (replace(stored, states=()), "its run has no converged step"),
     ):
         write_run(tmp_path / "run.h5", changed)
         assert message in refused(capsys, command, tmp_path)
