@@ -49,7 +49,7 @@ def test_what_is_left_out_is_the_strip_s() -> None:
     assert (problem.adhesion.start, problem.adhesion.end) == (0.0, 1.0)
     assert problem.adhesion.sliding_length is None
     assert np.array_equal(stage.parameters, load_case("strip").stages()[0].parameters)
-    assert case.output.fields_every == 10.0
+    assert stage.fields_every == 10.0
     assert Case.parse(case.text) == case
 
 
@@ -206,6 +206,12 @@ def test_windows_and_fields_are_in_the_dimension_of_the_last_drive() -> None:
     first, last = case.stages()
     assert (first.window, first.fields_every) == (None, 10.0)
     assert (last.window, last.fields_every) == ((0.5, 2.0), 0.5)
+    # all stages of that dimension, the first one too
+    tables = '\n[output]\nfields_every = "1 deg"\n'
+    turned_on = Case.parse(
+        two_stages('kind = "rotation"\nside = "right"\nto = "4 deg"\nstep = "1 deg"') + tables
+    )
+    assert [stage.fields_every for stage in turned_on.stages()] == [1.0, 1.0]
     with pytest.raises(InputError, match=r"output\.fields_every: '0\.5 nm'.*a force per width"):
         Case.parse(two_stages(STAGES[2][0]) + '\n[output]\nfields_every = "0.5 nm"')
 

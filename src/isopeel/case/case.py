@@ -175,11 +175,18 @@ class Case(Section):
                     ),
                     parameters=stage.parameters(),
                     path_control=stage.path_control,
-                    fields_every=self.output.fields_every if stage is last else stage.usual_fields_every,
+                    fields_every=self._fields_every(stage),
                     window=self.reading.window if self.reading and stage is last else None,
                 )
                 for stage in self.drive
             )
+
+    def _fields_every(self, stage: DriveSection) -> float:
+        """Return the distance of stored fields, as written where it is one of the stage's parameter."""
+        written = self.output.fields_every
+        if written is None or stage.dimension != self.drive[-1].dimension:
+            return stage.usual_fields_every
+        return written
 
     def space(self) -> RowSpace:
         """Build the space of the displacement of the only body."""

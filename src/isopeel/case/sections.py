@@ -276,9 +276,12 @@ class ReadingSection(Section):
 
 
 class OutputSection(Section):
-    """The parameters that the displacement is kept at, in degrees, or in L0 and E0: multiples of one."""
+    """The parameters that the displacement is kept at, in degrees, or in L0 and E0: multiples of one.
 
-    fields_every: float
+    Where it is left out, each stage has its own (`DriveSection.usual_fields_every`).
+    """
+
+    fields_every: float | None = None
 
 
 def window_of(written: Mapping[str, Any], stage: DriveSection) -> Mapping[str, Any]:
@@ -301,7 +304,7 @@ def window_of(written: Mapping[str, Any], stage: DriveSection) -> Mapping[str, A
 def fields_every_of(written: Mapping[str, Any], stage: DriveSection) -> Mapping[str, Any]:
     """Read the distance of fields in the dimension of a stage."""
     if "fields_every" not in written:
-        return {**written, "fields_every": stage.usual_fields_every}
+        return written
     every = written["fields_every"]
     try:
         value = read_quantity(stage.dimension, every)

@@ -162,7 +162,7 @@ def _compute(run: Run, key: str, store: Store) -> None:
         problem.drive,
         case.text,
         attributes,
-        case.output.fields_every,
+        case.stages()[0].fields_every,
         layout=Layout.of(problem, space, case.discretization.contact_points),
     ) as writer:
         try:
