@@ -94,7 +94,7 @@ def test_the_error_names_the_option_that_makes_too_many_steps() -> None:
             UP.replace('side = "right"', 'side = "left"').replace("90", "0"),
             "held: 'left' cannot be used; in stage 3",
         ),
-        (COARSE.replace("[[drive]]", '[[drive]]\nside = "left"'), "which the drive moves"),
+        (COARSE.replace("[[drive]]", '[[drive]]\nside = "left"'), "the drive moves the side left"),
         (UP.replace('"1 nm"', '"0 nm"'), "drive.3.to: '0 nm' cannot be used; it must not be zero"),
     ],
 )

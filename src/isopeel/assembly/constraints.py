@@ -42,9 +42,9 @@ class Constraints:
     """The map u = T z + u0 + g(parameter) from unknowns z to the coefficients u of the displacement.
 
     Each coefficient follows one unknown or none (T has one 1 in a row, or none), so that a condensation
-    with T is exact and costs nothing: `unknowns` (size, 2) is the number of the unknown, or HELD. A boundary
-    that the drive moves shares one unknown per component that is common to it. What is held, and what moves
-    as a whole, does so from where it is in the `base` state: `offset` holds that part of it, u0.
+    with T is exact and costs nothing: `unknowns` (size, 2) is the number of the unknown, or HELD. The tied
+    degrees of freedom of a boundary share one unknown per component. Held, prescribed and tied components
+    begin with their displacement in the `base` state, which is u0, the `offset`.
 
     All unknowns y are those of the displacement, z, and after them the global ones: the size of a load whose
     displacement is prescribed.
