@@ -1,0 +1,161 @@
+"""What each method of speed earns: the published study without it, beside the study with all of them."""
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Annotated, NamedTuple
+
+import typer
+from rich.console import Console
+from rich.progress import Progress
+from rich.table import Table
+
+import machine
+from ablations.methods import METHODS, Method
+from isopeel import InputError
+from isopeel.paper.study import MESHES, SPACES, Run, table_runs
+from printing import plain_table, wide_console
+
+#: The runs that `load_step.py` compares with other libraries.
+_LOAD_STEPS = ("L1-m2", "L2-m2", "L4-m2")
+_HERE = Path(__file__).parent
+#: Degrees of the path that compiles all functions before times are taken.
+_WARM_UP = 3.0
+
+
+class Cost(NamedTuple):
+    """What one run took in one process."""
+
+    seconds: float  # of the processor
+    steps: int
+    corrections: int
+    moment: float  # at the last step
+
+
+class Worker:
+    """A process without one method, or with all of them."""
+
+    def __init__(self, method: Method | None, cache: Path) -> None:
+        environment = os.environ | {"OMP_NUM_THREADS": "1", "PYTHONPATH": os.pathsep.join(sys.path)}
+        if method is not None and method.compiles:
+            environment["NUMBA_CACHE_DIR"] = str(cache / method.name.replace(" ", "-"))
+        self.method = method
+        self.costs: dict[str, list[Cost]] = {}
+        name = "" if method is None else method.name
+        self._process = subprocess.Popen(
+            [sys.executable, "-P", "-m", "ablations.worker", name],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            env=environment,
+            text=True,
+        )
+
+    def ask(self, run: Run, to: float) -> None:
+        """Send a run up to some degrees."""
+        assert self._process.stdin is not None
+        print(json.dumps([run.space, run.mesh, to]), file=self._process.stdin, flush=True)
+
+    def answer(self) -> Cost:
+        """Return the cost of the run that was asked for; raises ArithmeticError where the process ended."""
+        assert self._process.stdout is not None
+        line = self._process.stdout.readline()
+        if not line:
+            name = "all methods" if self.method is None else f"without {self.method.name}"
+            raise ArithmeticError(f"the process {name} ended")
+        return Cost(*json.loads(line))
+
+    def least(self, runs: list[Run]) -> float:
+        """Return the sum over runs of the least seconds of each."""
+        return sum(min(cost.seconds for cost in self.costs[run.name]) for run in runs)
+
+    def corrections(self, runs: list[Run]) -> float:
+        """Return the corrections per step over runs."""
+        costs = [self.costs[run.name][0] for run in runs]
+        return sum(cost.corrections for cost in costs) / max(sum(cost.steps for cost in costs), 1)
+
+    def close(self) -> None:
+        """End the process."""
+        self._process.kill()
+        self._process.wait()
+
+
+def ablation_table(base: Worker, workers: list[Worker], runs: list[Run]) -> Table:
+    """Tabulate what is lost without each method."""
+    steps = [run for run in runs if run.name in _LOAD_STEPS]
+    table = plain_table(
+        "what is lost without a method",
+        *("method", "instead", "lines", "study", *(run.space for run in steps), "corrections", "moment"),
+        caption="study, spaces: more time of the processor than with all methods;\n"
+        "corrections: per step; moment: largest relative difference at the last common step",
+    )
+    for worker in workers:
+        assert worker.method is not None
+        differences = [
+            abs(worker.costs[run.name][0].moment / base.costs[run.name][0].moment - 1)
+            for run in runs
+            if worker.costs[run.name][0].steps == base.costs[run.name][0].steps
+        ]
+        table.add_row(
+            worker.method.name,
+            worker.method.instead,
+            str(worker.method.lines),
+            f"{worker.least(runs) / base.least(runs) - 1:+.1%}",
+            *(f"{worker.least([run]) / base.least([run]) - 1:+.0%}" for run in steps),
+            f"{worker.corrections(runs):.2f}",
+            f"{max(differences):.0e}" if differences else "",
+        )
+    return table
+
+
+def main(
+    space: Annotated[list[str] | None, typer.Option(help="All nine when left out; repeatable.")] = None,
+    mesh: Annotated[list[str] | None, typer.Option(help="m1, m2, m3; all when left out; repeatable.")] = None,
+    method: Annotated[list[str] | None, typer.Option(help="All when left out; repeatable.")] = None,
+    to: Annotated[float, typer.Option(min=1, help="Last angle in degrees.")] = 150.0,
+    passes: Annotated[int, typer.Option(min=1, help="Times that each run is computed.")] = 1,
+) -> None:
+    """Compute the published study with all methods of speed and without each of them, in turn."""
+    for option, chosen, known in (
+        ("--space", space, SPACES),
+        ("--mesh", mesh, tuple(MESHES)),
+        ("--method", method, tuple(one.name for one in METHODS)),
+    ):
+        if unknown := set(chosen or ()) - set(known):
+            raise InputError(option, unknown.pop(), f"there is {', '.join(known)}")
+    runs = [run for run in table_runs(mesh or MESHES) if run.space in (space or SPACES)]
+    with TemporaryDirectory(prefix="isopeel-ablation-") as folder:
+        base = Worker(None, Path(folder))
+        workers = [Worker(one, Path(folder)) for one in METHODS if one.name in (method or (one.name,))]
+        everyone = [base, *workers]
+        try:
+            # all compile at the same time
+            for worker in everyone:
+                worker.ask(runs[0], _WARM_UP)
+            for worker in everyone:
+                worker.answer()
+            with Progress(console=Console(stderr=True), auto_refresh=False, transient=True) as bar:
+                for _, run in bar.track([(k, run) for k in range(passes) for run in runs]):
+                    for worker in everyone:
+                        worker.ask(run, to)
+                        worker.costs.setdefault(run.name, []).append(worker.answer())
+        finally:
+            for worker in everyone:
+                worker.close()
+    console = wide_console()
+    console.print(ablation_table(base, workers, runs))
+    corrections = base.corrections(runs)
+    console.print(
+        f"{len(runs)} runs to {to:g} degrees with all methods: {base.least(runs):.1f} s of the processor, "
+        f"{corrections:.2f} corrections per step"
+    )
+    console.print(machine.description(), soft_wrap=True)
+
+
+if __name__ == "__main__":
+    try:
+        typer.run(main)
+    except (ValueError, ArithmeticError) as error:
+        sys.exit(f"ablation: {error}")

@@ -1,0 +1,1 @@
+"""The methods that make a path fast, each with a way to switch it off."""
