@@ -127,19 +127,19 @@ def test_a_path_of_the_library_raises_nothing_else() -> None:
     chance, found = random.Random(7), []
     for _ in range(40):
         seconds = chance.uniform(0.0, 0.1)
-        before = signal.setitimer(signal.ITIMER_REAL, 0.0)
+        before = signal.setitimer(signal.ITIMER_PROF, 0.0)
         assert before == (0.0, 0.0)
-        handler = signal.signal(signal.SIGALRM, lambda *_: signal.raise_signal(signal.SIGINT))
+        handler = signal.signal(signal.SIGPROF, lambda *_: signal.raise_signal(signal.SIGINT))
         taken = 0
         try:
-            signal.setitimer(signal.ITIMER_REAL, seconds)
+            signal.setitimer(signal.ITIMER_PROF, seconds)
             for _ in isopeel.trace(problem, space, angles):
                 taken += 1
         except KeyboardInterrupt:
             found.append(taken)
         finally:
-            signal.setitimer(signal.ITIMER_REAL, 0.0)
-            signal.signal(signal.SIGALRM, handler)
+            signal.setitimer(signal.ITIMER_PROF, 0.0)
+            signal.signal(signal.SIGPROF, handler)
         assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
     assert len(found) > 30
     assert max(found) > min(found)

@@ -15,7 +15,7 @@ import os
 import signal
 import sys
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager, suppress
+from contextlib import ContextDecorator, contextmanager, suppress
 from threading import Lock, Thread, current_thread, main_thread
 from time import perf_counter, sleep
 from types import FrameType
@@ -59,26 +59,34 @@ def check() -> None:
         raise KeyboardInterrupt
 
 
-@contextmanager
-def deferred() -> Iterator[None]:
+class deferred(ContextDecorator):  # noqa: N801
     """While the context is open, Ctrl-C takes effect where `check` is called, and at the end.
 
-    The third Ctrl-C takes effect at once. Where another handler of Ctrl-C is set, or none, it stays.
+    The third Ctrl-C takes effect at once. Where another handler of Ctrl-C is set, or none, it stays. Each
+    step of a path opens this context: as a class it costs a tenth of what a generator would.
     """
-    if not _is_usual():
-        yield
-        return
-    _begin()
-    _signal.signal(_SIGINT, _on_interrupt)
-    try:
-        yield
-    except BaseException:
-        # an error that comes first is the one to report
-        _state.came = 0
-        raise
-    finally:
+
+    def __enter__(self) -> None:
+        """Set the handler."""
+        self._is_set = _is_usual()
+        if self._is_set:
+            _begin()
+            _signal.signal(_SIGINT, _on_interrupt)
+
+    def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
+        """Set Python's own handler again."""
+        if not self._is_set:
+            return
+        if kind is not None:
+            # an error that comes first is the one to report
+            _state.came = 0
         _signal.signal(_SIGINT, signal.default_int_handler)
-    check()
+        if kind is None:
+            check()
+
+    def _recreate_cm(self) -> "deferred":
+        # a decorated function may be called by several threads
+        return deferred()
 
 
 @contextmanager

@@ -209,8 +209,10 @@ def _without_gain(path: Path, found: Found) -> Found:
     A step to another branch of less energy is accepted, as in published studies; one of more energy is not.
     """
     misfit = path.misfit(found)
-    if misfit is NO_MISFIT or not misfit.gains:
-        return found._replace(is_balanced=misfit is not NO_MISFIT and misfit.fits)
+    if misfit is NO_MISFIT:
+        return found
+    if not misfit.gains:
+        return found._replace(is_balanced=misfit.fits)
     misfit, _ = path.branch.verified(found, by_order=True)
     if misfit.gains:
         raise _unbalanced(path, found, misfit)
