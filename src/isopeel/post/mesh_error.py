@@ -8,6 +8,7 @@ space too, and only `post.resolution` detects it.
 """
 
 from collections.abc import Mapping
+from itertools import islice
 from typing import NamedTuple
 
 import numpy as np
@@ -24,6 +25,7 @@ from isopeel.results.fields import StoredState
 from isopeel.results.run_file import StoredRun
 from isopeel.solve.newton import ConvergenceError, NewtonResult, NewtonSettings
 from isopeel.solve.path import Path
+from isopeel.solve.path_control import follow_path
 from isopeel.solve.step import State
 from isopeel.splines.finer import finer, transferred
 from isopeel.splines.rows import RowSpace
@@ -34,6 +36,8 @@ _LEAST = 0.05
 _STEADY = 1.2
 #: Most steps to the largest reaction on the finer space: each costs some corrections.
 _MOST_STEPS = 12
+#: The same with the cut steps between them.
+_MOST_STATES = 3 * _MOST_STEPS
 #: Most unknowns of the finer space: with more, a state takes longer than a user should wait.
 _MOST_UNKNOWNS = 200_000
 
@@ -154,27 +158,30 @@ def _change_of_largest(
     """Return the change of the largest reaction; None where no path leads there on the finer space.
 
     The path starts at the stored state before it, which may lie well below: where a joint comes off, the
-    error is largest at the largest reaction.
+    error is largest at the largest reaction. On the finer space the joint may come off earlier.
     """
     curve, drive = run.curve, problem.drive
     strongest = int(np.argmax(np.abs(curve.reaction)))
     first, factor = before.step, drive.parameter_column.factor
     steps = np.linspace(first + 1, strongest, min(strongest - first, _MOST_STEPS)).round().astype(int)
-    path = Path(system, NewtonSettings(), [State(before.parameter / factor, stored)])
-    finer: list[float] = []
+    values = [before.parameter / factor, *(curve.parameter[steps] / factor)]
+    # the stored state is not an equilibrium of the finer space
+    settings = NewtonSettings(path_control="auto")
+    path = Path(system, settings, [State(values[0], stored)], begins=True)
+    largest = 0.0
     try:
-        # the stored state is not an equilibrium of the finer space
-        for parameter in curve.parameter[[first, *steps]]:
-            found = path.equilibrium(parameter / factor)
-            finer.append(path.step(found, 0.0).reaction * drive.reaction_column.factor)
+        for step in islice(follow_path(path, values, ()), _MOST_STATES):
+            if abs(step.reaction) < abs(largest) / 2:
+                # the joint has come off
+                break
+            largest = max(largest, step.reaction, key=abs)
     except (ConvergenceError, SingularError):
-        # the largest reaction on the finer space may be at a slightly smaller parameter
+        # the path ends there on the finer space
         pass
-    if len(finer) < 2:
+    if largest == 0.0:
         return None
-    return MeshChange(
-        float(curve.parameter[strongest]), float(curve.reaction[strongest]), max(finer, key=abs)
-    )
+    finer = largest * drive.reaction_column.factor
+    return MeshChange(float(curve.parameter[strongest]), float(curve.reaction[strongest]), finer)
 
 
 def _equilibrium(system: System, start: State) -> NewtonResult | None:
