@@ -1,5 +1,6 @@
 """Case files of several bodies, interfaces and supports: what they mean, and what is refused."""
 
+import pickle
 import re
 from math import pi
 
@@ -103,6 +104,11 @@ def test_a_case_can_be_read_back() -> None:
     case = Case.parse(TWO)
     assert isinstance(case, SeveralBodies)
     assert Case.parse(case.text) == case
+
+
+@pytest.mark.parametrize("case", [Case.parse(TWO), load_case("strip")])
+def test_a_case_goes_to_another_process(case: Case) -> None:
+    assert pickle.loads(pickle.dumps(case)) == case
 
 
 def test_one_body_is_the_problem_of_the_short_form() -> None:

@@ -13,6 +13,7 @@ import pytest
 from rich.console import Console
 
 import isopeel
+from isopeel import InputError
 from isopeel.case import Case, with_options
 from isopeel.cli import main
 from isopeel.results.run_file import read_run
@@ -146,3 +147,41 @@ def test_a_run_of_other_bodies_is_not_replaced(folder: Path, capsys: pytest.Capt
     values = ["--set", "body.2.height=3 nm", "--out", str(folder)]
     assert main(["run", str(case), *values]) == 2
     assert "a run of another case 'both', with other values in [body]" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("values", "field", "allowed"),
+    [
+        # the lower tape slides along its substrate
+        (
+            {"support": [{"boundary": "upper.left", "holds": "x"}]},
+            "support",
+            "nothing prevents this motion",
+        ),
+        (
+            {"interface.2.substrate.height": "1 nm"},
+            "interface.substrate.gap",
+            "must not overlap the substrate",
+        ),
+        (
+            {"support.1.holds": "y", "support.1.boundary": "upper.right"},
+            "support",
+            "the drive moves the side",
+        ),
+        (
+            {"body.1.shape": "curved-strip", "body.1.radius": "50 nm", "body.1.space": "L1"},
+            "body.1.space",
+            "a rotation would strain the body",
+        ),
+        ({"discretization.contact_points": 10_000}, "discretization.contact_points", "on an element"),
+    ],
+)
+def test_what_only_the_system_finds_is_named_by_the_keys_of_the_case(
+    values: dict[str, Any], field: str, allowed: str, tmp_path: Path
+) -> None:
+    case = Case.parse(f'{tables()}[drive]\nboundary = "upper.right"\n{DRIVE}').with_values(values)
+    with pytest.raises(InputError) as caught:
+        run_case(case, tmp_path / "out", QUIET)
+    assert caught.value.field == field
+    assert allowed in caught.value.allowed
+    assert not (tmp_path / "out").exists()

@@ -48,7 +48,7 @@ def check_start(
         rows, tangent = _check_interface(interface, side, extent_of(body), base)
         held[body.name] += rows
         tangents.append(frozen(tangent))
-    free = _free_motion(_held(spaces, held, control), [extent_of(body) for body in problem.bodies])
+    free = _free_motion(_held(spaces, held, control), {body.name: extent_of(body) for body in problem.bodies})
     if free is not None:
         allowed = "nothing prevents this motion of the body; hold a side, or let it adhere"
         raise InputError("held", free, allowed)
@@ -143,12 +143,17 @@ def _constrained(unknowns: IntArray, motions: FloatArray) -> list[FloatArray]:
     return [flat[numbers == HELD], flat[order[shared + 1]] - flat[order[shared]]]
 
 
-def _free_motion(rows: FloatArray, extents: Sequence[float]) -> str | None:
-    """Name a rigid motion that no row (n, 3 bodies) notices, where there is one; bodies have their sizes."""
-    scales = np.concatenate([[1.0, 1.0, extent] for extent in extents])
+def _free_motion(rows: FloatArray, extents: Mapping[str, float]) -> str | None:
+    """Name a rigid motion that no row (n, 3 bodies) notices, where there is one; bodies have their sizes.
+
+    Of several bodies the one is named that moves most.
+    """
+    scales = np.concatenate([[1.0, 1.0, extent] for extent in extents.values()])
     _, sizes, motions = np.linalg.svd(
         np.vstack([rows, np.zeros((scales.size, scales.size))]) / scales, full_matrices=False
     )
     if sizes[-1] > ROUND_OFF * max(sizes[0], 1.0):
         return None
-    return ("a motion along x", "a motion along y", "a rotation")[int(np.argmax(np.abs(motions[-1]))) % 3]
+    body, motion = divmod(int(np.argmax(np.abs(motions[-1]))), 3)
+    words = ("a motion along x", "a motion along y", "a rotation")[motion]
+    return words if len(extents) == 1 else f"{words} of the body {list(extents)[body]}"

@@ -5,7 +5,7 @@ A case has one of two forms: that of one body (`OneBody`), or that of several bo
 """
 
 from abc import abstractmethod
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Annotated, Any, Self
 
@@ -112,6 +112,10 @@ class Case(Section):
         if (size_of(case.text) or 0) > LARGEST_TEXT:
             raise InputError("CASE", case.name, f"a case has at most {LARGEST_TEXT} bytes where it is stored")
         return case
+
+    def __reduce__(self) -> tuple[Callable[[str], "Case"], tuple[str]]:
+        """Go from process to process as text: sections of laws and shapes are made while the code runs."""
+        return Case.parse, (self.text,)
 
     @field_validator("drive", mode="after")
     @classmethod

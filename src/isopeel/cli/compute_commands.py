@@ -45,8 +45,8 @@ def run(
         typer.Option(
             "--set",
             metavar="KEY=VALUE",
-            help="Another value of a key of the case, such as body.height='12 nm'; KEY= leaves it out. "
-            "Repeatable.",
+            help="Another value of a key of the case, such as body.height='12 nm', or body.2.height of the "
+            "second of several bodies; KEY= leaves it out. Repeatable.",
         ),
     ] = None,
     space: Annotated[str | None, typer.Option(metavar="NAME", help="Spline space, such as N2.1.")] = None,

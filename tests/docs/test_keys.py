@@ -1,0 +1,39 @@
+"""The page on the keys of a case file has all of them."""
+
+import re
+from pathlib import Path
+from typing import get_args
+
+import pytest
+
+from isopeel.case import Case, OneBody, SeveralBodies
+from isopeel.case.values import Section
+
+PAGE = (Path(__file__).parents[2] / "docs" / "keys.md").read_text("utf-8")
+
+
+def section_of(annotation: object) -> type[Section] | None:
+    """The table that a key holds, or each table of a list."""
+    if isinstance(annotation, type) and issubclass(annotation, Section):
+        return annotation
+    return next(filter(None, map(section_of, get_args(annotation))), None)
+
+
+def tables(form: type[Case]) -> dict[str, type[Section]]:
+    found = {name: section_of(field.annotation) for name, field in form.model_fields.items()}
+    return {name: section for name, section in found.items() if section is not None}
+
+
+@pytest.mark.parametrize(
+    "key",
+    [f"{table}.{key}" for table, section in tables(OneBody).items() for key in section.model_fields],
+)
+def test_each_key_of_a_table_is_there(key: str) -> None:
+    assert f"`{key}`" in PAGE
+
+
+@pytest.mark.parametrize("table", [*sorted(tables(SeveralBodies).keys() - tables(OneBody).keys()), "body"])
+def test_each_key_of_a_table_of_a_list_is_there(table: str) -> None:
+    (part,) = re.findall(rf"\| key of an? `\[\[{table}\]\]`.*?(?:\n\n|\Z)", PAGE, re.DOTALL)
+    keys = set(tables(SeveralBodies)[table].model_fields) - {"between"}  # which is always refused
+    assert {key for key in keys if f"`{key}`" not in part} == set()
