@@ -1,13 +1,15 @@
 """Types of the fields of physics and problem objects: floats with a dimension, in any consistent units.
 
-    radius: Length
+    radius: Positive[Length]
 
-declares a field as a length, without a unit: in Python, the caller chooses any consistent units. Only case
-files have units, and these dimensions define which units are allowed.
+declares a field as a length larger than zero, without a unit: in Python, the caller chooses any consistent
+units. Only case files have units, and these dimensions define which units are allowed.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Annotated, TypeAlias
+from math import inf, isfinite
+from typing import Annotated, TypeAlias, TypeVar
 
 
 @dataclass(frozen=True)
@@ -43,3 +45,20 @@ SurfaceEnergy: TypeAlias = Annotated[float, SURFACE_ENERGY]
 ForcePerWidth: TypeAlias = Annotated[float, FORCE_PER_WIDTH]
 Angle: TypeAlias = Annotated[float, ANGLE]
 Number: TypeAlias = Annotated[float, NUMBER]
+
+
+@dataclass(frozen=True)
+class Limit:
+    """What a value must be, in words and as a condition; `Component` checks it."""
+
+    allowed: str
+    holds: Callable[[float], bool]
+
+
+_Quantity = TypeVar("_Quantity")
+
+Finite: TypeAlias = Annotated[_Quantity, Limit("it must be finite", isfinite)]
+Positive: TypeAlias = Annotated[_Quantity, Limit("it must be positive", lambda value: 0 < value < inf)]
+NotNegative: TypeAlias = Annotated[
+    _Quantity, Limit("it must be zero or positive", lambda value: 0 <= value < inf)
+]

@@ -173,6 +173,35 @@ def batch_source(
     return "\n".join(lines) + "\n"
 
 
+def point_function(
+    inputs: Mapping[str, str],
+    constants: tuple[str, ...],
+    results: "Iterable[sympy.Expr]",
+    guard: str | None = None,
+) -> Callable[..., Any]:
+    """Write formulas at one point as a function for `compile_points`: it returns the results.
+
+    `inputs` maps names of variables to those of its first arguments; the others are the constants. Where
+    `guard`, a condition on the arguments, does not hold, the results are nan.
+    """
+    import sympy
+
+    expressions = list(results)
+    # the user's names get a prefix, so that they cannot meet those of the function itself
+    private = {symbol: sympy.Symbol(f"user_{symbol}") for e in expressions for symbol in e.free_symbols}
+    shared, reduced = sympy.cse([e.xreplace(private) for e in expressions], sympy.numbered_symbols("shared_"))
+    lines = [f"def formulas({', '.join([*inputs.values(), *(f'user_{name}' for name in constants)])}):"]
+    if guard is not None:
+        lines += [f"    if not ({guard}):", f"        return {', '.join(['nan'] * len(expressions))}"]
+    lines += [f"    user_{name} = {argument}" for name, argument in inputs.items()]
+    lines += [f"    {symbol} = {_code(expression)}" for symbol, expression in shared]
+    lines += [f"    return {', '.join(map(_code, reduced))}"]
+    namespace = dict(_NAMESPACE)
+    exec("\n".join(lines), namespace)
+    function: Callable[..., Any] = namespace["formulas"]
+    return function
+
+
 def _code(expression: "sympy.Expr") -> str:
     import sympy
     from sympy.printing.pycode import pycode

@@ -8,6 +8,7 @@ from isopeel.physics.adhesion.bilinear import Bilinear
 from isopeel.physics.adhesion.dugdale import Dugdale
 from isopeel.physics.adhesion.exponential import Exponential
 from isopeel.physics.adhesion.lennard_jones import LennardJones
+from isopeel.physics.adhesion.normal import NormalLaw, normal_law
 from isopeel.physics.adhesion.trapezoidal import Trapezoidal
 from isopeel.physics.adhesion.van_der_waals import VanDerWaals
 
@@ -17,6 +18,8 @@ __all__ = [
     "Dugdale",
     "Exponential",
     "LennardJones",
+    "NormalLaw",
     "Trapezoidal",
     "VanDerWaals",
+    "normal_law",
 ]

@@ -1,30 +1,27 @@
 """The bilinear cohesive law, its kinks rounded."""
 
-from dataclasses import dataclass
-from typing import ClassVar, Self
+from typing import Self
 
-from isopeel.common.arrays import FloatArray
 from isopeel.common.quantities import Length, Number, Stress, SurfaceEnergy
+from isopeel.physics.adhesion.normal import NormalLaw, normal_law
 from isopeel.physics.adhesion.trapezoidal import Trapezoidal
-from isopeel.physics.batch import BatchFunction
 
 
-@dataclass(frozen=True)
-class Bilinear:
+@normal_law
+class Bilinear(NormalLaw):
     """Attraction that rises linearly with the opening and falls linearly to zero.
 
     The normal part of the law of Alfano and Crisfield (Int. J. Numer. Methods Eng. 50, 2001): `Trapezoidal`
     without a plateau, which says what the constants mean and what is refused.
     """
 
-    name: ClassVar[str] = "bilinear"
     strength: Stress
     work_of_adhesion: SurfaceEnergy
     rise: Number
     rounding: Number = 0.5
     equilibrium_gap: Length = 0.0
 
-    def __post_init__(self) -> None:
+    def check(self) -> None:
         """Check the constants."""
         self._trapezoidal()
 
@@ -33,15 +30,11 @@ class Bilinear:
         """The law of this strength, work and gap."""
         return cls(strength, work_of_adhesion, 0.2, equilibrium_gap=equilibrium_gap)
 
-    @property
-    def parameters(self) -> FloatArray:
+    def constants(self) -> tuple[float, ...]:
         """Those of the trapezoidal law."""
-        return self._trapezoidal().parameters
+        return self._trapezoidal().constants()
 
-    @property
-    def kernel(self) -> BatchFunction:
-        """Batch function of potential, traction and its derivative."""
-        return self._trapezoidal().kernel
+    at_point = Trapezoidal.at_point
 
     def _trapezoidal(self) -> Trapezoidal:
         return Trapezoidal(

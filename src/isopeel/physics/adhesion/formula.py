@@ -10,14 +10,14 @@ import numpy as np
 from isopeel.common.arrays import FloatArray
 from isopeel.common.errors import InputError
 from isopeel.common.quantities import LENGTH, SURFACE_ENERGY
-from isopeel.physics.batch import ADHESION_SIGNATURE, BatchFunction
+from isopeel.physics.adhesion.normal import law_kernel
+from isopeel.physics.batch import BatchFunction
 from isopeel.physics.formula import (
-    batch_source,
     check_constants,
     check_smooth,
     check_used,
-    compile_source,
     parse_formula,
+    point_function,
 )
 from isopeel.physics.formula_dimensions import FormulaDimensions
 from isopeel.physics.formula_poles import poles
@@ -80,14 +80,13 @@ class FormulaAdhesion:
 
     @property
     def parameters(self) -> FloatArray:
-        """Values of the constants, in the alphabetic order of their names."""
-        return np.array(list(self.constants.values()), dtype=np.float64)
+        """The equilibrium gap, and the constants in the alphabetic order of their names."""
+        return np.array([self.equilibrium_gap, *self.constants.values()], dtype=np.float64)
 
     @property
     def kernel(self) -> BatchFunction:
         """Batch function of potential, traction and its derivative."""
-        source = _source(self.potential, tuple(self.constants), self._least_gap)
-        return compile_source(source, ADHESION_SIGNATURE)
+        return law_kernel(_formulas(self.potential, tuple(self.constants), self._least_gap))
 
     @cached_property
     def equilibrium_gap(self) -> float:
@@ -188,9 +187,7 @@ def _numeric(potential: str, constants: tuple[str, ...], order: int) -> Callable
 
 
 @cache
-def _source(potential: str, constants: tuple[str, ...], least_gap: float | None) -> str:
-    arguments = "gap, curvature, parameters, count, potential, traction, derivative"
-    entries = ("potential[n]", "traction[n]", "derivative[n]")
-    outputs = dict(zip(entries, _derive(potential, constants), strict=True))
-    guard = None if least_gap is None else f"gap[n] > {least_gap!r}"
-    return batch_source(arguments, {"r": "gap[n]"}, constants, outputs, guard)
+def _formulas(potential: str, constants: tuple[str, ...], least_gap: float | None) -> Callable[..., Any]:
+    """Phi, T and T' at one point, as `NormalLaw.at_point` returns them."""
+    guard = None if least_gap is None else f"gap > {least_gap!r}"
+    return point_function({"r": "gap"}, constants, _derive(potential, constants), guard)

@@ -1,19 +1,15 @@
 """Van der Waals adhesion: the Lennard-Jones interaction integrated over a half space."""
 
-from dataclasses import dataclass
-from functools import cache
-from typing import ClassVar, Self
+from typing import Self
 
 import numpy as np
 
-from isopeel.common.arrays import FloatArray
-from isopeel.common.errors import InputError
-from isopeel.common.quantities import Energy, Length
-from isopeel.physics.batch import ADHESION_SIGNATURE, BatchFunction, compile_batch
+from isopeel.common.quantities import Energy, Length, Positive
+from isopeel.physics.adhesion.normal import NormalLaw, normal_law
 
 
-@dataclass(frozen=True)
-class VanDerWaals:
+@normal_law
+class VanDerWaals(NormalLaw):
     """Traction of a substrate on a facing surface, by the Lennard-Jones potential.
 
     T(r) = A_H/(2 pi r0^3) [f1/45 (r0/r)^9 - f2/3 (r0/r)^3], repulsion positive, with the factors
@@ -27,31 +23,14 @@ class VanDerWaals:
     hamaker_constant: energy; equilibrium_distance: r0 of the Lennard-Jones potential, a length.
     """
 
-    name: ClassVar[str] = "van-der-waals"
-    hamaker_constant: Energy
-    equilibrium_distance: Length
-
-    def __post_init__(self) -> None:
-        """Check the constants."""
-        for name in ("hamaker_constant", "equilibrium_distance"):
-            if not 0 < getattr(self, name) < np.inf:
-                raise InputError(f"adhesion.{name}", getattr(self, name), "it must be positive")
+    hamaker_constant: Positive[Energy]
+    equilibrium_distance: Positive[Length]
 
     @classmethod
     def like(cls, _strength: float, work_of_adhesion: float, equilibrium_gap: float) -> Self:
         """The law of this work and gap, which give its strength."""
         distance = equilibrium_gap * 15 ** (1 / 6)
         return cls(work_of_adhesion * 16 * np.pi * distance**2 / 15 ** (1 / 3), distance)
-
-    @property
-    def parameters(self) -> FloatArray:
-        """A_H and r0."""
-        return np.array([self.hamaker_constant, self.equilibrium_distance], dtype=np.float64)
-
-    @property
-    def kernel(self) -> BatchFunction:
-        """Batch function of potential, traction and its derivative."""
-        return _compiled()
 
     @property
     def equilibrium_gap(self) -> float:
@@ -63,40 +42,25 @@ class VanDerWaals:
         """W = A_H 15^(1/3) / (16 pi r0^2) of a flat substrate."""
         return float(self.hamaker_constant * 15 ** (1 / 3) / (16 * np.pi * self.equilibrium_distance**2))
 
-
-@cache
-def _compiled() -> BatchFunction:
-    return compile_batch(ADHESION_SIGNATURE, _van_der_waals)
-
-
-def _van_der_waals(
-    gap: FloatArray,
-    curvature: FloatArray,
-    parameters: FloatArray,
-    count: int,
-    potential: FloatArray,
-    traction: FloatArray,
-    derivative: FloatArray,
-) -> None:
-    r0 = parameters[1]
-    strength = parameters[0] / (2.0 * np.pi * r0**3)
-    for n in range(count):
-        k = curvature[n]
+    @staticmethod
+    def at_point(gap: float, curvature: float, A_H: float, r0: float) -> tuple[float, float, float]:
+        """Return potential, traction and its derivative."""
+        strength = A_H / (2.0 * np.pi * r0**3)
         # equilibrium: (r0/r)^6 = 15 f2/f1; f2/f1 varies so slowly with r that the iteration gains a digit or
         # more each time, and it is exact at once on a flat substrate
         r_eq = r0 / 15.0 ** (1.0 / 6.0)
-        if k != 0.0:
+        if curvature != 0.0:
             for _ in range(50):
-                z = k * r_eq
+                z = curvature * r_eq
                 ratio = (1.0 + 3.0 * z + 3.0 * z * z) / (1.0 + 2.25 * z + 9.0 / 7.0 * z * z)
                 last = r_eq
                 r_eq = r0 / (15.0 * ratio) ** (1.0 / 6.0)
                 if abs(r_eq - last) <= 1e-16 * r0:
                     break
-        below = min(gap[n] - r_eq, 0.0)
-        r = max(gap[n], r_eq)
+        below = min(gap - r_eq, 0.0)
+        r = max(gap, r_eq)
         x = r0 / r
-        z = k * r
+        z = curvature * r
         x3 = x * x * x
         x9 = x3 * x3 * x3
         f1 = (1.0 + 2.25 * z + 9.0 / 7.0 * z * z) / (1.0 + z) ** 2
@@ -112,6 +76,4 @@ def _van_der_waals(
             * r
             * ((1.0 / 8.0 + 9.0 / 56.0 * z) / (1.0 + z) / 45.0 * x9 - (0.5 + 1.5 * z) / (1.0 + z) / 3.0 * x3)
         )
-        potential[n] = Phi - T * below - 0.5 * dT * below * below
-        traction[n] = T + dT * below
-        derivative[n] = dT
+        return Phi - T * below - 0.5 * dT * below * below, T + dT * below, dT
