@@ -14,12 +14,34 @@ from isopeel.assembly.packing import Flags2, Floats1, Floats3, Integers2, packed
 from isopeel.assembly.spaces import SpaceOfBodies
 from isopeel.assembly.system import System
 from isopeel.common.arrays import FloatArray
-from isopeel.physics.adhesion import Exponential
+from isopeel.common.quantities import Length, Number
+from isopeel.physics.adhesion import Exponential, NormalLaw, normal_law
 from isopeel.physics.materials import SaintVenantKirchhoff
+from isopeel.physics.substrates import RigidSubstrate, substrate
 from isopeel.problem import HeldLoad, Problem, PulledSide, Support, strip
 from isopeel.solve.newton import NewtonSettings
 from isopeel.solve.path import Path
 from isopeel.splines.rows import row_space
+
+
+@normal_law
+class Springs(NormalLaw):
+    stiffness: Number
+    equilibrium_gap: Length = 0.25
+    work_of_adhesion = 0.01
+
+    @staticmethod
+    def at_point(opening: float, stiffness: float) -> tuple[float, float, float]:
+        return 0.5 * stiffness * opening**2, -stiffness * opening, -stiffness
+
+
+@substrate
+class Plane(RigidSubstrate):
+    height: Length
+
+    @staticmethod
+    def graph(x: float, height: float) -> tuple[float, float, float]:
+        return height + 0.0 * x, 0.0, 0.0
 
 
 class Sample(NamedTuple):
@@ -102,6 +124,10 @@ def test_no_solver_function_is_compiled_anew_for_other_terms() -> None:
     assert known["isopeel.solve.quasi_newton", "corrected"] == 1
     material, law = SaintVenantKirchhoff(1.0, 0.3), Exponential(0.06, 0.015, 0.25)
     go(strip(material=material, law=law, irreversible=True), row_space("N2.1", (40, 2)))
+    assert signatures() == known
+    # formulas of one's own
+    own = strip(law=Springs(0.1))
+    go(replace(own, interfaces=(replace(own.adhesion, substrate=Plane(-0.25)),)), row_space("N2.1", (40, 2)))
     assert signatures() == known
     # two bodies, one of them on two sides
     problem, beside = strip(), replace(strip().body, name="beside")

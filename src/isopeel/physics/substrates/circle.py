@@ -1,22 +1,20 @@
 """A substrate bounded by a circle: a cylinder, or a hole."""
 
-from dataclasses import dataclass, replace
-from functools import cache
+from dataclasses import replace
 from typing import ClassVar, Literal, Self, get_args
 
 import numpy as np
 
-from isopeel.common.arrays import FloatArray
 from isopeel.common.errors import InputError
-from isopeel.common.quantities import Length
-from isopeel.physics.batch import SUBSTRATE_SIGNATURE, BatchFunction, compile_batch
+from isopeel.common.quantities import Length, Positive
+from isopeel.physics.substrates.rigid import RigidSubstrate, substrate
 
 #: Where the solid lies: inside the circle (a cylinder, convex) or outside it (a hole, concave).
 SolidPart = Literal["inside", "outside"]
 
 
-@dataclass(frozen=True)
-class Circle:
+@substrate
+class Circle(RigidSubstrate):
     """Solid inside or outside a circle (lengths); its curvature is 1/R inside, -1/R outside.
 
     The gap is d - R for a cylinder and R - d for a hole, at the distance d from the centre. The centre has no
@@ -24,39 +22,22 @@ class Circle:
     substrate ends there and lies below it. Raises InputError unless R > 0.
     """
 
-    name: ClassVar[str] = "circle"
-    radius: Length
+    constant_curvature: ClassVar[bool] = True
+    radius: Positive[Length]
     solid: SolidPart = "inside"
     centre: tuple[Length, Length] | None = None
 
-    def __post_init__(self) -> None:
-        """Check the circle and the part that is solid."""
-        if not 0 < self.radius < np.inf:
-            raise InputError("substrate.radius", self.radius, "it must be positive")
+    def check(self) -> None:
+        """Check the part that is solid and the centre."""
         if self.solid not in get_args(SolidPart):
-            raise InputError("substrate.solid", self.solid, f"it is {' or '.join(get_args(SolidPart))}")
+            raise self.error("solid", f"it is {' or '.join(get_args(SolidPart))}")
         if len(self.middle) != 2 or not np.isfinite(self.middle).all():
-            raise InputError("substrate.centre", self.centre, "it has two finite coordinates")
+            raise self.error("centre", "it has two finite coordinates")
 
     @property
     def middle(self) -> tuple[float, float]:
         """The centre, given or not."""
         return self.centre or (0.0, -self._sign * self.radius)
-
-    @property
-    def parameters(self) -> FloatArray:
-        """Centre, radius, and the sign of the curvature."""
-        return np.array([*self.middle, self.radius, self._sign])
-
-    @property
-    def kernel(self) -> BatchFunction:
-        """Batch function of gap, normal and curvature."""
-        return _compiled()
-
-    @property
-    def constant_curvature(self) -> bool:
-        """Yes: that of the circle."""
-        return True
 
     def receded(self, gap: float) -> Self:
         """A smaller cylinder or a larger hole about the same centre, by a gap (length)."""
@@ -69,27 +50,15 @@ class Circle:
     def _sign(self) -> float:
         return 1.0 if self.solid == "inside" else -1.0
 
+    def constants(self) -> tuple[float, ...]:
+        """Centre, radius, and the sign of the curvature."""
+        return *self.middle, self.radius, self._sign
 
-@cache
-def _compiled() -> BatchFunction:
-    return compile_batch(SUBSTRATE_SIGNATURE, _circle)
-
-
-def _circle(
-    position: FloatArray,
-    parameters: FloatArray,
-    count: int,
-    gap: FloatArray,
-    normal: FloatArray,
-    curvature: FloatArray,
-) -> None:
-    radius = parameters[2]
-    sign = parameters[3]
-    for n in range(count):
-        x = position[0, n] - parameters[0]
-        y = position[1, n] - parameters[1]
+    @staticmethod
+    def at_point(
+        x: float, y: float, centre_x: float, centre_y: float, radius: float, sign: float
+    ) -> tuple[float, float, float, float]:
+        """Return gap, normal and curvature."""
+        x, y = x - centre_x, y - centre_y
         distance = np.hypot(x, y)
-        gap[n] = sign * (distance - radius)
-        normal[0, n] = sign * x / distance
-        normal[1, n] = sign * y / distance
-        curvature[n] = sign / radius
+        return sign * (distance - radius), sign * x / distance, sign * y / distance, sign / radius

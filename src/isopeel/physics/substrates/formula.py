@@ -1,9 +1,9 @@
 """A substrate from one expression of its height."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
-from functools import cache, lru_cache
-from typing import TYPE_CHECKING, Annotated, ClassVar, Self
+from functools import cache
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self
 
 import numpy as np
 
@@ -12,15 +12,14 @@ from isopeel.common.errors import InputError
 from isopeel.common.quantities import LENGTH
 from isopeel.physics.batch import BatchFunction
 from isopeel.physics.formula import (
-    batch_source,
     check_constants,
     check_smooth,
     check_used,
-    compile_source,
     parse_formula,
+    point_function,
 )
 from isopeel.physics.formula_dimensions import FormulaDimensions
-from isopeel.physics.substrates.closest_point import CURVE_SIGNATURE, graph_kernel
+from isopeel.physics.substrates.closest_point import graph_kernel
 
 if TYPE_CHECKING:
     import sympy
@@ -66,7 +65,7 @@ class FormulaSubstrate:
     @property
     def kernel(self) -> BatchFunction:
         """Batch function of gap, normal and curvature."""
-        return _compiled(self.formula, tuple(self.constants))
+        return graph_kernel(_graph(self.formula, tuple(self.constants)))
 
     @property
     def constant_curvature(self) -> bool:
@@ -78,12 +77,9 @@ class FormulaSubstrate:
         return replace(self, formula=f"({self.formula}) - ({float(gap)!r})")
 
 
-@lru_cache(maxsize=64)
-def _compiled(formula: str, constants: tuple[str, ...]) -> BatchFunction:
-    arguments = "place, parameters, count, height, slope, second"
-    outputs = dict(zip(("height[n]", "slope[n]", "second[n]"), _derive(formula, constants), strict=True))
-    source = batch_source(arguments, {"x": "place[n]"}, constants, outputs)
-    return graph_kernel(compile_source(source, CURVE_SIGNATURE))
+@cache
+def _graph(formula: str, constants: tuple[str, ...]) -> Callable[..., Any]:
+    return point_function({"x": "x"}, constants, _derive(formula, constants))
 
 
 @cache

@@ -1,20 +1,18 @@
 """A substrate with a cosine wave."""
 
-from dataclasses import dataclass, replace
-from functools import cache
-from typing import ClassVar, Self
+from dataclasses import replace
+from typing import Self
 
 import numpy as np
 
-from isopeel.common.arrays import FloatArray
-from isopeel.common.errors import InputError
-from isopeel.common.quantities import Angle, Length
-from isopeel.physics.batch import SUBSTRATE_SIGNATURE, BatchFunction, compile_batch
-from isopeel.physics.substrates.closest_point import project_on_wave
+from isopeel.common.quantities import Angle, Finite, Length, NotNegative, Positive
+from isopeel.physics.points import inlined
+from isopeel.physics.substrates.closest_point import minimum, seen_from
+from isopeel.physics.substrates.rigid import RigidSubstrate, substrate
 
 
-@dataclass(frozen=True)
-class Wavy:
+@substrate
+class Wavy(RigidSubstrate):
     """Solid below y = height + amplitude cos(2 pi x / wavelength + phase); lengths, and the phase in radians.
 
     The closest point is the true one at any distance and for any amplitude. Above a trough, farther than its
@@ -23,47 +21,55 @@ class Wavy:
     amplitude is not negative.
     """
 
-    name: ClassVar[str] = "wavy"
-    amplitude: Length
-    wavelength: Length
-    phase: Angle = 0.0
-    height: Length | None = None
-
-    def __post_init__(self) -> None:
-        """Check the wave."""
-        if not 0 <= self.amplitude < np.inf:
-            raise InputError("substrate.amplitude", self.amplitude, "it must be zero or positive")
-        if not 0 < self.wavelength < np.inf:
-            raise InputError("substrate.wavelength", self.wavelength, "it must be positive")
-        for name, value in (("height", self.mean_height), ("phase", self.phase)):
-            if not np.isfinite(value):
-                raise InputError(f"substrate.{name}", value, "it must be finite")
+    amplitude: NotNegative[Length]
+    wavelength: Positive[Length]
+    phase: Finite[Angle] = 0.0
+    height: Finite[Length] | None = None
 
     @property
     def mean_height(self) -> float:
         """The height, given or not."""
         return -self.amplitude if self.height is None else self.height
 
-    @property
-    def parameters(self) -> FloatArray:
-        """Height, amplitude, wave number 2 pi / wavelength, and phase."""
-        return np.array([self.mean_height, self.amplitude, 2 * np.pi / self.wavelength, self.phase])
-
-    @property
-    def kernel(self) -> BatchFunction:
-        """Batch function of gap, normal and curvature."""
-        return _compiled()
-
-    @property
-    def constant_curvature(self) -> bool:
-        """No."""
-        return False
-
     def receded(self, gap: float) -> Self:
         """Lower by a gap (length)."""
         return replace(self, height=self.mean_height - gap)
 
+    def constants(self) -> tuple[float, ...]:
+        """Height, amplitude, wave number 2 pi / wavelength, and phase."""
+        return self.mean_height, self.amplitude, 2 * np.pi / self.wavelength, self.phase
 
-@cache
-def _compiled() -> BatchFunction:
-    return compile_batch(SUBSTRATE_SIGNATURE, project_on_wave)
+    @staticmethod
+    def at_point(
+        x: float, y: float, height: float, amplitude: float, number: float, phase: float
+    ) -> tuple[float, float, float, float]:
+        """Return gap, normal and curvature.
+
+        A crest and a trough next to each other mirror the curve, so that the closest point lies in the same
+        half wave as x. There g (see `closest_point`) has one root only: with c the cosine,
+        g' = 1 + A^2 + A q (y - h) c - 2 A^2 c^2 for A = a q, positive at c = 0, is positive between two
+        places, and beyond them g has the sign that it has at the crest or trough. This holds for points at
+        any distance.
+        """
+        half = np.floor((number * x + phase) / np.pi)
+        start = (half * np.pi - phase) / number
+        # the half wave as a cosine from 0 to pi, of amplitude A/q of either sign
+        A = amplitude * number * (1.0 if half % 2.0 == 0.0 else -1.0)
+        B = number * (y - height) * (1.0 if A >= 0.0 else -1.0)
+        # the two roots c, without loss of digits: one by the quadratic formula, one by their product
+        root = abs(B) + np.sqrt(B * B + 8.0 * (1.0 + A * A))
+        large = min(root / (4.0 * abs(A)), 1.0)
+        small = min(2.0 * (1.0 + A * A) / (abs(A) * root), 1.0)
+        low = start + np.arccos(large if B >= 0.0 else small) / number
+        high = start + np.arccos(-small if B >= 0.0 else -large) / number
+        wave = height, amplitude, number, phase
+        return seen_from(x, y, minimum(_wave, wave, x, y, low, min(max(x, low), high), high))
+
+
+@inlined
+def _wave(x: float, wave: tuple[float, float, float, float]) -> tuple[float, float, float]:
+    """Return height, slope and second derivative."""
+    height, amplitude, number, phase = wave
+    angle = number * x + phase
+    cosine = amplitude * np.cos(angle)
+    return height + cosine, -amplitude * number * np.sin(angle), -amplitude * number**2 * np.cos(angle)
