@@ -1,14 +1,13 @@
 """Adhesion of a body to its own mirror image."""
 
 from dataclasses import dataclass
-from functools import cache, lru_cache
+from functools import cache
 
 import numpy as np
-from numba import types, void
 
 from isopeel.common.arrays import FloatArray
 from isopeel.physics.adhesion.base import AdhesionLaw
-from isopeel.physics.batch import ADHESION_SIGNATURE, BatchFunction, compile_batch
+from isopeel.physics.batch import ADHESION_SIGNATURE, BatchFunction, compile_batch, law_at
 
 
 @dataclass(frozen=True)
@@ -24,13 +23,13 @@ class Mirrored:
 
     @property
     def parameters(self) -> FloatArray:
-        """Those of the law."""
-        return self.law.parameters
+        """The address of the law's kernel, which a float holds exactly, and the law's parameters."""
+        return np.array([self.law.kernel.address, *self.law.parameters], dtype=np.float64)
 
     @property
     def kernel(self) -> BatchFunction:
-        """Batch function of potential, traction and its derivative."""
-        return _compiled(self.law.kernel)
+        """Batch function of potential, traction and its derivative: one for all laws."""
+        return _compiled()
 
     @property
     def equilibrium_gap(self) -> float:
@@ -43,33 +42,12 @@ class Mirrored:
         return self.law.work_of_adhesion / 2
 
 
-@lru_cache(maxsize=64)
-def _compiled(law: BatchFunction) -> BatchFunction:
-    wrapper = _wrapper()
-
-    def batch(
-        gap: FloatArray,
-        curvature: FloatArray,
-        parameters: FloatArray,
-        count: int,
-        potential: FloatArray,
-        traction: FloatArray,
-        derivative: FloatArray,
-    ) -> None:
-        wrapper(law, gap, curvature, parameters, count, potential, traction, derivative)
-
-    return compile_batch(ADHESION_SIGNATURE, batch, cache=False)
-
-
 @cache
-def _wrapper() -> BatchFunction:
-    # called by address it can be stored, and each law needs no more than the call compiled
-    signature = void(types.FunctionType(ADHESION_SIGNATURE), *ADHESION_SIGNATURE.args)
-    return compile_batch(signature, _mirrored)
+def _compiled() -> BatchFunction:
+    return compile_batch(ADHESION_SIGNATURE, _mirrored)
 
 
 def _mirrored(
-    law: BatchFunction,
     gap: FloatArray,
     curvature: FloatArray,
     parameters: FloatArray,
@@ -78,10 +56,11 @@ def _mirrored(
     traction: FloatArray,
     derivative: FloatArray,
 ) -> None:
+    law = law_at(int(parameters[0]))
     separation = np.empty(count)
     for n in range(count):
         separation[n] = 2.0 * gap[n]
-    law(separation, curvature, parameters, count, potential, traction, derivative)
+    law(separation, curvature, parameters[1:], count, potential, traction, derivative)
     for n in range(count):
         potential[n] *= 0.5
         derivative[n] *= 2.0
