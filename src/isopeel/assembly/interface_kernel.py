@@ -12,7 +12,7 @@ from isopeel.assembly.packing import Floats1, Floats2, Floats3, Floats4, Integer
 from isopeel.common.arrays import FloatArray, IntArray
 from isopeel.common.compilation import compiled_reordered
 from isopeel.physics.adhesion.irreversible import with_history
-from isopeel.physics.adhesion.sliding import with_slip
+from isopeel.physics.adhesion.sliding import slipped
 from isopeel.physics.batch import law_at, substrate_at
 
 
@@ -114,26 +114,17 @@ def respond(interface: InterfaceData, openings: FloatArray, u: FloatArray) -> Re
     if sliding_length > 0.0:
         closed = np.full(points, equilibrium_gap)
         bottom = np.empty((3, points))
-        slip = np.zeros(points)
-        for e in range(elements):
-            for q in range(Q):
-                for i in range(2):
-                    slip[e * Q + q] += tangents[e, q, i] * (x[i, e * Q + q] - positions[e, q, i])
         law(closed, seen, parameters, points, bottom[0], bottom[1], bottom[2])
-        with_slip(
-            gap,
-            slip,
-            sliding_length,
-            equilibrium_gap,
-            bottom[0],
-            points,
-            potential,
-            T,
-            dT,
-            shear[0],
-            shear[1],
-            shear[2],
-        )
+        for p in range(points):
+            e, q = p // Q, p % Q
+            slip = 0.0
+            for i in range(2):
+                slip += tangents[e, q, i] * (x[i, p] - positions[e, q, i])
+            here = potential[p], T[p], dT[p]
+            worn = (bottom[0, p], 0.0, 0.0) if gap[p] < equilibrium_gap else here
+            potential[p], T[p], dT[p], shear[0, p], shear[1, p], shear[2, p] = slipped(
+                slip, sliding_length, here, worn
+            )
     return Response(x, gap, n, curvature, potential, T, dT, lost, shear)
 
 

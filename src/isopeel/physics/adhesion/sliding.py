@@ -15,42 +15,24 @@ The slip of a point is its displacement along the tangent that the substrate has
 
 import numpy as np
 
-from isopeel.common.arrays import FloatArray
 from isopeel.common.compilation import compiled
 
 
 @compiled
-def with_slip(
-    gap: FloatArray,
-    slip: FloatArray,
-    sliding_length: float,
-    equilibrium_gap: float,
-    bottom: FloatArray,
-    count: int,
-    potential: FloatArray,
-    traction: FloatArray,
-    derivative: FloatArray,
-    shear: FloatArray,
-    shear_derivative: FloatArray,
-    mixed_derivative: FloatArray,
-) -> None:
-    """Turn potential Phi, T and T' (count) of a law into V, -V_r and -V_rr at slips (count); write the rest.
+def slipped(
+    s: float, d: float, law: tuple[float, float, float], worn: tuple[float, float, float]
+) -> tuple[float, float, float, float, float, float]:
+    """Return V, -V_r, -V_rr, V_s, V_ss and V_rs at a slip s, for the potential V(r, s) above.
 
-    The rest is V_s, V_ss and V_rs (count), for the potential V(r, s) above; `bottom` (count) is Phi(r_eq).
+    `law` is Phi, T and T' at the gap r; `worn` is what of them the slip wears out: all, or Phi(r_eq), 0 and 0
+    in compression.
     """
-    for n in range(count):
-        exponent = (slip[n] / sliding_length) ** 2
-        hold = np.exp(-exponent)
-        # 1 - exp(-x) keeps its digits at small slips
-        lost = -np.expm1(-exponent)
-        inside = gap[n] < equilibrium_gap
-        well = bottom[n] if inside else potential[n]
-        pull = 0.0 if inside else traction[n]
-        slope = 0.0 if inside else derivative[n]
-        rate = 2.0 * slip[n] / sliding_length**2 * hold
-        potential[n] -= well * lost
-        traction[n] -= pull * lost
-        derivative[n] -= slope * lost
-        shear[n] = -well * rate
-        shear_derivative[n] = -well * 2.0 / sliding_length**2 * hold * (1.0 - 2.0 * exponent)
-        mixed_derivative[n] = pull * rate
+    exponent = (s / d) ** 2
+    hold = np.exp(-exponent)
+    # 1 - exp(-x) keeps its digits at small slips
+    lost = -np.expm1(-exponent)
+    well, pull, slope = worn
+    rate = 2.0 * s / d**2 * hold
+    stiffness = -well * 2.0 / d**2 * hold * (1.0 - 2.0 * exponent)
+    potential, traction, derivative = law[0] - well * lost, law[1] - pull * lost, law[2] - slope * lost
+    return potential, traction, derivative, -well * rate, stiffness, pull * rate
