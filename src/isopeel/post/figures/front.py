@@ -24,6 +24,7 @@ from isopeel.results.fields import StoredState
 
 _LONGEST_ARROW = 0.3  # of the height of the window
 _ARROWS = 80  # across the window, at most
+_ROOM = 0.25  # of the width of the curves, for the label of a process zone
 _MARGIN = 0.25  # of a process zone that is wider than the window, beside it
 
 
@@ -191,11 +192,14 @@ def _draw_tensions(axes: Axes, view: _View, units: Laboratory | None) -> None:
     zone = process_zone(profile)
     if zone is not None and seen[0] <= zone.start and zone.end <= seen[1]:
         draw_length(axes, zone.start, zone.end, zone.peak / 2)
+        # beside the arrow, on the left where there is no room on the right
+        right = seen[1] - zone.end > _ROOM * (seen[1] - seen[0])
         axes.annotate(
             f"process zone {units.text(zone.length, 'length', 3) if units else f'{zone.length:.3g} $L_0$'}",
-            (zone.end, zone.peak / 2),
-            (5, 0),
+            (zone.end if right else zone.start, zone.peak / 2),
+            (5 if right else -5, 0),
             textcoords="offset points",
+            ha="left" if right else "right",
             va="center",
             fontsize=8,
         )
