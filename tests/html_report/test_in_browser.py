@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from runs import failed, staged, strip
+from runs import failed, staged, strip, two_bodies
 from selenium import webdriver
 from selenium.webdriver.chrome.service import Service
 from selenium.webdriver.common.by import By
@@ -286,6 +286,31 @@ def luminance(color: list[float]) -> float:
 def contrast(one: list[float], other: list[float]) -> float:
     low, high = sorted((luminance(one), luminance(other)))
     return (high + 0.05) / (low + 0.05)
+
+
+def test_buttons_choose_one_of_several_interfaces(browser: webdriver.Chrome, tmp_path: Path) -> None:
+    show(browser, write_html_report(two_bodies(tmp_path)))
+    first, second = browser.find_elements(By.CSS_SELECTOR, ".interface-views button")
+    assert [first.text, second.text] == ["one.bottom", "other.bottom"]
+    before = pictures(browser)
+    second.click()
+    after = pictures(browser)
+    changed = [name for name in before if before[name] != after[name]]
+    # the frame around the front moves in the picture of the bodies
+    assert changed == ["body", "front", "tractions"]
+    # the body that rests is drawn where it is, without a stress
+    script = """
+    const content = JSON.parse(document.getElementById("content").textContent).stages["stage-1"];
+    const { bodies } = unpackedState(content.states.at(-1));
+    return bodies.map(({ nodes, stress }) => [nodes[0], new Set(stress).size]);
+    """
+    (left, levels), (right, one_level) = browser.execute_script(script)
+    assert (left, right) == pytest.approx((0.0, 50.0), abs=1e-3)  # a step of positions in the page
+    assert levels > 100
+    assert one_level == 1
+    # what one interface has needs no button
+    show(browser, write_html_report(strip(tmp_path / "strip")))
+    assert not browser.find_element(By.CSS_SELECTOR, ".interface-views").is_displayed()
 
 
 def test_each_stage_has_its_own_slider(browser: webdriver.Chrome, staged_page: Path) -> None:
