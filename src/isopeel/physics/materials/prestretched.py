@@ -1,14 +1,19 @@
 """A material that lies stretched in the body's reference shape."""
 
 from dataclasses import dataclass
-from functools import cache, cached_property, lru_cache
+from functools import cache, cached_property
 
 import numpy as np
-from numba import types, void
 
 from isopeel.common.arrays import FloatArray
 from isopeel.common.errors import InputError
-from isopeel.physics.batch import MATERIAL_SIGNATURE, BatchFunction, compile_batch, evaluate_material
+from isopeel.physics.batch import (
+    MATERIAL_SIGNATURE,
+    BatchFunction,
+    compile_batch,
+    evaluate_material,
+    material_at,
+)
 from isopeel.physics.materials.base import Material
 
 #: Transverse stretches that the unstressed one is looked for at, 2 % apart, with 1 among them.
@@ -61,13 +66,14 @@ class Prestretched:
 
     @property
     def parameters(self) -> FloatArray:
-        """Those of the material, stretch and transverse stretch."""
-        return np.array([*self.material.parameters, self.stretch, self.transverse_stretch], dtype=np.float64)
+        """The address of the material's kernel, which a float holds exactly, stretches and its parameters."""
+        own = self.material.kernel.address, self.stretch, self.transverse_stretch
+        return np.array([*own, *self.material.parameters], dtype=np.float64)
 
     @property
     def kernel(self) -> BatchFunction:
-        """Batch function of energy density, stress and tangent."""
-        return _compiled(self.material.kernel)
+        """Batch function of energy density, stress and tangent: one for all materials."""
+        return _compiled()
 
     def out_of_plane_stress(self, deformation_gradient: FloatArray) -> FloatArray:
         """Cauchy stress sigma_33 (...) of the material at F F_0, for F (..., 2, 2)."""
@@ -84,33 +90,12 @@ class Prestretched:
         return P[:, 1, 1]
 
 
-@lru_cache(maxsize=64)
-def _compiled(material: BatchFunction) -> BatchFunction:
-    wrapper = _wrapper()
-
-    def batch(
-        F: FloatArray,
-        parameters: FloatArray,
-        count: int,
-        energy: FloatArray,
-        P: FloatArray,
-        A: FloatArray,
-        tangent: bool,
-    ) -> None:
-        wrapper(material, F, parameters, count, energy, P, A, tangent)
-
-    return compile_batch(MATERIAL_SIGNATURE, batch, cache=False)
-
-
 @cache
-def _wrapper() -> BatchFunction:
-    # called by address it can be stored, and each material needs no more than the call compiled
-    signature = void(types.FunctionType(MATERIAL_SIGNATURE), *MATERIAL_SIGNATURE.args)
-    return compile_batch(signature, _prestretched)
+def _compiled() -> BatchFunction:
+    return compile_batch(MATERIAL_SIGNATURE, _prestretched)
 
 
 def _prestretched(
-    material: BatchFunction,
     F: FloatArray,
     parameters: FloatArray,
     count: int,
@@ -119,15 +104,15 @@ def _prestretched(
     A: FloatArray,
     tangent: bool,
 ) -> None:
-    own = parameters.size - 2
-    F_0 = parameters[own:]
+    material = material_at(int(parameters[0]))
+    F_0 = parameters[1:3]
     J_0 = F_0[0] * F_0[1]
     elastic = np.empty((2, 2, count))
     for i in range(2):
         for J in range(2):
             for n in range(count):
                 elastic[i, J, n] = F[i, J, n] * F_0[J]
-    material(elastic, parameters[:own], count, energy, P, A, tangent)
+    material(elastic, parameters[3:], count, energy, P, A, tangent)
     for n in range(count):
         energy[n] /= J_0
     for i in range(2):
