@@ -13,10 +13,6 @@ AS_FORMULA = FormulaMaterial(
     "mu/2*(I1 - 3 - 2*log(J)) + lam/2*log(J)**2",
     {"mu": NEO_HOOKE.shear_modulus, "lam": NEO_HOOKE.lame_lambda},
 )
-BY_COMPONENTS = FormulaMaterial(
-    "mu/2*(F11**2 + F12**2 + F21**2 + F22**2 + F33**2 - 3) - mu*log(J) + lam/2*log(J)**2",
-    {"lam": NEO_HOOKE.lame_lambda, "mu": NEO_HOOKE.shear_modulus},
-)
 MOONEY_RIVLIN = FormulaMaterial(
     "a*(I1 - 3) + b*(I2 - 3) - (2*a + 4*b)*log(J) + c*(J - 1)**2", {"a": 0.3, "b": 0.1, "c": 1.5}
 )
@@ -32,15 +28,11 @@ def random_deformations(count: int) -> FloatArray:
     return F
 
 
-@pytest.mark.parametrize("material", [AS_FORMULA, BY_COMPONENTS])
-def test_neo_hooke_equals_its_energy_differentiated_by_sympy(material: FormulaMaterial) -> None:
+def test_neo_hooke_equals_its_energy_as_a_formula() -> None:
     F = random_deformations(20)
-    for ours, derived in zip(material_at(NEO_HOOKE, F), material_at(material, F), strict=True):
+    for ours, derived in zip(material_at(NEO_HOOKE, F), material_at(AS_FORMULA, F), strict=True):
         # two orders of the same dozen operations on numbers of size 1
         np.testing.assert_allclose(ours, derived, rtol=0, atol=1e-14)
-    np.testing.assert_allclose(
-        NEO_HOOKE.out_of_plane_stress(F), material.out_of_plane_stress(F), rtol=0, atol=1e-14
-    )
 
 
 @pytest.mark.parametrize("material", [NEO_HOOKE, MOONEY_RIVLIN])
@@ -109,8 +101,8 @@ def test_neo_hooke_refuses_unstable_constants(modulus: float, ratio: float, fiel
         ("-mu/2*(I1 - 3 - 2*log(J))", "stiffness at F = I must be positive"),
         ("mu*sqrt(I1 - 3)", "finite at F = I"),
         ("mu*(I1 - 3", "a formula uses"),
-        ("mu/2*(I1 - 3 - 2*log(J)) + mu*F12**2*F11", "must not change when the body is turned"),
-        ("mu/2*(I1 - 3 - 2*log(J)) + mu*(F12 - F21)**2", "must not change when the body is turned"),
+        ("mu/2*(I1 - 3 - 2*log(J)) + mu*F12**2*F11", "the names I1, I2, J, mu"),
+        ("mu", "stiffness at F = I must be positive"),
         ("mu/2*(I1 - 3 - 2*log(J)) + sqrt((J - 1)**2)**3", "without jumps"),
         ("kappa*(J - 1)**2", "a formula uses"),
     ],

@@ -26,7 +26,11 @@ class Material(Protocol):
 
     @property
     def kernel(self) -> BatchFunction:
-        """Batch function of `MATERIAL_SIGNATURE`: energy density, P = d psi/dF and, on request, dP/dF."""
+        """Batch function of `MATERIAL_SIGNATURE`, plane strain: psi, P = dpsi/dF and, on request, dP/dF."""
+        ...
+
+    def solid_response(self, deformation_gradient: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Energy density (...), P (..., 3, 3) and dP/dF (..., 3, 3, 3, 3) at F (..., 3, 3)."""
         ...
 
     def out_of_plane_stress(self, deformation_gradient: FloatArray) -> FloatArray:

@@ -75,6 +75,12 @@ class Prestretched:
         """Batch function of energy density, stress and tangent: one for all materials."""
         return _compiled()
 
+    def solid_response(self, deformation_gradient: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Energy density (...), P (..., 3, 3) and dP/dF (..., 3, 3, 3, 3) at F (..., 3, 3)."""
+        F_0 = np.array([self.stretch, self.transverse_stretch, 1.0])
+        energy, P, A = self.material.solid_response(deformation_gradient * F_0)
+        return energy / F_0.prod(), P * F_0 / F_0.prod(), A * F_0[:, None, None] * F_0 / F_0.prod()
+
     def out_of_plane_stress(self, deformation_gradient: FloatArray) -> FloatArray:
         """Cauchy stress sigma_33 (...) of the material at F F_0, for F (..., 2, 2)."""
         return self.material.out_of_plane_stress(
