@@ -1,4 +1,4 @@
-"""User-written formulas: a parser that admits formulas only, and their translation to batch functions.
+"""User-written formulas: a parser that admits formulas only, and their translation to functions.
 
 The text never reaches `eval`: Python's parser turns it into a tree, and only numbers, known names, the four
 operations, powers and the functions in `FUNCTIONS` are carried over into a SymPy expression. SymPy is
@@ -10,15 +10,13 @@ import math
 import operator
 import re
 from collections.abc import Callable, Iterable, Mapping
-from functools import lru_cache
 from keyword import iskeyword
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from isopeel.common.errors import InputError
-from isopeel.physics.batch import BatchFunction, compile_batch
-from isopeel.physics.formula_size import VARIABLE, Size, size_of
+from isopeel.physics.formula_size import VARIABLE, size_of
 
 if TYPE_CHECKING:
     import sympy
@@ -35,11 +33,8 @@ _LONGEST = 2000  # characters: far more than any law of the literature, and litt
 #: Parts of a second derivative: a thousand of them take some seconds to derive and to compile.
 _LARGEST = 2000
 _MOST_CONSTANTS = 50
-#: What varies in a formula; the invariants with what they have of components.
-_VARIABLES = {
-    **dict.fromkeys(("r", "x", "F11", "F12", "F21", "F22", "F33"), VARIABLE),
-    **{"I1": Size(9, 3, 1), "I2": Size(60, 30, 20), "J": Size(8, 3, 1)},
-}
+#: What varies in a formula.
+_VARIABLES = dict.fromkeys(("r", "x", "I1", "I2", "J"), VARIABLE)
 _NAMESPACE = {name: getattr(np, name) for name in (*FUNCTIONS, "pi", "nan")}
 
 
@@ -132,54 +127,13 @@ def check_smooth(field: str, text: str, expressions: "Iterable[sympy.Expr]") -> 
             raise InputError(field, text, "its second derivatives must be smooth, without jumps")
 
 
-def batch_source(
-    arguments: str,
-    inputs: Mapping[str, str],
-    constants: tuple[str, ...],
-    outputs: "Mapping[str, sympy.Expr]",
-    guard: str | None = None,
-    asked: "Mapping[str, Mapping[str, sympy.Expr]] | None" = None,
-) -> str:
-    """Write a batch function: for every point n, read the inputs, and set each output to its expression.
-
-    `inputs` maps variable names to array entries, `outputs` array entries to expressions; common parts
-    of the expressions are computed once. Where `guard`, a condition on the entries, does not hold, the
-    outputs are nan. What is `asked` for by an argument of its own is computed where that is true.
-    """
-    import sympy
-
-    # the user's names get a prefix, so that they cannot meet those of the function itself
-    groups = {"": outputs, **(asked or {})}
-    every = [expression for group in groups.values() for expression in group.values()]
-    private = {symbol: sympy.Symbol(f"user_{symbol}") for e in every for symbol in e.free_symbols}
-    lines = [f"def batch({arguments}):"]
-    lines += [f"    user_{name} = parameters[{k}]" for k, name in enumerate(constants)]
-    lines += ["    for n in range(count):"]
-    if guard is not None:
-        lines += [f"        if not ({guard}):"]
-        lines += [f"            {entry} = nan" for entry in outputs]
-        lines += ["            continue"]
-    lines += [f"        user_{name} = {entry}" for name, entry in inputs.items()]
-    for condition, group in groups.items():
-        indent = "        "
-        if condition:
-            lines += [f"        if {condition}:"]
-            indent = "            "
-        expressions = [expression.xreplace(private) for expression in group.values()]
-        shared, reduced = sympy.cse(expressions, symbols=sympy.numbered_symbols(f"shared_{condition}"))
-        lines += [f"{indent}{symbol} = {_code(expression)}" for symbol, expression in shared]
-        pairs = zip(group, reduced, strict=True)
-        lines += [f"{indent}{entry} = {_code(expression)}" for entry, expression in pairs]
-    return "\n".join(lines) + "\n"
-
-
 def point_function(
     inputs: Mapping[str, str],
     constants: tuple[str, ...],
     results: "Iterable[sympy.Expr]",
     guard: str | None = None,
 ) -> Callable[..., Any]:
-    """Write formulas at one point as a function for `compile_points`: it returns the results.
+    """Write formulas at one point as a function that returns their results, or the result of the only one.
 
     `inputs` maps names of variables to those of its first arguments; the others are the constants. Where
     `guard`, a condition on the arguments, does not hold, the results are nan.
@@ -209,11 +163,3 @@ def _code(expression: "sympy.Expr") -> str:
     # floats throughout: a whole number would give the array entry of an integer type
     text: str = pycode(sympy.N(expression, 17), fully_qualified_modules=False)
     return text
-
-
-@lru_cache(maxsize=64)
-def compile_source(source: str, signature: object) -> BatchFunction:
-    """Compile a source text from `batch_source`; the same text is compiled once per process."""
-    namespace = dict(_NAMESPACE)
-    exec(source, namespace)
-    return compile_batch(signature, namespace["batch"], cache=False)
