@@ -40,7 +40,7 @@ from isopeel.post.front import POINTS, FrontProfile, front_profile, process_zone
 from isopeel.post.laboratory import Laboratory
 from isopeel.post.mesh_error import mesh_changes
 from isopeel.post.resolution import estimated
-from isopeel.post.states import drawn_state, stress_scale
+from isopeel.post.states import drawn_state, stress_scale, substrates
 from isopeel.post.summary import summarize
 from isopeel.post.summary_table import summary_rows
 from isopeel.problem import Drive
@@ -260,6 +260,19 @@ def test_figures_show_all_bodies_and_interfaces(single: dict[str, list[Step]]) -
         line = np.asarray(row.axes[0].lines[1].get_xydata()).T
         np.testing.assert_array_equal(line[1], -profile.adhesive_traction.ravel())
         assert row.axes[0].get_title("left") == f"{name}: all of the face"
+
+
+def test_a_front_is_drawn_with_the_substrates_of_its_body() -> None:
+    """The plane of another body would fill the gap of this one."""
+    problem = both(TURN, "first")
+    lower = replace(problem.interfaces[1], substrate=Flat(0.1))
+    apart = replace(problem, interfaces=(problem.interfaces[0], lower))
+    assert substrates(problem) == [Flat()]
+    assert substrates(apart) == [Flat(), Flat(0.1)]
+    assert substrates(apart, "first.bottom") == [Flat()]
+    assert substrates(apart, "second.bottom") == [Flat(0.1)]
+    walls, _ = two_sided()
+    assert len(substrates(walls, "body.top")) == 2
 
 
 def test_an_interface_at_rest_is_drawn_as_none(single: dict[str, list[Step]]) -> None:

@@ -235,8 +235,11 @@ def _side(stored: StoredStage, drawn: DrawnState, name: str) -> Content:
     chords = np.linalg.norm(np.diff(rest, axis=0), axis=1)
     # places on the undeformed face of the points of the deformed face
     places = profile.position[0, 0] + np.append(0.0, np.cumsum(chords))[_along_face(rest)]
+    problem = stored.stage.problem
+    every = substrates(problem)
     return {
         "name": name,
+        "substrates": [every.index(one) for one in substrates(problem, name)],  # that its body feels
         "position": packed(profile.position, "f4"),
         "points": profile.position.shape[1],
         "places": packed(places, "f4"),

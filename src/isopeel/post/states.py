@@ -139,12 +139,16 @@ def front_window(problem: Problem, state: DrawnState, interface: str) -> Window:
     return Window((x - half_width, x + half_width), (y - half_height, y + half_height))
 
 
-def substrates(problem: Problem) -> list[Substrate]:
-    """Return the substrates of all interfaces, each once."""
+def substrates(problem: Problem, interface: str = "") -> list[Substrate]:
+    """Return the substrates of all interfaces, each once; or those of the body of one interface.
+
+    A body does not feel the substrates of others, which may lie where its own gap is.
+    """
+    body = problem.interface_of(interface).boundary.body if interface else ""
     found: list[Substrate] = []
-    for interface in problem.interfaces:
-        if interface.substrate not in found:
-            found.append(interface.substrate)
+    for one in problem.interfaces:
+        if one.substrate not in found and body in ("", one.boundary.body):
+            found.append(one.substrate)
     return found
 
 

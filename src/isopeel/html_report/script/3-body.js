@@ -70,11 +70,16 @@ class Bodies {
     this.palette = palette;
   }
 
-  /** Draw a state into axes; `close` as the front is, with its elements. Keeps the picture for `levelAt`. */
-  draw(axes, state, close) {
+  /**
+   * Draw a state into axes; where a `side` is given, close to its front, with elements and its own substrates.
+   * Keeps the picture for `levelAt`.
+   */
+  draw(axes, state, side) {
     const { left, top, right, bottom, dots } = axes;
+    const close = Boolean(side);
+    const substrates = side ? side.substrates.map((k) => this.substrates[k]) : this.substrates;
     axes.inside((context) => {
-      for (const substrate of this.substrates) this.drawSubstrate(context, axes, substrate);
+      for (const substrate of substrates) this.drawSubstrate(context, axes, substrate);
       const width = Math.max(1, Math.round((right - left) * dots));
       const height = Math.max(1, Math.round((bottom - top) * dots));
       const picture = new Uint8Array(width * height).fill(BLANK);

@@ -157,13 +157,13 @@ class Stage {
     const [left, right, low, high] = content.whole;
     this.fit(canvas.body, (right - left) / (high - low));
     const axes = new Axes(canvas.body, [left, right], [low, high], names, { equal: true });
-    this.whole.draw(axes, state, false);
+    this.whole.draw(axes, state, null);
     const face = state.faces[this.interface];
     if (face) {
       const [l, r, b, t] = face.front;
       this.fit(canvas.front, (r - l) / (t - b));
       this.drawFrontFrame(axes, face.front);
-      this.front.draw(new Axes(canvas.front, [l, r], [b, t], names, { equal: true }), state, true);
+      this.front.draw(new Axes(canvas.front, [l, r], [b, t], names, { equal: true }), state, content.sides[this.interface]);
       this.tractions[this.interface].draw(canvas.tractions, face, this.close);
     }
     this.iterationAxes = this.curve.drawIterations(canvas.iterations, state.step);

@@ -63,6 +63,7 @@ def front_figure(
 class _View:
     """What is seen of the front on an interface."""
 
+    name: str
     profile: FrontProfile
     window: Window
     arrows: FloatArray
@@ -85,7 +86,7 @@ class _View:
         inside = _inside(fields.position, window)
         # of the visible part: stresses far from the front would dominate
         scale = max(1e-6, float(np.nanmax(np.abs(fields.first_invariant[inside]), initial=0.0)))
-        return cls(profile, window, arrows, seen, scale, least)
+        return cls(name, profile, window, arrows, seen, scale, least)
 
     @property
     def height(self) -> float:
@@ -105,7 +106,7 @@ def _draw(
     upper, lower = figure.subplots(2, 1, height_ratios=(view.height, 1.9))
     upper.set(xlim=window.x, ylim=window.y, aspect="equal")
     plane_axes(upper, units)
-    draw_substrates(upper, substrates(problem), window)
+    draw_substrates(upper, substrates(problem, view.name), window)
     mesh = draw_bodies(upper, state, view.scale, 1, elements=True)
     mark_adhering(upper, state.faces.values(), 1.8, 4)
     shafts = LineCollection(list(_evenly(view.arrows, window)), colors=BLUE, linewidths=0.7, zorder=3.5)

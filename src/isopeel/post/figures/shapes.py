@@ -65,10 +65,10 @@ def shapes_figure(
         around = 0.6 + 0.5 * len(windows)
         figure = Figure(figsize=(TWO_COLUMNS, sum(heights) + around), layout="constrained")
         panels = figure.subplots(len(windows), 1, height_ratios=heights, squeeze=False)[:, 0].tolist()
-        for axes, window in zip(panels, windows, strict=True):
+        for axes, window, name in zip(panels, windows, ["", *fronts], strict=True):
             axes.set(xlim=window.x, ylim=window.y, aspect="equal")
             plane_axes(axes, units)
-            draw_substrates(axes, substrates(problem), window)
+            draw_substrates(axes, substrates(problem, name), window)
         upper, *lower = panels
         for order, state in enumerate(drawn, start=1):
             mesh = draw_bodies(upper, state, scale, order)
