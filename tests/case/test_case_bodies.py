@@ -249,7 +249,7 @@ BAD: list[tuple[str, str, str, str]] = [
     ('"lower.bottom"', "3", "interface.2.boundary", "BODY.SIDE"),
     ('"lower.top"', '"pad.top"', "support.2.boundary", "the bodies are upper, lower"),
     ('"upper.right"', '"pad.right"', "drive.boundary", "the bodies are upper, lower"),
-    ('"upper.right"', '"upper.front"', "drive.side", ""),
+    ('"upper.right"', '"upper.front"', "drive.boundary", "the sides are left, right, bottom, top"),
     ('boundary = "upper.right"', 'side = "right"', "drive.side", "in place of a side"),
     ('boundary = "upper.right"', "", "drive.boundary", "the key is missing; a boundary is needed"),
     ("prestretch = 1.1", "prestretch = '1'", "body.2.material.prestretch", "a number is needed"),

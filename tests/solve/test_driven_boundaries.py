@@ -156,9 +156,9 @@ def test_work_on_two_places_is_what_the_energies_take(name: str) -> None:
 @pytest.mark.parametrize(
     ("on", "message"),
     [
-        (((RIGHT, 0.0),), "drive.boundary.factor: 0.0 cannot be used; it must be finite, and not zero"),
-        (((RIGHT, float("nan")),), "drive.boundary.factor: nan"),
-        (((RIGHT, 1.0), (RIGHT, 2.0)), "drive.boundary: 'one.right' cannot be used; the drive acts twice"),
+        (((RIGHT, 0.0),), "drive.on.1.factor: 0.0 cannot be used; it must be finite, and not zero"),
+        (((RIGHT, float("nan")),), "drive.on.1.factor: nan"),
+        (((RIGHT, 1.0), (RIGHT, 2.0)), "drive.on: 'one.right' cannot be used; the drive acts twice"),
         (((ONE.side("top", 0, 0.6), 1.0), (ONE.side("top", 0.5), 2.0)), "'one.top' cannot be used"),
         ((), "a drive acts on one boundary at least"),
         (((Boundary("", "top"), 1.0),), "needs the name of its body"),
@@ -176,7 +176,7 @@ def test_boundaries_that_make_no_drive(on: Place, message: str) -> None:
         (MovedSide(((LEFT, 1.0),), 0.0), "body: 'other' cannot be used; the bodies are one"),
         (
             MovedSide(((ONE.side("top", 0.0, 0.5), 1.0), (ONE.side("top", 0.5), -1.0)), np.pi / 2),
-            "drive.boundary: 'one.top#2' cannot be used; the drive moves another boundary",
+            "drive.on: 'one.top#2' cannot be used; the drive moves another boundary",
         ),
         (
             MovedSide(((RIGHT, 1.0), (ONE.side("left"), -1.0)), 0.0),

@@ -151,19 +151,6 @@ def split_boundary(key: str, written: str, names: Sequence[str]) -> tuple[str, S
     raise InputError(key, written, f"{A_BOUNDARY}, and the sides are {', '.join(get_args(Side))}")
 
 
-def with_side(key: str, table: object) -> object:
-    """Give the table of a drive the side of its boundary. Raises InputError where it has none."""
-    if not isinstance(table, Mapping):
-        return table
-    if "side" in table:
-        raise InputError(f"{key}.side", table["side"], f"with [[body]], {A_BOUNDARY}, in place of a side")
-    boundary = table.get("boundary")
-    if not isinstance(boundary, str):
-        said = "" if boundary is not None else "the key is missing; "
-        raise InputError(f"{key}.boundary", boundary, said + A_BOUNDARY)
-    return {**table, "side": boundary.rpartition(".")[2]}
-
-
 def _plane_along(key: str, body: PlacedBody, boundary: Boundary) -> Flat:
     """Return the plane along a straight boundary, which faces the body."""
     curve = body.body.shape.boundary(boundary.side)

@@ -6,6 +6,7 @@ A case has one of two forms: that of one body (`OneBody`), or that of several bo
 
 from abc import abstractmethod
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Any, Self
 
@@ -20,31 +21,30 @@ from pydantic import (
     model_validator,
 )
 
-from isopeel.case.bodies import BodyTable, check_held, placed_bodies, width_of
-from isopeel.case.boundaries import InterfaceTable, SupportTable, split_boundary, with_side
+from isopeel.case.bodies import BodyTable, PlacedBody, check_held, placed_bodies, width_of
+from isopeel.case.boundaries import InterfaceTable, SupportTable
 from isopeel.case.changes import changed
 from isopeel.case.discretization import space_of
-from isopeel.case.errors import first_error, renamed
+from isopeel.case.drives import DriveSection, LoadTable, fields_every_of, window_of
+from isopeel.case.errors import first_error, named_by, renamed
 from isopeel.case.sections import (
     AdhesionSection,
     BodySection,
     DiscretizationSection,
-    DriveSection,
     HeldSection,
     MaterialSection,
     OutputSection,
     ReadingSection,
     SubstrateSection,
     UnitsSection,
-    fields_every_of,
-    window_of,
 )
 from isopeel.case.stages import Stage, check_number, check_work
 from isopeel.case.text import LARGEST_TEXT, document_of, size_of
 from isopeel.case.values import Section
 from isopeel.common.errors import InputError
 from isopeel.common.units import UnitSystem, measured_in
-from isopeel.problem import Body, Interface, Problem, Support
+from isopeel.problem import Body, Drive, Interface, Problem, RotatedSide, Support
+from isopeel.problem.boundary import driven_boundaries
 from isopeel.splines.rows import RowSpace
 
 #: Tables of the form for one body, and what says the same of several.
@@ -86,6 +86,10 @@ class Case(Section):
             description="a table [drive], or several [[drive]], is needed",
         ),
     ]
+    load: Annotated[
+        tuple[LoadTable, ...],
+        Field(min_length=1, description="a table [[load]] is needed for each load that is held, or none"),
+    ] = ()
     reading: ReadingSection | None = None
     output: OutputSection = Field(default={}, validate_default=True)
     _document: dict[str, Any] = PrivateAttr(default_factory=dict)
@@ -167,23 +171,43 @@ class Case(Section):
         return self.stages()[0].problem
 
     def stages(self) -> tuple[Stage, ...]:
-        """Build all stages: the bodies, their interfaces and supports, and a drive each."""
-        last = self.drive[-1]
-        with measured_in(self.units.system()):
-            bodies, interfaces, supports = self._parts()
+        """Build all stages: the bodies, their interfaces, supports and loads, and a drive each."""
+        last, units = self.drive[-1], self.units.system()
+        with measured_in(units):
+            placed = self._placed()
+            interfaces, supports = self._joined(placed)
+            loads = tuple(
+                table.load(f"load.{number}", placed, units) for number, table in enumerate(self.load, start=1)
+            )
+            whole = Problem(
+                self.name,
+                tuple(one.body for one in placed.values()),
+                interfaces,
+                supports,
+                RotatedSide(),
+                loads,
+            )
             return tuple(
                 Stage(
                     name=stage.label,
-                    problem=Problem(
-                        self.name, bodies, interfaces, supports, stage.drive(self._driven(stage))
-                    ),
+                    problem=replace(whole, drive=drive),
                     parameters=stage.parameters(),
                     path_control=stage.path_control,
                     fields_every=self._fields_every(stage),
                     window=self.reading.window if self.reading and stage is last else None,
                 )
-                for stage in self.drive
+                for stage, drive in zip(self.drive, self._drives(placed), strict=True)
             )
+
+    def _drives(self, placed: Mapping[str, PlacedBody]) -> list[Drive]:
+        """Build the drives of the stages, on their boundaries."""
+        units, drives = self.units.system(), []
+        for number, stage in enumerate(self.drive, start=1):
+            key = f"drive.{number}" if len(self.drive) > 1 else "drive"
+            place = stage.place(key, placed, units, self._only)
+            with named_by({"drive": key}):
+                drives.append(stage.drive(place))
+        return drives
 
     def _fields_every(self, stage: DriveSection) -> float:
         """Return the distance of stored fields, as written where it is one of the stage's parameter."""
@@ -213,12 +237,18 @@ class Case(Section):
     def width(self) -> float | None:
         """Extent of the bodies across the plane, in L0, which only scales what is shown."""
 
+    @property
     @abstractmethod
-    def _parts(self) -> tuple[tuple[Body, ...], tuple[Interface, ...], tuple[Support, ...]]: ...
+    def _only(self) -> str:
+        """The name of the body where there is only one, so that a drive names a side of it."""
 
     @abstractmethod
-    def _driven(self, stage: DriveSection) -> str:
-        """Name of the body that a stage moves or loads."""
+    def _placed(self) -> dict[str, PlacedBody]:
+        """Build the bodies by their names."""
+
+    @abstractmethod
+    def _joined(self, placed: Mapping[str, PlacedBody]) -> tuple[tuple[Interface, ...], tuple[Support, ...]]:
+        """Build interfaces and supports."""
 
     @abstractmethod
     def _with_files(self, document: dict[str, Any]) -> dict[str, Any]:
@@ -248,20 +278,22 @@ class OneBody(Case):
     def _body(self) -> Body:
         return Body(self.body.body_shape().surface(), self.material.material())
 
-    def _parts(self) -> tuple[tuple[Body, ...], tuple[Interface, ...], tuple[Support, ...]]:
-        body, shape, law = self._body(), self.body.body_shape(), self.adhesion.adhesion_law()
+    @property
+    def _only(self) -> str:
+        return Body.name
+
+    def _placed(self) -> dict[str, PlacedBody]:
+        body = self._body()
+        return {body.name: PlacedBody(self.body.body_shape(), body)}
+
+    def _joined(self, placed: Mapping[str, PlacedBody]) -> tuple[tuple[Interface, ...], tuple[Support, ...]]:
+        (shape, body), law = placed[self._only], self.adhesion.adhesion_law()
         substrate = self.substrate.substrate(law.equilibrium_gap)
         length = self.adhesion.length
         start, end = (0.0, 1.0) if length is None else shape.adhering_part(length)
         interface = self.adhesion.interface(body.side("bottom", start, end), law, substrate)
         usual = (Support(body.side(shape.usual_hold), (0,)),)
-        return (body,), (interface,), usual if self.held is None else self.held.supports(body)
-
-    def _driven(self, stage: DriveSection) -> str:
-        if stage.boundary is not None:
-            allowed = "the drive of the only body has a side in place of a boundary"
-            raise InputError("drive.boundary", stage.boundary, allowed)
-        return ""
+        return (interface,), usual if self.held is None else self.held.supports(body)
 
     def _with_files(self, document: dict[str, Any]) -> dict[str, Any]:
         return document | {"body": document["body"] | self.body.files("body")}
@@ -282,14 +314,6 @@ class SeveralBodies(Case):
         tuple[SupportTable, ...],
         Field(min_length=1, description="a table [[support]] is needed for each support, or none"),
     ] = ()
-
-    @field_validator("drive", mode="before")
-    @classmethod
-    def _on_boundaries(cls, written: object) -> object:
-        """Give each stage the side of its boundary, which its drive acts on."""
-        if isinstance(written, list):
-            return [with_side(f"drive.{number}", table) for number, table in enumerate(written, start=1)]
-        return with_side("drive", written)
 
     def spaces(self) -> dict[str, RowSpace]:
         """Build the spaces: keys of a body take the place of those of all bodies."""
@@ -313,9 +337,15 @@ class SeveralBodies(Case):
         """That of all bodies, where one has any."""
         return width_of(self.body)
 
-    def _parts(self) -> tuple[tuple[Body, ...], tuple[Interface, ...], tuple[Support, ...]]:
+    @property
+    def _only(self) -> str:
+        return ""
+
+    def _placed(self) -> dict[str, PlacedBody]:
         width_of(self.body)
-        placed = placed_bodies(self.body)
+        return placed_bodies(self.body)
+
+    def _joined(self, placed: Mapping[str, PlacedBody]) -> tuple[tuple[Interface, ...], tuple[Support, ...]]:
         units = self.units.system()
         interfaces = tuple(
             table.interface_of(f"interface.{number}", placed, units)
@@ -326,17 +356,9 @@ class SeveralBodies(Case):
             for number, table in enumerate(self.support, start=1)
         )
         boundaries = [one.boundary for one in interfaces] + [one.boundary for one in supports]
-        held = {boundary.body for boundary in boundaries}
-        check_held(list(placed), held | {self._driven(stage) for stage in self.drive})
-        return tuple(one.body for one in placed.values()), interfaces, supports
-
-    def _driven(self, stage: DriveSection) -> str:
-        number = "" if len(self.drive) == 1 else f".{self.drive.index(stage) + 1}"
-        assert stage.boundary is not None
-        name, _ = split_boundary(
-            f"drive{number}.boundary", stage.boundary, [table.name for table in self.body]
-        )
-        return name
+        boundaries += [one.boundary for drive in self._drives(placed) for one in driven_boundaries(drive.on)]
+        check_held(list(placed), {boundary.body for boundary in boundaries})
+        return interfaces, supports
 
     def _with_files(self, document: dict[str, Any]) -> dict[str, Any]:
         bodies = [

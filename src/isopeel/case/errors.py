@@ -70,7 +70,7 @@ def _field(place: tuple[int | str, ...], document: Mapping[str, Any]) -> str:
     return ".".join(
         str(part + 1) if isinstance(part, int) else part
         for number, part in enumerate(place)
-        if isinstance(part, str) or (several and number == 1)
+        if isinstance(part, str) or (several and number == 1) or 1 < number < len(place) - 1
     )
 
 

@@ -1,14 +1,11 @@
 """The sections of a case file: what each key means, but for the keys that dataclasses bring."""
 
-from collections.abc import Mapping
 from pathlib import Path
-from typing import Annotated, Any, Literal, Self, get_args
+from typing import Annotated, Literal, get_args
 
-from pydantic import BeforeValidator, Field, field_validator, model_validator
+from pydantic import BeforeValidator, Field, field_validator
 
-from isopeel.case.drives import DrivenKeys
 from isopeel.case.kinds import KindSection
-from isopeel.case.stages import Steps, stage_parameters, stage_steps
 from isopeel.case.text import size_of
 from isopeel.case.values import (
     LARGEST,
@@ -19,20 +16,17 @@ from isopeel.case.values import (
     Section,
     list_of,
     quantity_of,
-    read_quantity,
     several,
 )
-from isopeel.common.arrays import FloatArray
 from isopeel.common.errors import InputError
-from isopeel.common.path_control import PathControl
-from isopeel.common.quantities import LENGTH, NUMBER, STRESS, Dimension
+from isopeel.common.quantities import LENGTH, NUMBER, STRESS
 from isopeel.common.units import E0, L0, UnitSystem
 from isopeel.physics.adhesion import AdhesionLaw
 from isopeel.physics.adhesion.mirrored import Mirrored
 from isopeel.physics.materials import Material
 from isopeel.physics.materials.prestretched import Prestretched
 from isopeel.physics.substrates import Flat, Substrate
-from isopeel.problem import Body, Boundary, Drive, Interface, Support, Traction
+from isopeel.problem import Body, Boundary, Interface, Support, Traction
 from isopeel.problem.shapes import Shape
 from isopeel.splines.nurbs import Side
 
@@ -154,7 +148,7 @@ class UnitsSection(Section):
 
 
 A_BOUNDARY = "a boundary is needed, BODY.SIDE, such as 'upper.bottom'"
-_A_WINDOW = "two values are needed, the smaller one first"
+A_WINDOW = "two values are needed, the smaller one first"
 _RATIOS = several(2, "the size of the last element over that of the first is needed")
 _Held = Annotated[Literal["x", "y", "xy"] | None, Field(description="'x', 'y' or 'xy' is needed")]
 
@@ -214,65 +208,10 @@ class DiscretizationSection(Section):
     grading: GradingKey = None
 
 
-class DriveSection(DrivenKeys, KindSection):
-    """One stage: a drive, how far it goes, and in which steps, in the dimension of its parameter."""
-
-    table, package, chooser, usual = "drive", "isopeel.problem.drives", "kind", "rotation"
-    own = frozenset({"on"})
-
-    name: Annotated[
-        str | None,
-        Field(pattern=r"^[A-Za-z0-9-]{1,40}$", description="a name of letters, digits and '-' is needed"),
-    ] = None
-    #: BODY.SIDE, in a case of several bodies.
-    boundary: Annotated[str | None, Field(description=A_BOUNDARY)] = None
-    to: Any = "120 deg"
-    step: Any = "0.1 deg"
-    path_control: Annotated[
-        PathControl, Field(description="'newton', 'auto', 'jump' or 'continuation' is needed")
-    ] = "auto"
-
-    @model_validator(mode="after")
-    def _can_be_made(self) -> Self:
-        for key in ("to", "step"):
-            if not self.dimension.angle and key not in self.model_fields_set:
-                raise InputError(f"drive.{key}", None, f"the key is missing; {self.dimension.needed}")
-        self.steps()
-        return self
-
-    @property
-    def label(self) -> str:
-        """The name of the stage, given or not."""
-        return self.name or str(getattr(self, self.chooser))
-
-    def drive(self, body: str = "") -> Drive:
-        """Build the drive on a side of a body, by default of the first one."""
-        drive: Drive = self.made(on=self.place(body, getattr(self.maker, "on", None)))
-        return drive
-
-    @property
-    def dimension(self) -> Dimension:
-        """Dimension of the parameter."""
-        return self.drive().parameter_dimension
-
-    @property
-    def usual_fields_every(self) -> float:
-        """Return the default distance of stored fields: 10 degrees, or a tenth of the path."""
-        return 10.0 if self.dimension.angle else abs(self.steps().last) / 10
-
-    def steps(self) -> Steps:
-        """How far the stage goes, and in which steps."""
-        return stage_steps(self.dimension, self.to, self.step)
-
-    def parameters(self) -> FloatArray:
-        """Return parameters of the steps, in radians, or in L0 and E0."""
-        return stage_parameters(self.dimension, self.to, self.step)
-
-
 class ReadingSection(Section):
     """The window that the plateau is read in, in degrees, or in L0 and E0."""
 
-    window: Annotated[tuple[float, float], Field(description=_A_WINDOW)]
+    window: Annotated[tuple[float, float], Field(description=A_WINDOW)]
 
 
 class OutputSection(Section):
@@ -282,34 +221,3 @@ class OutputSection(Section):
     """
 
     fields_every: float | None = None
-
-
-def window_of(written: Mapping[str, Any], stage: DriveSection) -> Mapping[str, Any]:
-    """Read the window of a section in the dimension of a stage."""
-    if "window" not in written:
-        return written
-    needed = f"{_A_WINDOW}; for each, {stage.dimension.needed}"
-    window = written["window"]
-    if not isinstance(window, list) or len(window) != 2:
-        raise InputError("reading.window", window, needed)
-    try:
-        start, end = (read_quantity(stage.dimension, value) for value in window)
-    except ValueError as error:
-        raise InputError("reading.window", window, str(error)) from error
-    if not start < end:
-        raise InputError("reading.window", window, needed)
-    return {**written, "window": (start, end)}
-
-
-def fields_every_of(written: Mapping[str, Any], stage: DriveSection) -> Mapping[str, Any]:
-    """Read the distance of fields in the dimension of a stage."""
-    if "fields_every" not in written:
-        return written
-    every = written["fields_every"]
-    try:
-        value = read_quantity(stage.dimension, every)
-    except ValueError as error:
-        raise InputError("output.fields_every", every, str(error)) from error
-    if not value > 0:
-        raise InputError("output.fields_every", every, f"it must be positive; {stage.dimension.needed}")
-    return {**written, "fields_every": value}

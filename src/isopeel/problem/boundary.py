@@ -62,21 +62,21 @@ def driven_boundaries(on: Place, body: str = "") -> tuple[Driven, ...]:
         check_side("drive.side", on)
         on = Boundary(body, on)
     elif not isinstance(on, Boundary) and not all(one.body for one, _ in on):
-        raise InputError("drive.boundary", "", "of several boundaries each needs the name of its body")
+        raise InputError("drive.on", "", "of several boundaries each needs the name of its body")
     pairs = ((on, 1.0),) if isinstance(on, Boundary) else on
     found = tuple(
         Driven(one if one.body else Boundary(body, one.side, *one.part), float(factor))
         for one, factor in pairs
     )
     if not found:
-        raise InputError("drive.boundary", (), "a drive acts on one boundary at least")
-    for one in found:
+        raise InputError("drive.on", (), "a drive acts on one boundary at least")
+    for number, one in enumerate(found, start=1):
         if not np.isfinite(one.factor) or one.factor == 0:
-            raise InputError("drive.boundary.factor", one.factor, "it must be finite, and not zero")
+            raise InputError(f"drive.on.{number}.factor", one.factor, "it must be finite, and not zero")
     for one, other in combinations(found, 2):
         if one.boundary.overlaps(other.boundary):
             (name,) = boundary_names([one.boundary])
-            raise InputError("drive.boundary", name, "the drive acts twice on one part of it; name it once")
+            raise InputError("drive.on", name, "the drive acts twice on one part of it; name it once")
     return found
 
 
