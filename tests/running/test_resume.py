@@ -97,7 +97,8 @@ def test_a_run_is_extended_to_a_later_end(capsys: pytest.CaptureFixture[str]) ->
     assert isopeel.Case.parse(isopeel.read_run(OUT / "run.h5").case_text).drive[0].to == "9.0 deg"
     capsys.readouterr()
     assert main(["resume", "out/strip", "--to", "4"]) == 2
-    assert "--to: '4' cannot be used; the steps so far, 10 to 9 deg, are not" in capsys.readouterr().err
+    message = "--to: '4' cannot be used; it does not continue the steps so far, 10 to 9 deg"
+    assert message in capsys.readouterr().err
 
 
 def test_a_run_without_an_equilibrium_stays_as_it_is(capsys: pytest.CaptureFixture[str]) -> None:
