@@ -1,7 +1,7 @@
 """The case: a TOML file with units that says what is peeled, on which space, how far and in which steps.
 
-A case has one of two forms: that of one body (`OneBody`), or that of several bodies, interfaces and supports
-(`SeveralBodies`).
+A case has one of two forms: that of one body (`isopeel.case.one_body`), or that of several bodies, interfaces
+and supports (`isopeel.case.several_bodies`).
 """
 
 from abc import abstractmethod
@@ -21,21 +21,14 @@ from pydantic import (
     model_validator,
 )
 
-from isopeel.case.bodies import BodyTable, PlacedBody, check_held, placed_bodies, width_of
-from isopeel.case.boundaries import InterfaceTable, SupportTable
+from isopeel.case.bodies import PlacedBody
 from isopeel.case.changes import changed
-from isopeel.case.discretization import space_of
 from isopeel.case.drives import DriveSection, LoadTable, fields_every_of, window_of
-from isopeel.case.errors import first_error, named_by, renamed
+from isopeel.case.errors import first_error, named_by
 from isopeel.case.sections import (
-    AdhesionSection,
-    BodySection,
     DiscretizationSection,
-    HeldSection,
-    MaterialSection,
     OutputSection,
     ReadingSection,
-    SubstrateSection,
     UnitsSection,
 )
 from isopeel.case.stages import Stage, check_number, check_work
@@ -43,23 +36,11 @@ from isopeel.case.text import LARGEST_TEXT, document_of, size_of
 from isopeel.case.values import Section
 from isopeel.common.errors import InputError
 from isopeel.common.units import UnitSystem, measured_in
-from isopeel.problem import Body, Drive, Interface, Problem, RotatedSide, Support
-from isopeel.problem.boundary import driven_boundaries
+from isopeel.problem import Drive, Interface, Problem, RotatedSide, Support
 from isopeel.splines.rows import RowSpace
-
-#: Tables of the form for one body, and what says the same of several.
-_SHORT = {
-    "material": "the material of each body is a table in its [[body]]",
-    "adhesion": "each adhesion is an [[interface]], whose boundary is BODY.SIDE",
-    "substrate": "each substrate is a table in its [[interface]]",
-    "held": "what is held is a [[support]], whose boundary is BODY.SIDE",
-}
-
 
 #: What the system calls keys of the discretization.
 _OF_THE_SPACE = ("mesh", "contact_points", "space", "across_degree")
-#: Tables of the form for one body, and those of several that the system calls by these names.
-_LISTS = {"held": "support", "adhesion": "interface", "substrate": "interface.substrate"}
 
 
 class Case(Section):
@@ -105,7 +86,10 @@ class Case(Section):
 
     @classmethod
     def _checked(cls, document: dict[str, Any], folder: Path = Path()) -> "Case":
-        form = _form_of(document)
+        # the forms are cases themselves
+        from isopeel.case.forms import form_of
+
+        form = form_of(document)
         try:
             with measured_in(_units(document)):
                 case = form.model_validate(document, context={"folder": folder})
@@ -253,134 +237,6 @@ class Case(Section):
     @abstractmethod
     def _with_files(self, document: dict[str, Any]) -> dict[str, Any]:
         """Return the document with absolute paths of files. Raises InputError for other names than UTF-8."""
-
-
-class OneBody(Case):
-    """A body that adheres with its lower face: the tables of the short form."""
-
-    body: BodySection
-    material: MaterialSection
-    adhesion: AdhesionSection
-    substrate: SubstrateSection = Field(default={}, validate_default=True)
-    held: HeldSection | None = None
-
-    def spaces(self) -> dict[str, RowSpace]:
-        """That of the body."""
-        body = self._body()
-        shape, units = self.body.body_shape(), self.units.system()
-        return {body.name: space_of(shape, body, self.discretization, units)}
-
-    @property
-    def width(self) -> float | None:
-        """That of the body."""
-        return self.body.width
-
-    def _body(self) -> Body:
-        return Body(self.body.body_shape().surface(), self.material.material())
-
-    @property
-    def _only(self) -> str:
-        return Body.name
-
-    def _placed(self) -> dict[str, PlacedBody]:
-        body = self._body()
-        return {body.name: PlacedBody(self.body.body_shape(), body)}
-
-    def _joined(self, placed: Mapping[str, PlacedBody]) -> tuple[tuple[Interface, ...], tuple[Support, ...]]:
-        (shape, body), law = placed[self._only], self.adhesion.adhesion_law()
-        substrate = self.substrate.substrate(law.equilibrium_gap)
-        length = self.adhesion.length
-        start, end = (0.0, 1.0) if length is None else shape.adhering_part(length)
-        interface = self.adhesion.interface(body.side("bottom", start, end), law, substrate)
-        usual = (Support(body.side(shape.usual_hold), (0,)),)
-        return (interface,), usual if self.held is None else self.held.supports(body)
-
-    def _with_files(self, document: dict[str, Any]) -> dict[str, Any]:
-        return document | {"body": document["body"] | self.body.files("body")}
-
-
-class SeveralBodies(Case):
-    """Bodies by their names, with any interfaces and supports."""
-
-    body: Annotated[
-        tuple[BodyTable, ...],
-        Field(description="a table [[body]] is needed for each body"),
-    ]
-    interface: Annotated[
-        tuple[InterfaceTable, ...],
-        Field(min_length=1, description="a table [[interface]] is needed for each interface, or none"),
-    ] = ()
-    support: Annotated[
-        tuple[SupportTable, ...],
-        Field(min_length=1, description="a table [[support]] is needed for each support, or none"),
-    ] = ()
-
-    def spaces(self) -> dict[str, RowSpace]:
-        """Build the spaces: keys of a body take the place of those of all bodies."""
-        units = self.units.system()
-        return {
-            table.name: table.row_space(f"body.{number}", self.discretization, units)
-            for number, table in enumerate(self.body, start=1)
-        }
-
-    def named(self, error: InputError) -> InputError:
-        """Return an error of the system with the key of the case in place of its field."""
-        for number, (table, space) in enumerate(zip(self.body, self.spaces().values(), strict=True), start=1):
-            values = {"space": (table.space, space.name), "across_degree": (table.across_degree,) * 2}
-            own, used = values.get(error.field, (None, None))
-            if own is not None and used == error.value:
-                return InputError(f"body.{number}.{error.field}", error.value, error.allowed)
-        return renamed(super().named(error), _LISTS)
-
-    @property
-    def width(self) -> float | None:
-        """That of all bodies, where one has any."""
-        return width_of(self.body)
-
-    @property
-    def _only(self) -> str:
-        return ""
-
-    def _placed(self) -> dict[str, PlacedBody]:
-        width_of(self.body)
-        return placed_bodies(self.body)
-
-    def _joined(self, placed: Mapping[str, PlacedBody]) -> tuple[tuple[Interface, ...], tuple[Support, ...]]:
-        units = self.units.system()
-        interfaces = tuple(
-            table.interface_of(f"interface.{number}", placed, units)
-            for number, table in enumerate(self.interface, start=1)
-        )
-        supports = tuple(
-            table.support(f"support.{number}", placed, units)
-            for number, table in enumerate(self.support, start=1)
-        )
-        boundaries = [one.boundary for one in interfaces] + [one.boundary for one in supports]
-        boundaries += [one.boundary for drive in self._drives(placed) for one in driven_boundaries(drive.on)]
-        check_held(list(placed), {boundary.body for boundary in boundaries})
-        return interfaces, supports
-
-    def _with_files(self, document: dict[str, Any]) -> dict[str, Any]:
-        bodies = [
-            written | table.files(f"body.{number}")
-            for number, (written, table) in enumerate(zip(document["body"], self.body, strict=True), start=1)
-        ]
-        return document | {"body": bodies}
-
-
-def _form_of(document: Mapping[str, Any]) -> type[Case]:
-    """Return the form of a case. Raises InputError where tables of both forms are mixed."""
-    several = [key for key in ("interface", "support") if key in document]
-    if not several and not isinstance(document.get("body"), list):
-        return OneBody
-    if not isinstance(document.get("body", []), list):
-        raise InputError("body", "[body]", f"with [[{several[0]}]] each body is a [[body]] with a name")
-    if not document.get("body"):
-        raise InputError("body", document.get("body"), "a table [[body]] is needed for each body")
-    for key, allowed in _SHORT.items():
-        if key in document:
-            raise InputError(key, f"[{key}]", f"with [[body]], {allowed}")
-    return SeveralBodies
 
 
 def _units(document: Mapping[str, Any]) -> UnitSystem:

@@ -1,0 +1,87 @@
+"""The form of a case for several bodies, interfaces and supports, each in a list of tables."""
+
+from collections.abc import Mapping
+from typing import Annotated, Any
+
+from pydantic import Field
+
+from isopeel.case.bodies import BodyTable, PlacedBody, check_held, placed_bodies, width_of
+from isopeel.case.boundaries import InterfaceTable, SupportTable
+from isopeel.case.case import Case
+from isopeel.case.errors import renamed
+from isopeel.common.errors import InputError
+from isopeel.problem import Interface, Support
+from isopeel.problem.boundary import driven_boundaries
+from isopeel.splines.rows import RowSpace
+
+#: Tables of the form for one body, and those of several that the system calls by these names.
+_LISTS = {"held": "support", "adhesion": "interface", "substrate": "interface.substrate"}
+
+
+class SeveralBodies(Case):
+    """Bodies by their names, with any interfaces and supports."""
+
+    body: Annotated[
+        tuple[BodyTable, ...],
+        Field(description="a table [[body]] is needed for each body"),
+    ]
+    interface: Annotated[
+        tuple[InterfaceTable, ...],
+        Field(min_length=1, description="a table [[interface]] is needed for each interface, or none"),
+    ] = ()
+    support: Annotated[
+        tuple[SupportTable, ...],
+        Field(min_length=1, description="a table [[support]] is needed for each support, or none"),
+    ] = ()
+
+    def spaces(self) -> dict[str, RowSpace]:
+        """Build the spaces: keys of a body take the place of those of all bodies."""
+        units = self.units.system()
+        return {
+            table.name: table.row_space(f"body.{number}", self.discretization, units)
+            for number, table in enumerate(self.body, start=1)
+        }
+
+    def named(self, error: InputError) -> InputError:
+        """Return an error of the system with the key of the case in place of its field."""
+        for number, (table, space) in enumerate(zip(self.body, self.spaces().values(), strict=True), start=1):
+            values = {"space": (table.space, space.name), "across_degree": (table.across_degree,) * 2}
+            own, used = values.get(error.field, (None, None))
+            if own is not None and used == error.value:
+                return InputError(f"body.{number}.{error.field}", error.value, error.allowed)
+        return renamed(super().named(error), _LISTS)
+
+    @property
+    def width(self) -> float | None:
+        """That of all bodies, where one has any."""
+        return width_of(self.body)
+
+    @property
+    def _only(self) -> str:
+        return ""
+
+    def _placed(self) -> dict[str, PlacedBody]:
+        width_of(self.body)
+        return placed_bodies(self.body)
+
+    def _joined(self, placed: Mapping[str, PlacedBody]) -> tuple[tuple[Interface, ...], tuple[Support, ...]]:
+        units = self.units.system()
+        interfaces = tuple(
+            table.interface_of(f"interface.{number}", placed, units)
+            for number, table in enumerate(self.interface, start=1)
+        )
+        supports = tuple(
+            table.support(f"support.{number}", placed, units)
+            for number, table in enumerate(self.support, start=1)
+        )
+        boundaries = [one.boundary for one in interfaces] + [one.boundary for one in supports]
+        boundaries += [one.boundary for drive in self._drives(placed) for one in driven_boundaries(drive.on)]
+        check_held(list(placed), {boundary.body for boundary in boundaries})
+        return interfaces, supports
+
+    def _with_files(self, document: dict[str, Any]) -> dict[str, Any]:
+        bodies = [
+            written | table.files(f"body.{number}")
+            for number, (written, table) in enumerate(zip(document["body"], self.body, strict=True), start=1)
+        ]
+        return document | {"body": bodies}
