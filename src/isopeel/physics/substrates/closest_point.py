@@ -2,8 +2,7 @@
 
 The closest point (s, f(s)) to (x, y) is a minimum of the distance, at which
 g(s) = (s - x) + (f(s) - y) f'(s) turns from negative to positive. Compiled code takes a curve as a function
-of a place s and of constants (a tuple), which returns f, f' and f''. A function that takes a curve is
-inlined, because Numba could not cache it.
+of a place s and of constants, which returns f, f' and f''.
 """
 
 from collections.abc import Callable
@@ -11,54 +10,65 @@ from functools import cache
 from typing import Any
 
 import numpy as np
-from numba import njit
+from numba import float64, int64, void
 
-from isopeel.common.compilation import EXACT
-from isopeel.physics.batch import SUBSTRATE_SIGNATURE, BatchFunction
-from isopeel.physics.points import compile_text, constant_names, inlined
+from isopeel.common.arrays import FloatArray
+from isopeel.physics.batch import SUBSTRATE_SIGNATURE, BatchFunction, compile_batch, of_address
+from isopeel.physics.points import PointLoop, compile_points, inlined
+
+_VECTOR = float64[::1]
+_CURVE_SIGNATURE = void(_VECTOR, _VECTOR, int64, _VECTOR, _VECTOR, _VECTOR)
+_curve_at = of_address(_CURVE_SIGNATURE)
+
+#: A graph y = f(x); the first parameter is the address of its compiled loop.
+GRAPH_LOOP = PointLoop(
+    _CURVE_SIGNATURE,
+    "place, parameters, count, height, slope, second",
+    {"x": "place[n]"},
+    ("height[n]", "slope[n]", "second[n]"),
+    first=1,
+)
 
 _SAMPLES = 65  # an odd number: the one in the middle lies straight below or above the point
 _MOST_STEPS = 100  # halving alone needs 53 to the last digit
 
 
 @cache
-def graph_kernel(graph: Callable[..., Any]) -> BatchFunction:
-    """Batch function of gap, normal and curvature for f, f' and f'' as formulas of x and constants.
+def curve_kernel(graph: Callable[..., Any]) -> BatchFunction:
+    """Batch function of f, f' and f'' as formulas of `x` and constants, for `graph_kernel`."""
+    return compile_points(GRAPH_LOOP, graph)
 
-    The closest point is the true one where the curve has no bump, dip or step narrower than a tenth of its
+
+@cache
+def graph_kernel() -> BatchFunction:
+    """Batch function of gap, normal and curvature: one for all graphs.
+
+    Its parameters are the address of a `curve_kernel`, which a float holds exactly, and the constants. The
+    closest point is the true one where the curve has no bump, dip or step narrower than a tenth of its
     distance straight below or above the point; else it may be another minimum of the distance. All is nan
     where f has no value there, or ends where it would be closest.
     """
-    constants = "".join(f"parameters[{k}], " for k in range(len(constant_names(graph, "x"))))
-    text = f"""
-def batch(position, parameters, count, gap, normal, curvature):
-    project(curve, ({constants}), position, count, gap, normal, curvature)
-"""
-    return compile_text(SUBSTRATE_SIGNATURE, text, {"curve": _curve(graph), "project": _project}, graph)
+    return compile_batch(SUBSTRATE_SIGNATURE, _project)
 
 
-def _curve(graph: Callable[..., Any]) -> Any:
-    formulas = njit(**EXACT)(graph)
-
-    def curve(x: float, constants: tuple[float, ...]) -> tuple[float, float, float]:
-        f, slope, second = formulas(x, *constants)
-        return f, slope, second
-
-    return njit(**EXACT)(curve)
-
-
-@inlined
 def _project(
-    curve: Any, constants: Any, position: Any, count: int, gap: Any, normal: Any, curvature: Any
+    position: FloatArray,
+    parameters: FloatArray,
+    count: int,
+    gap: FloatArray,
+    normal: FloatArray,
+    curvature: FloatArray,
 ) -> None:
-    places = np.empty(_SAMPLES)
-    heights = np.empty(_SAMPLES)
+    curve = _curve_at(int(parameters[0]))
+    samples = np.empty((4, _SAMPLES))
+    places, heights = samples[0], samples[1]
+    graph = parameters, np.empty((4, 1))
     square = np.empty(_SAMPLES)
     last = _SAMPLES - 1
     for n in range(count):
         x = position[0, n]
         y = position[1, n]
-        reach = abs(curve(x, constants)[0] - y)
+        reach = abs(_on_graph(x, graph)[0] - y)
         bound = closest = np.inf
         foot = np.nan
         # nothing farther along x than a known distance can be closer; near a steep slope the first distance,
@@ -66,11 +76,12 @@ def _project(
         while True:
             for k in range(_SAMPLES):
                 places[k] = x + reach * (2 * k - last) / last
-                heights[k] = curve(places[k], constants)[0]
+            curve(places, parameters, _SAMPLES, heights, samples[2], samples[3])
+            for k in range(_SAMPLES):
                 square[k] = (places[k] - x) ** 2 + (heights[k] - y) ** 2
             for k in range(1, last):
                 if square[k] <= square[k - 1] and square[k] <= square[k + 1]:
-                    s, f, _, _ = minimum(curve, constants, x, y, places[k - 1], places[k], places[k + 1])
+                    s, f, _, _ = minimum(_on_graph, graph, x, y, places[k - 1], places[k], places[k + 1])
                     distance = np.hypot(s - x, f - y)
                     if distance <= closest:
                         closest = distance
@@ -82,8 +93,18 @@ def _project(
             if not bound < 0.5 * reach:
                 break
             reach = bound
-        f, slope, second = curve(foot, constants)
+        f, slope, second = _on_graph(foot, graph)
         gap[n], normal[0, n], normal[1, n], curvature[n] = seen_from(x, y, (foot, f, slope, second))
+
+
+@inlined
+def _on_graph(x: float, graph: tuple[FloatArray, FloatArray]) -> tuple[float, float, float]:
+    """Return f, f' and f''."""
+    parameters, at = graph
+    curve = _curve_at(int(parameters[0]))
+    at[0, 0] = x
+    curve(at[0], parameters, 1, at[1], at[2], at[3])
+    return at[1, 0], at[2, 0], at[3, 0]
 
 
 @inlined

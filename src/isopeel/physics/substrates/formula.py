@@ -19,7 +19,7 @@ from isopeel.physics.formula import (
     point_function,
 )
 from isopeel.physics.formula_dimensions import FormulaDimensions
-from isopeel.physics.substrates.closest_point import graph_kernel
+from isopeel.physics.substrates.closest_point import curve_kernel, graph_kernel
 
 if TYPE_CHECKING:
     import sympy
@@ -59,13 +59,14 @@ class FormulaSubstrate:
 
     @property
     def parameters(self) -> FloatArray:
-        """Values of the constants, in the alphabetic order of their names."""
-        return np.array(list(self.constants.values()), dtype=np.float64)
+        """The address of the curve, and the constants in the alphabetic order of their names."""
+        curve = curve_kernel(_graph(self.formula, tuple(self.constants)))
+        return np.array([curve.address, *self.constants.values()], dtype=np.float64)
 
     @property
     def kernel(self) -> BatchFunction:
         """Batch function of gap, normal and curvature."""
-        return graph_kernel(_graph(self.formula, tuple(self.constants)))
+        return graph_kernel()
 
     @property
     def constant_curvature(self) -> bool:

@@ -11,7 +11,7 @@ from isopeel.common.arrays import FloatArray
 from isopeel.common.components import Component, named_dataclass
 from isopeel.physics.batch import BatchFunction
 from isopeel.physics.points import SUBSTRATE_LOOP, check_arguments, compile_points
-from isopeel.physics.substrates.closest_point import graph_kernel
+from isopeel.physics.substrates.closest_point import GRAPH_LOOP, curve_kernel, graph_kernel
 
 Kind = TypeVar("Kind", bound="type[RigidSubstrate]")
 
@@ -48,19 +48,21 @@ class RigidSubstrate(Component):
 
     @property
     def parameters(self) -> FloatArray:
-        """Numbers handed to the kernel: the constants."""
-        return np.array(self.constants(), dtype=np.float64)
+        """Numbers handed to the kernel: the constants, after the address of the curve of a graph."""
+        kind: Any = type(self)
+        constants = self.constants()
+        if hasattr(kind, "at_point"):
+            check_arguments(kind.at_point, SUBSTRATE_LOOP.inputs, constants)
+            return np.array(constants, dtype=np.float64)
+        graph = kind.graph if hasattr(kind, "graph") else _graph(kind)
+        check_arguments(graph, GRAPH_LOOP.inputs, constants)
+        return np.array([curve_kernel(graph).address, *constants], dtype=np.float64)
 
     @property
     def kernel(self) -> BatchFunction:
         """Batch function of gap, normal and curvature."""
         kind: Any = type(self)
-        if hasattr(kind, "at_point"):
-            check_arguments(kind.at_point, SUBSTRATE_LOOP.inputs, self.constants())
-            return substrate_kernel(kind.at_point)
-        graph = kind.graph if hasattr(kind, "graph") else _graph(kind)
-        check_arguments(graph, "x", self.constants())
-        return graph_kernel(graph)
+        return substrate_kernel(kind.at_point) if hasattr(kind, "at_point") else graph_kernel()
 
 
 @dataclass_transform(frozen_default=True)
