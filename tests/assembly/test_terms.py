@@ -9,7 +9,8 @@ import pytest
 from numba.core.dispatcher import Dispatcher
 
 from isopeel.assembly.equations import Iterate, evaluate
-from isopeel.assembly.loops import Sums, TermList, add_terms
+from isopeel.assembly.load_kernel import add_load
+from isopeel.assembly.loops import Sums, TermList, add_terms, compile_loops
 from isopeel.assembly.packing import Flags2, Floats1, Floats3, Integers2, packed, reader
 from isopeel.assembly.spaces import SpaceOfBodies
 from isopeel.assembly.system import System
@@ -120,6 +121,8 @@ def test_no_solver_function_is_compiled_anew_for_other_terms() -> None:
             evaluate(some, system.maximum_openings.ravel(), moved, scalars, at)
 
     go(strip(), row_space("N2.1", (40, 2)))
+    # if the loops of loads are not cached, the functions that they call are compiled with them, once
+    compile_loops(add_load)
     known = signatures()
     assert known["isopeel.solve.quasi_newton", "corrected"] == 1
     material, law = SaintVenantKirchhoff(1.0, 0.3), Exponential(0.06, 0.015, 0.25)
