@@ -142,11 +142,20 @@ def test_a_second_stage_begins_where_the_first_one_ended(tmp_path: Path) -> None
     np.testing.assert_allclose(found, expected, rtol=0, atol=1e-8 * np.abs(expected).max())
 
 
-def test_a_run_of_other_bodies_is_not_replaced(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+@pytest.mark.parametrize(
+    ("value", "table"),
+    [
+        ("body.2.height='3 nm'", "body"),
+        ("interface.1.length='10 nm'", "interface"),
+        ("load=[{ boundary = 'upper.top', force = '1e-3 N/m', angle = '90 deg' }]", "load"),
+    ],
+)
+def test_a_run_of_other_bodies_is_not_replaced(
+    value: str, table: str, folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     case = folder.parent / "case.toml"
-    values = ["--set", "body.2.height=3 nm", "--out", str(folder)]
-    assert main(["run", str(case), *values]) == 2
-    assert "a run of another case 'both', with other values in [body]" in capsys.readouterr().err
+    assert main(["run", str(case), "--set", value, "--out", str(folder)]) == 2
+    assert f"a run of another case 'both', with other values in [{table}]" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(

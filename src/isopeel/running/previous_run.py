@@ -37,7 +37,7 @@ from isopeel.solve.step import KINDS
 _SAME = 1e-9
 _ANOTHER = "give another folder, or --force"
 #: Tables of a case file that define the problem; the others define the computation and its end.
-_PHYSICS = ("units", "body", "material", "adhesion", "substrate", "held", "interface", "support")
+_PHYSICS = ("units", "body", "material", "adhesion", "substrate", "held", "interface", "support", "load")
 #: Keys in them that do not: options of the command line change them, or they belong to the space.
 _OTHERS = ("traction", "space", "mesh", "across_degree", "grading")
 
