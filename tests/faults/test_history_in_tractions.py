@@ -92,7 +92,7 @@ left = "xy"
 space = "N2.1"
 mesh = "72x2"
 [output]
-fields_every = "0.3 mm"
+fields_every = "0.1 mm"
 """
 )
 CANTILEVER_STAGES = (

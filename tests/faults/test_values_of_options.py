@@ -57,7 +57,7 @@ def test_a_state_is_chosen_in_any_unit(folder: Path, written: str) -> None:
     console = Console(record=True)
     (chosen,) = chosen_states(shown_stage(folder), [written], console)
     assert console.export_text() == ""
-    assert chosen == pytest.approx(0.05, rel=1e-12)  # in micrometres
+    assert chosen.parameter == pytest.approx(0.05, rel=1e-12)  # in micrometres
 
 
 @pytest.mark.parametrize(
