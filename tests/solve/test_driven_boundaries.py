@@ -84,6 +84,35 @@ def test_opposite_factors_on_mirror_images_give_the_curve_of_one(name: str, cont
     assert energies[1] > energies[0]
 
 
+#: A double cantilever: the lower arm adheres with its upper side to a plane that faces downwards.
+_SHAPE = rectangle(LENGTH, HEIGHT)
+LOWER = Body(replace(_SHAPE, control_points=_SHAPE.control_points - [0.0, HEIGHT]), MATERIAL, "lower")
+BELOW = Interface(LOWER.side("top", 0.0, 0.75), LAW, Flat(0.0, -np.pi / 2), sliding_length=0.3)
+ARMS = (ONE.side("right"), 1.0), (LOWER.side("right"), -1.0)
+
+
+@pytest.mark.parametrize("control", ["newton", "auto"])
+@pytest.mark.parametrize(
+    "drive", [MovedSide(RIGHT, np.pi / 2), PulledSide(RIGHT, np.pi / 2)], ids=["moved", "pulled"]
+)
+def test_a_double_cantilever_has_the_forces_of_its_half(drive: MovedSide | PulledSide, control: str) -> None:
+    places = np.linspace(0.0, 3.0, 31)
+    half = path(single(drive), places, control)
+    expected = np.array([step.reaction for step in half])
+    supports = (ENDS[0], Support(LOWER.side("left"), (0,)))
+    whole = Problem("double", (ONE, LOWER), (JOINT, BELOW), supports, replace(drive, on=ARMS))
+    is_pulled = isinstance(drive, PulledSide)
+    # a force that is found works on the opening, a motion of both arms is that of each
+    steps = path(whole, 2 * places if is_pulled else places, control)
+    found, each = (np.array([getattr(step, name) for step in steps]) for name in ("reaction", "reactions"))
+    # two bodies in one system, to the tolerance of the solver
+    allowed = 1e-8 * np.abs(expected).max()
+    np.testing.assert_allclose(each, np.outer(expected, [1.0, -1.0]), rtol=0, atol=allowed)
+    np.testing.assert_allclose(found, (1 if is_pulled else 2) * expected, rtol=0, atol=allowed)
+    # the joint opens
+    assert steps[-1].adhesive_energy - steps[0].adhesive_energy > 0.01 * abs(steps[0].adhesive_energy)
+
+
 @pytest.mark.parametrize("drive", [RotatedSide(RIGHT), MovedSide(RIGHT, np.pi / 2)])
 def test_a_factor_scales_the_motion(drive: RotatedSide | MovedSide) -> None:
     """Bodies that do not meet: each has the reaction of its own motion, the factor times the parameter."""
@@ -198,6 +227,8 @@ def test_a_distance_that_is_prescribed_does_not_hold_two_bodies() -> None:
     loose = tuple(Support(body.side("bottom"), (1,)) for body in (ONE, OTHER))
     apart = PulledSide(((RIGHT, 1.0), (LEFT, -1.0)), 0.0)
     problem = Problem("loose", (ONE, OTHER), (), loose, apart)
-    with pytest.raises(InputError, match="'a motion along x' cannot be used; nothing prevents"):
+    with pytest.raises(
+        InputError, match=r"'a motion along x of the body \w+' cannot be used; nothing prevents"
+    ):
         System(problem, {"one": SPACE, "other": SPACE})
     System(replace(problem, supports=(*loose, ENDS[0])), {"one": SPACE, "other": SPACE})

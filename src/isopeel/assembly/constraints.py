@@ -210,7 +210,7 @@ def _motions(spaces: Spaces, points: FloatArray) -> tuple[Motion, ...]:
         functions = spaces.boundary(boundary)
         if np.isin(functions, taken).any():
             allowed = "the drive moves another boundary that shares points with it; leave an element between"
-            raise InputError("drive.boundary", name, allowed)
+            raise InputError("drive.on", name, allowed)
         taken = np.concatenate([taken, functions])
         motions.append(Motion(drive, boundary, functions, points[functions], factor))
     return tuple(motions)

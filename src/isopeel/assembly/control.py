@@ -20,6 +20,7 @@ class Control:
 
     constraints: Constraints
     loads: tuple[LoadTerm, ...]  # none of a constraint
+    factors: tuple[float, ...]  # of the boundaries
 
     @property
     def raises_load(self) -> bool:

@@ -105,7 +105,9 @@ class System:
         self.held: tuple[LoadTerm, ...] = tuple(load for load in self.loads if not load.of_drive)
         driving = tuple(load for load in self.loads if load.of_drive)
         #: How the parameter of the drive enters the equations.
-        self.control: Control = Control(self.constraints, driving)
+        self.control: Control = Control(
+            self.constraints, driving, tuple(one.factor for one in problem.driven)
+        )
         tangents = check_start(self.spaces, tables, self.control, base)
         self.interfaces: tuple[InterfaceTerm, ...] = tuple(
             # gaps are known to the round-off of positions

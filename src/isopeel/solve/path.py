@@ -141,15 +141,15 @@ class Path:
 
     def _reactions(self, result: NewtonResult, parameter: float, total: float) -> tuple[float, ...]:
         """Return the reactions of several boundaries, whose sum by their factors is the total reaction."""
-        control, driven = self.system.control, self.system.problem.driven
-        if len(driven) == 1:
+        control = self.system.control
+        factors = control.factors
+        if len(factors) == 1:
             return ()
         forces, u = result.equilibrium.forces, result.displacement
         found = control.reactions(forces, u, result.load, parameter)
         if self.system.global_unknowns:
             return found
         # the total reaction is corrected by the residual, and each of these by its share
-        factors = [one.factor for one in driven]
         rest = total - sum(factor * one for factor, one in zip(factors, found, strict=True))
         share = rest / sum(factor**2 for factor in factors)
         return tuple(one + factor * share for factor, one in zip(factors, found, strict=True))

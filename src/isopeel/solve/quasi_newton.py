@@ -161,7 +161,7 @@ class QuasiNewton:
         # a tangent made for the last step may mean that it has snapped on: slopes are of the states before
         last = None if self.solver_state is not None and self.solver_state.steps == 1 else last
         # the error of a reaction is of second order in that of the unknowns, but of its parts of first order
-        share = _EXACT if len(system.problem.driven) > 1 else 1.0
+        share = _EXACT if len(system.control.factors) > 1 else 1.0
         result = self._solve(guess, parameter, last, share * self._settings.tolerance, skip_share)
         if result is None:
             self.forget()

@@ -1,0 +1,78 @@
+"""A run whose drive acts on two arms while a load is held: its table, its file, and how it is resumed."""
+
+import csv
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from isopeel.cli import main
+from isopeel.running.run_reader import read_stages
+
+ARM = """
+[[body]]
+name = "{name}"
+at = ["0 nm", "{at}"]
+length = "20 nm"
+height = "2 nm"
+material = {{ law = "neo-hooke", youngs_modulus = "2 GPa", poissons_ratio = 0.3 }}
+
+[[support]]
+boundary = "{name}.left"
+holds = "xy"
+"""
+CASE = (
+    'name = "two-arms"\n[discretization]\nspace = "N2"\nmesh = "10x1"\n'
+    + ARM.format(name="upper", at="0 nm")
+    + ARM.format(name="lower", at="-3 nm")
+    + """
+[drive]
+kind = "force"
+angle = "90 deg"
+to = "1 nm"
+step = "0.25 nm"
+
+[[drive.on]]
+boundary = "upper.right"
+
+[[drive.on]]
+boundary = "lower.right"
+factor = -1.0
+
+[[load]]
+boundary = "upper.top"
+start = "10 nm"
+force = "1e-4 N/m"
+angle = "90 deg"
+"""
+)
+
+
+def table(folder: Path) -> dict[str, list[float]]:
+    with (folder / "curve.csv").open(encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    names = [name for name in rows[0] if name.partition(" ")[0] not in ("kind", "seconds")]
+    return {name.partition(" ")[0]: [float(row[name]) for row in rows] for name in names}
+
+
+def test_reactions_and_works_are_tabulated_stored_and_resumed(tmp_path: Path) -> None:
+    (tmp_path / "case.toml").write_text(CASE, "utf-8")
+    whole, short = tmp_path / "whole", tmp_path / "short"
+    assert main(["run", str(tmp_path / "case.toml"), "--out", str(whole)]) == 0
+    columns = table(whole)
+    force = np.array(columns["force"])
+    # the load bends the upper arm by itself: less force is needed to open by as much
+    assert force[0] < 0 < force[-1]
+    np.testing.assert_array_equal(columns["upper.right"], force)
+    np.testing.assert_array_equal(columns["lower.right"], -force)
+    # energies take the works of both: the trapezoidal rule is exact to second order in the step
+    energy, load = np.array(columns["stored_energy"]), np.array(columns["load_work"])
+    stored = read_stages(whole)[0].run.curve
+    work = float(np.sum((stored.reaction[1:] + stored.reaction[:-1]) / 2)) * 0.25
+    assert stored.boundaries == ("upper.right", "lower.right")
+    change = stored.stored_energy[-1] - stored.stored_energy[0]
+    assert change == pytest.approx(work + stored.load_work[-1] - stored.load_work[0], rel=1e-3)
+    assert (energy[-1] > energy[0], load[-1] > load[0]) == (True, True)
+    assert main(["run", str(tmp_path / "case.toml"), "--to", "0.5 nm", "--out", str(short)]) == 0
+    assert main(["resume", str(short), "--to", "1 nm"]) == 0
+    assert table(short) == columns
