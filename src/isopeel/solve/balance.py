@@ -81,11 +81,12 @@ def energy_round_off(system: System) -> float:
     return float(np.finfo(float).eps) * system.energy_scale
 
 
-def misfit(last: list[AcceptedState], other: AcceptedState, allowed: float) -> Misfit:
+def misfit(last: list[AcceptedState], other: AcceptedState, allowed: float, round_off: float) -> Misfit:
     """Return the misfit of the step from the last accepted state to another one.
 
-    It is judged by the energy `allowed` and by the work of the step. The error of the trapezoidal rule over a
-    step h is h^3/6 times the second divided difference of the rate (Davis and Rabinowitz, Methods of
+    It is judged by the energy `allowed`, by the work of the step and by the `round_off` of the energies: that
+    may be larger than the work where a weak joint holds a stiff body. The error of the trapezoidal rule over
+    a step h is h^3/6 times the second divided difference of the rate (Davis and Rabinowitz, Methods of
     Numerical Integration, Sec. 2.1.4), which is taken from the last three states.
     """
     one = last[-1]
@@ -93,7 +94,7 @@ def misfit(last: list[AcceptedState], other: AcceptedState, allowed: float) -> M
     step = other.parameter - p
     size = abs(step)
     most = max(abs(rate), abs(other.rate)) * size
-    round_off = ROUND_OFF * max(abs(one.energy), abs(other.energy)) + _REACTION * most
+    round_off += ROUND_OFF * max(abs(one.energy), abs(other.energy)) + _REACTION * most
     error = 0.0
     if len(last) > 2:
         a, b = last[-3], last[-2]

@@ -119,7 +119,8 @@ class Branch:
             return False
         gained = simpson_misfits(one, half, other)
         most = max(abs(state.rate) for state in (one, half, other)) * abs(other.parameter - one.parameter)
-        enough = min(path.gain_allowed, MISFIT * most) + ROUND_OFF * max(abs(one.energy), abs(other.energy))
+        round_off = ROUND_OFF * max(abs(one.energy), abs(other.energy)) + path.round_off
+        enough = min(path.gain_allowed, MISFIT * most) + round_off
         for (first, last), rest in zip(pairwise((one, half, other)), gained, strict=True):
             if abs(rest) <= enough:
                 continue
@@ -158,7 +159,7 @@ class Branch:
                 continue
             state = path.accepted_state_of(result, at)
             # several of these make one step, and share what it may gain
-            missed = misfit(states, state, path.gain_allowed / 4)
+            missed = misfit(states, state, path.gain_allowed / 4, path.round_off)
             smooth = by_order and missed.is_slight and abs(missed.gained) <= CUBIC * longer
             if missed.fits or smooth:
                 states.append(state)

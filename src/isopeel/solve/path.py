@@ -12,7 +12,16 @@ from isopeel.assembly.system import Equilibrium, System
 from isopeel.common.arrays import FloatArray
 from isopeel.common.errors import InputError
 from isopeel.physics.batch import evaluate_substrate
-from isopeel.solve.balance import MISFIT, NO_MISFIT, ROUND_OFF, Misfit, gain_allowed, misfit, released
+from isopeel.solve.balance import (
+    MISFIT,
+    NO_MISFIT,
+    ROUND_OFF,
+    Misfit,
+    energy_round_off,
+    gain_allowed,
+    misfit,
+    released,
+)
 from isopeel.solve.branch import SOON, Branch
 from isopeel.solve.descent import Descent, descend, potential_energy
 from isopeel.solve.newton import ConvergenceError, NewtonResult, NewtonSettings, newton
@@ -51,6 +60,8 @@ class Path:
         self.has_energy: bool = system.has_potential
         #: Energy that any step may gain without work.
         self.gain_allowed: float = gain_allowed(system)
+        #: Round-off of the energy of any state.
+        self.round_off: float = energy_round_off(system)
         #: Size of the body, and its control points (size, 2).
         self.extent: float = extent(system.problem)
         self.points: FloatArray = system.spaces.control_points()
@@ -188,10 +199,10 @@ class Path:
             gained = state.energy - one.energy
             return Misfit(gained, gained > self.gain_allowed, releases=False)
         work = max(abs(one.rate), abs(state.rate)) * abs(state.parameter - one.parameter)
-        if abs(released(one, state)) <= min(self.gain_allowed, MISFIT * work):
+        if abs(released(one, state)) <= min(self.gain_allowed, MISFIT * work) + self.round_off:
             # nearly all steps end here, after a few sums
             return NO_MISFIT
-        return misfit(self.history, state, self.gain_allowed)
+        return misfit(self.history, state, self.gain_allowed, self.round_off)
 
     def negative_eigenvalues(self, found: Found, *, always: bool = False) -> int | None:
         """Count the negative eigenvalues of the tangent at an equilibrium; return None where not counted.
