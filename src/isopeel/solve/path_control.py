@@ -124,6 +124,7 @@ def _cut(path: Path, parameters: Iterable[float]) -> Iterator[Found]:
         last = path.history[-1].parameter if path.history else parameter
         size = whole = parameter - last
         path.branch.forget()
+        has_bifurcated = False
         while True:
             whole_rest = abs(size) >= (1 - LEAST_REST) * abs(parameter - last)
             aim = parameter if whole_rest else last + size
@@ -165,6 +166,10 @@ def _cut(path: Path, parameters: Iterable[float]) -> Iterator[Found]:
             if found.negative:
                 for over in change_branch(path, found):
                     whole_rest = over.kind != "bifurcation" and over.parameter == parameter
+                    if over.kind == "bifurcation" and has_bifurcated:
+                        # its branches have nearly the same energy: a step has met the unstable one again
+                        over = over._replace(kind="between")
+                    has_bifurcated |= over.kind == "bifurcation"
                     last, before = over.parameter, last
                     yield over._replace(resumes=whole_rest)
                 size = 2 * (last - before) or whole
