@@ -46,7 +46,7 @@ def refused(text: str, folder: Path, capsys: pytest.CaptureFixture[str], *option
     ("stages", "message"),
     [
         (400 * FINE, "drive: '400 stages' cannot be used; a case has at most 100 stages"),  # as given
-        ((MOST_STAGES + 1) * COARSE, f"drive: '{MOST_STAGES + 1} stages' cannot be used; at most"),
+        ((MOST_STAGES + 1) * COARSE, f"drive: '{MOST_STAGES + 1} stages' cannot be used; a case has at most"),
         (3 * FINE, f"'3 stages of 300000 steps in all' cannot be used; at most {MOST_STEPS_IN_ALL} steps"),
         (2 * FINE + COARSE, "'3 stages of 200002 steps in all' cannot be used"),
         (100 * FINE, "'100 stages of 10000000 steps in all' cannot be used"),

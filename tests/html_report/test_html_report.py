@@ -236,7 +236,7 @@ def test_the_command_refuses_in_one_line(
     cases: list[tuple[list[str], str]] = [
         ([str(tmp_path / "nowhere")], "it is no folder"),
         ([str(tmp_path)], "there is no run.h5 in it"),
-        ([str(folder), "--out", str(tmp_path)], "it is a folder, and no file"),
+        ([str(folder), "--out", str(tmp_path)], "it is a folder, which is never replaced"),
         ([str(folder), "--out", str(tmp_path / "no" / "a.html")], "cannot be written"),
     ]
     for arguments, message in cases:
