@@ -177,13 +177,15 @@ def constrain(
             for motion in motions:
                 moves = motion.constraint.freedoms[component] in ("tied", "prescribed")
                 if moves and np.isin(held, motion.functions).any():
-                    allowed = f"the drive moves the side {motion.boundary.side}, which shares points with it"
-                    raise InputError("held", support.side, allowed)
+                    moved = problem.side_name(motion.boundary)
+                    allowed = f"the drive moves the side {moved}, which shares points with it"
+                    raise InputError("held", problem.side_name(support.boundary), allowed)
             groups[held, component] = HELD
             offset[held, component] = u0[held, component]
     if (groups == HELD).all():
         allowed = "on this mesh the whole body is held or moved by the drive; take a finer mesh, or hold less"
-        raise InputError("held", [support.side for support in problem.supports], allowed)
+        sides = [problem.side_name(support.boundary) for support in problem.supports]
+        raise InputError("held", sides, allowed)
     unknowns = np.empty(groups.shape, dtype=np.int64)
     count = 0
     for name, place in spaces.places.items():

@@ -123,17 +123,16 @@ def load_terms(
     loads += [_Loaded(one.boundary, one.force, False, one.direction, False) for one in problem.loads]
     terms = tuple(LoadTerm.of(load, spaces, base) for load in loads)
     for load, term in zip(loads, terms, strict=True):
-        _check_free(load, term.pattern, constraints)
+        _check_free(problem.side_name(load.boundary), load, term.pattern, constraints)
     return terms
 
 
-def _check_free(load: _Loaded, pattern: FloatArray, constraints: Constraints) -> None:
+def _check_free(side: str, load: _Loaded, pattern: FloatArray, constraints: Constraints) -> None:
     """Raise InputError where a component of a load, of a pattern (size, 2), would press on a support alone.
 
     Its displacement along that component is zero whatever the force, so that one does not follow from the
     other. Where a part of the side is held, such as a corner that it shares with another one, the rest moves.
     """
-    side = load.boundary.side
     for component, name in enumerate("xy"):
         loaded = pattern[:, component] != 0
         if load.direction[component] and (constraints.unknowns[loaded, component] == HELD).all():

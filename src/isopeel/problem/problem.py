@@ -147,6 +147,10 @@ class Problem:
         (boundary, factor), *others = self.driven
         return None if others or factor != 1.0 else boundary.side
 
+    def side_name(self, boundary: Boundary) -> str:
+        """Side of a boundary, with its body where there are several: `right`, or `upper.right`."""
+        return boundary.side if len(self.bodies) == 1 else f"{boundary.body}.{boundary.side}"
+
     def body_of(self, name: str) -> Body:
         """The body of a name."""
         return next(body for body in self.bodies if body.name == name)
