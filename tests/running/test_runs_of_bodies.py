@@ -169,7 +169,7 @@ def test_a_run_of_other_bodies_is_not_replaced(
         ),
         (
             {"interface.2.substrate.height": "1 nm"},
-            "interface.substrate.gap",
+            "interface.2.substrate.gap",
             "must not overlap the substrate",
         ),
         (

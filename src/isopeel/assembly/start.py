@@ -43,9 +43,14 @@ def check_start(
     problem = spaces.problem
     held: dict[str, list[FloatArray]] = {body.name: [] for body in problem.bodies}
     tangents = []
-    for interface, side in zip(problem.interfaces, sides, strict=True):
+    for number, (interface, side) in enumerate(zip(problem.interfaces, sides, strict=True), start=1):
         body = problem.body_of(interface.boundary.body)
-        rows, tangent = _check_interface(interface, side, extent_of(body), base)
+        try:
+            rows, tangent = _check_interface(interface, side, extent_of(body), base)
+        except InputError as error:
+            if len(problem.interfaces) == 1:
+                raise
+            raise InputError(f"interface.{number}.{error.field}", error.value, error.allowed) from error
         held[body.name] += rows
         tangents.append(frozen(tangent))
     free = _free_motion(_held(spaces, held, control), {body.name: extent_of(body) for body in problem.bodies})

@@ -14,8 +14,9 @@ from isopeel.problem import Interface, Support
 from isopeel.problem.boundary import driven_boundaries
 from isopeel.splines.rows import RowSpace
 
-#: Tables of the form for one body, and those of several that the system calls by these names.
-_LISTS = {"held": "support", "adhesion": "interface", "substrate": "interface.substrate"}
+#: Tables of the form for one body, and those of several that the system calls by these names. It numbers
+#: substrates where there are several interfaces.
+_LISTS = {"held": "support", "adhesion": "interface", "substrate": "interface.1.substrate"}
 
 
 class SeveralBodies(Case):
