@@ -267,7 +267,7 @@ BAD: list[tuple[str, str, str, str]] = [
     ('length = "15 nm"', 'length = "25 nm"', "interface.1.length", "at most 20"),
     ('length = "15 nm"', 'length = "15 nm"\nstart = "6 nm"', "interface.1.length", "which is 20 nm long"),
     ('length = "15 nm"', 'start = "21 nm"', "interface.1.start", "which is 20 nm long"),
-    ('length = "15 nm"', "end = 1.5", "interface.1.end", "which is 20 nm long"),
+    ('length = "15 nm"', "end = 1.5", "interface.1.end", "a number is the parameter along the side"),
     ('length = "15 nm"', "start = 0.5\nend = 0.5", "interface.1.end", "beyond the start"),
     ('length = "15 nm"', "length = '5 nm'\nstart = 0.1\nend = 0.5", "interface.1.length", "not with both"),
     ('length = "15 nm"', "start = true", "interface.1.start", "a number from 0 to 1"),

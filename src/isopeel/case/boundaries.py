@@ -73,6 +73,8 @@ class BoundaryTable(Section):
             if place is not None and not 0 <= place.value <= (
                 _length_to(curve, 1.0) if place.is_length else 1.0
             ):
+                if not place.is_length:
+                    allowed = f"a number is the parameter along the side, from 0 to 1; {allowed}"
                 raise InputError(f"{key}.{field}", place.value, allowed)
         if self.length is None:
             start = 0.0 if self.start is None else self.start.parameter(curve)
