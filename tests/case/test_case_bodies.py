@@ -344,3 +344,34 @@ def test_a_plane_does_not_lie_along_an_arc() -> None:
     text = changed('length = "20 nm"', 'shape = "curved-strip"\nlength = "20 nm"\nradius = "15 nm"')
     with pytest.raises(InputError, match=r"interface\.1\.substrate: .* along a straight boundary only"):
         Case.parse(text)
+
+
+SECOND = """
+[[interface]]
+boundary = "upper.bottom"
+law = "exponential"
+strength = "80 MPa"
+work_of_adhesion = "0.03 J/m^2"
+{part}
+"""
+
+
+def test_parts_of_a_side_that_overlap_on_one_substrate_are_refused() -> None:
+    """Their adhesion would add up unnoticed. The first one ends at 15 nm."""
+    with pytest.raises(InputError) as caught:
+        Case.parse(TWO + SECOND.format(part='start = "14.9 nm"'))
+    assert caught.value.field == "interface.3.boundary"
+    assert caught.value.value == "upper.bottom"
+    assert "it overlaps interface.1 on the same substrate" in caught.value.allowed
+    # another substrate attracts it too
+    wall = 'substrate = { kind = "flat", height = "-5 nm" }'
+    assert len(Case.parse(TWO + SECOND.format(part=wall)).problem().interfaces) == 3
+
+
+def test_parts_of_a_side_may_meet() -> None:
+    """At a place that is a sum of lengths: 0.1 + 0.2 is not 0.3."""
+    text = changed('length = "15 nm"', 'start = "0.1 nm"\nlength = "0.2 nm"')
+    problem = Case.parse(text + SECOND.format(part='start = "0.3 nm"')).problem()
+    first, _, last = (one.boundary for one in problem.interfaces)
+    assert first.end > last.start
+    assert not first.overlaps(last)

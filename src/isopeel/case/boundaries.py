@@ -117,14 +117,20 @@ class InterfaceTable(BoundaryTable, AdhesionSection):
         )
         raise InputError("adhesion.between", between, allowed)
 
+    @property
+    def faces(self) -> SubstrateSection | None:
+        """The substrate that the table describes; None for the plane along the boundary."""
+        table = self.substrate
+        return None if table is None or table.model_fields_set <= {"gap"} else table
+
     def interface_of(self, key: str, bodies: Mapping[str, PlacedBody], units: UnitSystem) -> Interface:
         """Build the interface. Raises InputError whose field begins with the key of the table."""
         boundary = self.part(key, bodies, units)
         with named_by({"adhesion": key, "substrate": f"{key}.substrate"}):
             law = self.adhesion_law()
-            table = self.substrate
-            if table is not None and not table.model_fields_set <= {"gap"}:
-                substrate = table.substrate(law.equilibrium_gap)
+            table, faces = self.substrate, self.faces
+            if faces is not None:
+                substrate = faces.substrate(law.equilibrium_gap)
             else:
                 gap = law.equilibrium_gap if table is None or table.gap is None else table.gap
                 substrate = _plane_along(key, bodies[boundary.body], boundary).receded(gap)
@@ -140,6 +146,18 @@ class SupportTable(BoundaryTable):
         """Build the support. Raises InputError whose field begins with the key of the table."""
         components = tuple("xy".index(component) for component in self.holds)
         return Support(self.part(key, bodies, units), components)
+
+
+def check_apart(tables: Sequence[InterfaceTable], boundaries: Sequence[Boundary]) -> None:
+    """Raise InputError where two interfaces overlap on one substrate, so that their adhesion would add up."""
+    for number, (table, boundary) in enumerate(zip(tables, boundaries, strict=True)):
+        for before in range(number):
+            if table.faces == tables[before].faces and boundary.overlaps(boundaries[before]):
+                allowed = (
+                    f"it overlaps interface.{before + 1} on the same substrate;"
+                    " let each part adhere by one law"
+                )
+                raise InputError(f"interface.{number + 1}.boundary", table.boundary, allowed)
 
 
 def split_boundary(key: str, written: str, names: Sequence[str]) -> tuple[str, Side]:

@@ -6,7 +6,7 @@ from typing import Annotated, Any
 from pydantic import Field
 
 from isopeel.case.bodies import BodyTable, PlacedBody, check_held, placed_bodies, width_of
-from isopeel.case.boundaries import InterfaceTable, SupportTable
+from isopeel.case.boundaries import InterfaceTable, SupportTable, check_apart
 from isopeel.case.case import Case
 from isopeel.case.errors import renamed
 from isopeel.common.errors import InputError
@@ -75,6 +75,7 @@ class SeveralBodies(Case):
             table.support(f"support.{number}", placed, units)
             for number, table in enumerate(self.support, start=1)
         )
+        check_apart(self.interface, [one.boundary for one in interfaces])
         boundaries = [one.boundary for one in interfaces] + [one.boundary for one in supports]
         boundaries += [one.boundary for drive in self._drives(placed) for one in driven_boundaries(drive.on)]
         check_held(list(placed), {boundary.body for boundary in boundaries})

@@ -10,6 +10,9 @@ import numpy as np
 from isopeel.common.errors import InputError
 from isopeel.splines.nurbs import Side, check_side
 
+#: Shortest part in common, in the parameter: ends that meet are sums of lengths, to round-off.
+_ROUND_OFF = 1e-12
+
 
 @dataclass(frozen=True)
 class Boundary:
@@ -37,9 +40,9 @@ class Boundary:
         return self.part == (0.0, 1.0)
 
     def overlaps(self, other: "Boundary") -> bool:
-        """Return whether two boundaries have a part of a side in common, not only an end."""
+        """Return whether two boundaries have a part of a side in common, not only an end to round-off."""
         same = (self.body, self.side) == (other.body, other.side)
-        return same and max(self.start, other.start) < min(self.end, other.end)
+        return same and min(self.end, other.end) - max(self.start, other.start) > _ROUND_OFF
 
 
 class Driven(NamedTuple):
