@@ -1,8 +1,8 @@
 """First and second derivatives of a formula, by running it: forward differentiation.
 
-The formula is a Python function of numbers. `Jet`s in their place have a value and its derivatives with
-respect to some variables, and compute those of sums, products and functions by the rules for these. The
-values are floats, arrays, or `Term`s, which write the code of what is computed.
+The formula is a Python function of numbers. A `Jet` in the place of a number has a value and its derivatives
+with respect to some variables, and computes those of sums, products and functions by the rules for these.
+The value is a float, an array, or a `Term`, which writes the code of what is computed.
 """
 
 from collections.abc import Callable, Mapping
