@@ -92,7 +92,8 @@ def test_a_case_of_one_body_has_loads_and_several_boundaries() -> None:
 @pytest.mark.parametrize(
     ("old", "new", "field", "allowed"),
     [
-        ("factor = -1.0", "factor = 0.0", "drive.1.on.2.factor", "it must be finite, and not zero"),
+        ("factor = -1.0", "factor = 0.0", "drive.1.on.2.factor", "its size must be from 1e-06 to 1e+06"),
+        ("factor = -1.0", "factor = 1e300", "drive.1.on.2.factor", "its size must be from 1e-06 to 1e+06"),
         ("factor = -1.0", "factor = '1'", "drive.1.on.2.factor", "a number is needed"),
         ("factor = -1.0", "share = 1.0", "drive.1.on.2.share", "the keys are boundary, start, end"),
         ('"lower.right"', '"upper.right"', "drive.1.on", "the drive acts twice on one part"),

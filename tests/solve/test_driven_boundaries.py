@@ -185,7 +185,7 @@ def test_work_on_two_places_is_what_the_energies_take(name: str) -> None:
 @pytest.mark.parametrize(
     ("on", "message"),
     [
-        (((RIGHT, 0.0),), "drive.on.1.factor: 0.0 cannot be used; it must be finite, and not zero"),
+        (((RIGHT, 0.0),), "drive.on.1.factor: 0.0 cannot be used; its size must be from 1e-06"),
         (((RIGHT, float("nan")),), "drive.on.1.factor: nan"),
         (((RIGHT, 1.0), (RIGHT, 2.0)), "drive.on: 'one.right' cannot be used; the drive acts twice"),
         (((ONE.side("top", 0, 0.6), 1.0), (ONE.side("top", 0.5), 2.0)), "'one.top' cannot be used"),

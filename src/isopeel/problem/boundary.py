@@ -5,13 +5,13 @@ from dataclasses import dataclass
 from itertools import combinations
 from typing import NamedTuple, TypeAlias
 
-import numpy as np
-
 from isopeel.common.errors import InputError
 from isopeel.splines.nurbs import Side, check_side
 
 #: Shortest part in common, in the parameter: ends that meet are sums of lengths, to round-off.
 _ROUND_OFF = 1e-12
+#: Largest factor, and inverse of the smallest: beyond it one boundary would move by round-off only.
+_LARGEST_FACTOR = 1e6
 
 
 @dataclass(frozen=True)
@@ -59,7 +59,7 @@ Place: TypeAlias = Side | Boundary | tuple[tuple[Boundary, float], ...]
 def driven_boundaries(on: Place, body: str = "") -> tuple[Driven, ...]:
     """Return the boundaries of a drive; a side, or a boundary without a name, is of the named body.
 
-    Raises InputError where there is no such side, a factor is zero, or boundaries overlap.
+    Raises InputError where there is no such side, a factor is out of bounds, or boundaries overlap.
     """
     if isinstance(on, str):
         check_side("drive.side", on)
@@ -74,8 +74,9 @@ def driven_boundaries(on: Place, body: str = "") -> tuple[Driven, ...]:
     if not found:
         raise InputError("drive.on", (), "a drive acts on one boundary at least")
     for number, one in enumerate(found, start=1):
-        if not np.isfinite(one.factor) or one.factor == 0:
-            raise InputError(f"drive.on.{number}.factor", one.factor, "it must be finite, and not zero")
+        if not 1 / _LARGEST_FACTOR <= abs(one.factor) <= _LARGEST_FACTOR:
+            allowed = f"its size must be from {1 / _LARGEST_FACTOR:g} to {_LARGEST_FACTOR:g}"
+            raise InputError(f"drive.on.{number}.factor", one.factor, allowed)
     for one, other in combinations(found, 2):
         if one.boundary.overlaps(other.boundary):
             (name,) = boundary_names([one.boundary])
