@@ -58,7 +58,7 @@ def waves(amplitude: float, drift: float = 1e-4) -> Curve:
 def compared(name: str, curve: Curve, window: tuple[float, float] = (10.0, 20.0)) -> Compared:
     attributes: dict[str, str | int] = {"space": name, "mesh": "1x1", "dofs": 8, "L0": "1 nm", "E0": "2 GPa"}
     run = StoredRun("", curve, (), attributes, "completed")
-    return Compared(name, run, Findings(window, read_plateau(curve, window), None, 0.0))
+    return Compared(name, run, Findings(window, read_plateau(curve, window), None, {}))
 
 
 def data(line: Line2D) -> FloatArray:

@@ -33,12 +33,13 @@ from isopeel.common.units import UnitSystem
 from isopeel.physics.substrates import Circle
 from isopeel.post.closed_form.expected import theory
 from isopeel.post.crack import fronts
-from isopeel.post.fields import depth_inside, sample_fields
+from isopeel.post.fields import depths_inside, sample_fields
 from isopeel.post.figures import front_figure, shapes_figure, tractions_figure
-from isopeel.post.findings import find
+from isopeel.post.findings import Findings, find
 from isopeel.post.front import POINTS, FrontProfile, front_profile, process_zone
 from isopeel.post.laboratory import Laboratory
 from isopeel.post.mesh_error import mesh_changes
+from isopeel.post.notes import run_notes
 from isopeel.post.resolution import estimated
 from isopeel.post.states import drawn_state, stress_scale, substrates
 from isopeel.post.summary import summarize
@@ -232,6 +233,21 @@ def test_the_summary_names_the_interfaces() -> None:
     assert 0 < change["relative_change"] < 0.03
 
 
+def test_the_note_on_penetration_names_the_side(single: dict[str, list[Step]]) -> None:
+    """The deepest of several; a single interface has only the one face."""
+    run = StoredRun("", Curve.of(single["first"], TURN), (), {}, "completed")
+    depths = {"first.bottom": 1.0, "second.bottom": 2.0}
+    texts = {}
+    for count in (1, 2):
+        found = Findings(None, None, None, depths, fronts={name: {} for name in [*depths][:count]})
+        notes = run_notes(run, found, 0.0)
+        texts[count] = [note.text for note in notes if note.subject == "penetration"]
+    assert texts == {
+        1: ["a part of the face without adhesion is up to 2 nm inside the substrate"],
+        2: ["a part of the side second.bottom without adhesion is up to 2 nm inside the substrate"],
+    }
+
+
 def test_figures_show_all_bodies_and_interfaces(single: dict[str, list[Step]]) -> None:
     problem = both(TURN, "first")
     state = joined(single["first"][-1], single["second"][-1], problem)
@@ -291,11 +307,11 @@ def test_a_part_of_a_side_that_another_interface_holds_is_not_free() -> None:
     down[:, 1] = -1.0
     deep = problem.adhesion.substrate
     assert isinstance(deep, Flat)
-    inside = depth_inside(problem, space, [StoredState(0, 0.0, down)])
-    assert inside == pytest.approx(1.0 + deep.height, rel=1e-12)
+    inside = depths_inside(problem, space, [StoredState(0, 0.0, down)])
+    assert inside == {"body.bottom": pytest.approx(1.0 + deep.height, rel=1e-12)}
     rest = replace(problem.adhesion, boundary=problem.body.side("bottom", 0.5, 1.0))
     whole = replace(problem, interfaces=(*problem.interfaces, rest))
-    assert depth_inside(whole, space, [StoredState(0, 0.0, down)]) == 0.0
+    assert depths_inside(whole, space, [StoredState(0, 0.0, down)]) == {}
 
 
 def test_a_support_on_a_part_of_a_side_is_not_that_of_a_closed_form() -> None:

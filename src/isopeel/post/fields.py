@@ -138,12 +138,13 @@ def side_positions(
     return x.reshape(-1, 2)
 
 
-def depth_inside(problem: Problem, space: SpaceOfBodies, states: Iterable[StoredState]) -> float:
-    """Return the largest depth in a substrate of the part of an adhesive side that does not adhere.
+def depths_inside(problem: Problem, space: SpaceOfBodies, states: Iterable[StoredState]) -> dict[str, float]:
+    """Return the largest depths in a substrate of the parts of adhesive sides that do not adhere.
 
-    The adhering part is repelled; the rest feels no force.
+    The adhering part is repelled; the rest feels no force. Sides are named as `body.bottom`; one that is
+    outside is left out.
     """
-    spaces, deepest = spaces_by_name(problem, space), 0.0
+    spaces, deepest = spaces_by_name(problem, space), dict[str, float]()
     rests: dict[int, FloatArray] = {}
     for number, interface in enumerate(problem.interfaces):
         along = np.linspace(0.0, 1.0, 10 * max(spaces[interface.boundary.body].elements) + 1)
@@ -163,7 +164,8 @@ def depth_inside(problem: Problem, space: SpaceOfBodies, states: Iterable[Stored
             gap, _, _ = evaluate_substrate(substrate.kernel, substrate.parameters, place)
             depth = float(-gap.min(initial=0.0))
             if depth > 1e-6 * float(np.ptp(body.shape.control_points)):
-                deepest = max(deepest, depth)
+                side = ".".join(_side_of(interface.boundary))
+                deepest[side] = max(deepest.get(side, 0.0), depth)
     return deepest
 
 

@@ -11,7 +11,7 @@ from isopeel.common.units import UnitSystem
 from isopeel.post.closed_form import Expected
 from isopeel.post.closed_form.expected import invalid, theory
 from isopeel.post.crack import Fronts, crack_length_at, fronts, joint_ends, jumps
-from isopeel.post.fields import depth_inside
+from isopeel.post.fields import depths_inside
 from isopeel.post.laboratory import Laboratory, kind_of
 from isopeel.post.locking import locking_notes
 from isopeel.post.plateau import PlateauReading, plateau_mean, read_plateau
@@ -44,18 +44,18 @@ from isopeel.splines.rows import RowSpace
 class Findings:
     """The values read from a run beyond its curve, and the closed form for them.
 
-    The plateau is read in the `window`, if the case names one; `inside` is the largest depth (in L0) of the
-    body in the substrate. `period` is that of the mesh's oscillation, in the parameter's unit; it is given
-    also where the closed form is not valid, for the reason `unproven`. `fronts` are those of the stored
-    states and `zones` the elements there, both by the names of interfaces; `readings` are the quantities of
-    interest of the drive, and `doubts` the notes on the discretization; `tall` is whether its elements at the
-    contact are too high.
+    The plateau is read in the `window`, if the case names one; `inside` are the largest depths (in L0) in a
+    substrate, by names of sides, as `body.bottom`. `period` is that of the mesh's oscillation, in the
+    parameter's unit; it is given also where the closed form is not valid, for the reason `unproven`. `fronts`
+    are those of the stored states and `zones` the elements there, both by the names of interfaces; `readings`
+    are the quantities of interest of the drive, and `doubts` the notes on the discretization; `tall` is
+    whether its elements at the contact are too high.
     """
 
     window: tuple[float, float] | None
     plateau: PlateauReading | None
     closed_form: Expected | None
-    inside: float
+    inside: Mapping[str, float]
     period: float | None = None
     unproven: str = ""
     fronts: Mapping[str, Fronts] = field(default_factory=dict)
@@ -105,7 +105,7 @@ def find(
         window,
         plateau,
         None,
-        depth_inside(problem, space, run.states),
+        depths_inside(problem, space, run.states),
         fronts=found,
         readings=readings,
         zones=zones,
@@ -157,7 +157,7 @@ def _of_one_body(
         load = steady_load(problem, space, curve) if test == "tape" and run.base is None else None
         if load is not None:
             readings.insert(0, load)
-    inside = depth_inside(problem, space, run.states)
+    inside = depths_inside(problem, space, run.states)
     used = {step: front.zone for step, front in _used(problem, curve, found).items()}
     zones = Zones.of(problem, space, curve, used)
     # Kendall's force does not depend on the bending of a tape; the start of peeling does

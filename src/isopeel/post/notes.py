@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from functools import partial
 from math import ceil, log2
+from operator import itemgetter
 
 from isopeel.post.findings import Findings
 from isopeel.post.mesh_error import MeshChange
@@ -23,8 +24,10 @@ def run_notes(run: StoredRun, found: Findings, onset: float | None) -> list[Note
     window, laboratory = found.window, found.laboratory
     notes = [*found.doubts]
     if found.inside:
-        depth = laboratory.text(found.inside, "length", 2)
-        text = f"a part of the face without adhesion is up to {depth} inside the substrate"
+        side, deepest = max(found.inside.items(), key=itemgetter(1))
+        face = f"the side {side}" if len(found.fronts) > 1 else "the face"
+        depth = laboratory.text(deepest, "length", 2)
+        text = f"a part of {face} without adhesion is up to {depth} inside the substrate"
         notes.append(Note("penetration", text))
     notes += stability_notes(run.curve, laboratory)
     for reading in found.readings:
