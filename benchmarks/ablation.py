@@ -131,10 +131,12 @@ def main(
         workers = [Worker(one, Path(folder)) for one in METHODS if one.name in (method or (one.name,))]
         everyone = [base, *workers]
         try:
-            # all compile at the same time
-            for worker in everyone:
+            # most processes load what the first one compiles
+            base.ask(runs[0], _WARM_UP)
+            base.answer()
+            for worker in workers:
                 worker.ask(runs[0], _WARM_UP)
-            for worker in everyone:
+            for worker in workers:
                 worker.answer()
             with Progress(console=Console(stderr=True), auto_refresh=False, transient=True) as bar:
                 for _, run in bar.track([(k, run) for k in range(passes) for run in runs]):

@@ -181,14 +181,20 @@ def _sums_in_order() -> None:
 
 
 def _no_stored_motion() -> None:
-    def moved(self: Any, parameter: float) -> FloatArray:
-        return np.ascontiguousarray(self.drive.prescribed(self.driven_points, parameter))
+    for name in ("moved", "rate"):
+        _set("isopeel.assembly.constraints", f"Constraints.{name}", _always_computed(name))
 
-    def rate(self: Any, parameter: float) -> FloatArray:
-        return np.ascontiguousarray(self.drive.rate(self.driven_points, parameter))
 
-    _set("isopeel.assembly.constraints", "Constraints.moved", moved)
-    _set("isopeel.assembly.constraints", "Constraints.rate", rate)
+def _always_computed(name: str) -> Callable[..., Any]:
+    from isopeel.assembly.constraints import Constraints
+
+    method = vars(Constraints)[name]
+
+    def computed(self: Any, parameter: float) -> Any:
+        getattr(self, f"_{name}").clear()
+        return method(self, parameter)
+
+    return computed
 
 
 METHODS = (
