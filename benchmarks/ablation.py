@@ -22,8 +22,6 @@ from printing import plain_table, wide_console
 #: The runs that `load_step.py` compares with other libraries.
 _LOAD_STEPS = ("L1-m2", "L2-m2", "L4-m2")
 _HERE = Path(__file__).parent
-#: Degrees of the path that compiles all functions before times are taken.
-_WARM_UP = 3.0
 
 
 class Cost(NamedTuple):
@@ -131,11 +129,11 @@ def main(
         workers = [Worker(one, Path(folder)) for one in METHODS if one.name in (method or (one.name,))]
         everyone = [base, *workers]
         try:
-            # most processes load what the first one compiles
-            base.ask(runs[0], _WARM_UP)
+            # a whole path compiles all functions, which most processes load from the first one
+            base.ask(runs[0], to)
             base.answer()
             for worker in workers:
-                worker.ask(runs[0], _WARM_UP)
+                worker.ask(runs[0], to)
             for worker in workers:
                 worker.answer()
             with Progress(console=Console(stderr=True), auto_refresh=False, transient=True) as bar:
