@@ -76,8 +76,8 @@ class Worker:
 
     def close(self) -> None:
         """End the process."""
-        self._process.kill()
-        self._process.wait()
+        with self._process:
+            self._process.kill()
 
 
 def ablation_table(base: Worker, workers: list[Worker], runs: list[Run]) -> Table:

@@ -290,7 +290,7 @@ METHODS = (
         extra_lines=12,  # in `add_body` and the tables
     ),
     Method(
-        "Newton's method, finished by the chord tangent",
+        "finish by the chord tangent",
         ("isopeel.solve.quasi_newton:QuasiNewton.finish",),
         _newton_to_the_end,
         "Newton's method to the end",
