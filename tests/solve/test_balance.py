@@ -6,8 +6,27 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
+from isopeel.case import Case
 from isopeel.solve.balance import simpson_misfits
+from isopeel.solve.newton import NewtonSettings
 from isopeel.solve.step import AcceptedState
+from isopeel.solve.trace import trace
+
+#: A stiff quarter cylinder is pressed on a weak joint: the round-off of its energy is 1e-4 of the work of
+#: adhesion (trial 498 of seed 3).
+WEAK = """
+name = "weak"
+units = { length = "1 um", stress = "1 MPa" }
+body = { shape = "quarter-cylinder", radius = "32.61 um" }
+material = { law = "neo-hooke", youngs_modulus = "11.78 GPa", poissons_ratio = 0.35 }
+discretization = { mesh = "7x4" }
+drive = { kind = "displacement", side = "top", angle = "90 deg", to = "-0.11875 nm", step = "0.01484375 nm" }
+[adhesion]
+law = "exponential"
+strength = "3.422 MPa"
+work_of_adhesion = "1.062e-5 J/m^2"
+length = "1.483 um"
+"""
 
 
 def states(energy: np.polynomial.Polynomial, jump: float = 0.0) -> list[AcceptedState]:
@@ -42,3 +61,10 @@ def test_a_jump_shows_in_its_half_alone() -> None:
     first, second = simpson_misfits(*states(np.polynomial.Polynomial([0.0, 1.0, 1.0]), jump=0.01))
     assert first == pytest.approx(0.0, abs=1e-14)
     assert second == pytest.approx(-0.01, rel=1e-12)
+
+
+def test_the_round_off_of_the_energy_cuts_no_step() -> None:
+    """The work of these steps is less than it; each was cut some hundred times."""
+    stage = (case := Case.parse(WEAK)).stages()[0]
+    path = trace(stage.problem, case.space(), stage.parameters, NewtonSettings(path_control="auto"))
+    assert [step.kind for step in path] == ["requested"] * 9
