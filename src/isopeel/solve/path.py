@@ -189,7 +189,8 @@ class Path:
         state = self.accepted_state_of(found.result, found.parameter)
         if not self.history or (self._begins and self.history[-1].parameter != found.parameter):
             # the undeformed or just released body is no equilibrium, and its reaction means nothing
-            if self.history:
+            # nor has a body at rest the displacement that an unknown load must have
+            if self.history or self.system.constraints.global_unknowns:
                 return NO_MISFIT
             at_rest = potential_energy(self.system, np.zeros(self.system.count), found.parameter)
             gained = state.energy - at_rest
