@@ -4,7 +4,6 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from numba import njit
 from scipy.integrate import quad
 
 from isopeel import FormulaAdhesion, InputError, VanDerWaals
@@ -13,10 +12,10 @@ from isopeel.physics.adhesion import AdhesionLaw
 from isopeel.physics.adhesion.bilinear import Bilinear
 from isopeel.physics.adhesion.dugdale import Dugdale
 from isopeel.physics.adhesion.exponential import Exponential
-from isopeel.physics.adhesion.irreversible import SecantUnloading, secant_unloading, with_history
+from isopeel.physics.adhesion.irreversible import SecantUnloading, secant_unloading
 from isopeel.physics.adhesion.lennard_jones import LennardJones
 from isopeel.physics.adhesion.trapezoidal import Trapezoidal
-from isopeel.physics.batch import BatchFunction, evaluate_law
+from isopeel.physics.batch import evaluate_law
 
 S, W = 0.06, 0.015
 LAWS: dict[str, AdhesionLaw] = {
@@ -181,43 +180,6 @@ def test_the_envelope_may_be_a_formula() -> None:
         strict=True,
     ):
         np.testing.assert_allclose(ours, derived, rtol=1e-12, atol=1e-15)  # round-off of the same formulas
-
-
-def test_compiled_loops_call_it_and_the_history_stays() -> None:
-    law = Trapezoidal(S, W, 0.1, 0.4, equilibrium_gap=0.3)
-    gap = law.equilibrium_gap + np.linspace(-0.05, 0.4, 10).reshape(2, 5)
-    history = np.full((2, 5), 0.2)
-    outputs = np.empty((4, 2, 5))
-    _by_element(law.kernel, gap, np.zeros(5), history, law.equilibrium_gap, law.parameters, outputs)
-    np.testing.assert_array_equal(outputs, secant_unloading(law, gap, history))
-    assert (history == 0.2).all()
-
-
-@njit(error_model="numpy")
-def _by_element(
-    law: BatchFunction,
-    gap: FloatArray,
-    curvature: FloatArray,
-    history: FloatArray,
-    equilibrium_gap: float,
-    parameters: FloatArray,
-    outputs: FloatArray,
-) -> None:
-    for e in range(len(gap)):
-        stored, traction, derivative, dissipated = outputs[0, e], outputs[1, e], outputs[2, e], outputs[3, e]
-        with_history(
-            law,
-            gap[e],
-            curvature,
-            history[e],
-            equilibrium_gap,
-            parameters,
-            len(curvature),
-            stored,
-            traction,
-            derivative,
-            dissipated,
-        )
 
 
 def test_shapes_broadcast() -> None:

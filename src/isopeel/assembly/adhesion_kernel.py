@@ -14,7 +14,7 @@ from isopeel.matrix.band import entry_place
 def add_adhesion(
     integers: IntArray,
     floats: FloatArray,
-    openings: FloatArray,
+    maximum_openings: FloatArray,
     _scalars: FloatArray,
     u: FloatArray,
     forces: FloatArray,
@@ -24,21 +24,21 @@ def add_adhesion(
 ) -> Energies:
     """Add the forces -int N_a T n phi dA of a substrate and their tangent; the energies of adhesion.
 
-    Of the integers and floats of an `InterfaceData`. An `irreversible` law has had the largest `openings`
-    (E Q,) so far.
+    The integers and floats are those of an `InterfaceData`. An `irreversible` law depends on the
+    `maximum_openings` (E Q,) so far.
 
     phi = 1 on the reference area, or -n . F^-T N_o when `projected`. The normal turns along a substrate of
     curvature k: dn/dx = k/(1 + k r) t t (Sadhana 46:3, 2021, Eqs. 19, 26, 27; with v = F^-T N_o, w = F^-1 n,
     d phi/dF_kL = v_k w_L).
     """
     interface: InterfaceData = read_interface(integers, floats)
-    answer = respond(interface, openings, u)
+    response = respond(interface, maximum_openings, u)
     functions, values, gradients = interface.functions, interface.values, interface.gradients
     weights, normals, unknowns = interface.weights, interface.normals, interface.unknowns
     projected, tangents = interface.projected, interface.tangents
     sliding_length = interface.sliding_length
-    gap, n, curvature, potential = answer.gap, answer.normal, answer.curvature, answer.potential
-    T, dT, lost, shear = answer.traction, answer.derivative, answer.dissipated, answer.shear
+    gap, n, curvature, potential = response.gap, response.normal, response.curvature, response.potential
+    T, dT, lost, shear = response.traction, response.derivative, response.dissipated, response.shear
     elements, m = functions.shape
     Q = weights.shape[1]
     flat, stride = band.ravel(), band.shape[1] - 1

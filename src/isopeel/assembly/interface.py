@@ -107,26 +107,26 @@ class InterfacePoints:
         history = (
             self._largest(u, maximum_openings) if adhesion.irreversible else np.zeros(self.parameters.shape)
         )
-        answer = self._respond(u, history, irreversible=adhesion.irreversible)
+        response = self._respond(u, history, irreversible=adhesion.irreversible)
         area = np.ones(history.size)
         table = self._table
         if self._projected:
-            area = projected_areas(table.functions, table.gradients, table.normals, answer.normal, u)
-        T, shear = area * answer.traction, -answer.shear[0]
-        opening = np.maximum(answer.gap - law.equilibrium_gap, 0.0)
-        softening = answer.derivative > 0
+            area = projected_areas(table.functions, table.gradients, table.normals, response.normal, u)
+        T, shear = area * response.traction, -response.shear[0]
+        opening = np.maximum(response.gap - law.equilibrium_gap, 0.0)
+        softening = response.derivative > 0
         if adhesion.irreversible:
             waits = history.ravel() < 0
             opening = np.where(waits, 0.0, np.maximum(opening, history.ravel()))
-            farthest = np.where(waits, answer.gap, law.equilibrium_gap + opening)
-            seen = answer.curvature * adhesion.substrate.constant_curvature
+            farthest = np.where(waits, response.gap, law.equilibrium_gap + opening)
+            seen = response.curvature * adhesion.substrate.constant_curvature
             softening = evaluate_law(law.kernel, law.parameters, farthest, seen)[2] > 0
         shape = self.parameters.shape
-        normal = np.moveaxis(answer.normal, 0, -1).reshape(*shape, 2)
+        normal = np.moveaxis(response.normal, 0, -1).reshape(*shape, 2)
         T, shear = T.reshape(shape), shear.reshape(shape)
         return InterfaceState(
-            position=np.moveaxis(answer.position, 0, -1).reshape(*shape, 2),
-            gap=answer.gap.reshape(shape),
+            position=np.moveaxis(response.position, 0, -1).reshape(*shape, 2),
+            gap=response.gap.reshape(shape),
             normal=normal,
             stretch=self._stretch(u),
             normal_traction=T,
@@ -134,8 +134,8 @@ class InterfacePoints:
             traction=T[..., None] * normal + shear[..., None] * self._tangents,
             opening=opening.reshape(shape),
             softening=softening.reshape(shape),
-            energy=(area * answer.potential).reshape(shape),
-            dissipated=(area * answer.dissipated).reshape(shape),
+            energy=(area * response.potential).reshape(shape),
+            dissipated=(area * response.dissipated).reshape(shape),
         )
 
     def _checked(self, displacement: FloatArray) -> FloatArray:
@@ -151,8 +151,8 @@ class InterfacePoints:
         interface = self._interface
         if not irreversible:
             interface = interface._replace(irreversible=np.int64(0))
-        answer: Response = respond(interface, history, u)
-        return answer
+        response: Response = respond(interface, history, u)
+        return response
 
     def _opening(self, u: FloatArray) -> FloatArray:
         """Return the present openings (n k,), zero where the joint is closed."""

@@ -11,7 +11,7 @@ import numpy as np
 from isopeel.assembly.packing import Floats1, Floats2, Floats3, Floats4, Integers2, Integers3, reader
 from isopeel.common.arrays import FloatArray, IntArray
 from isopeel.common.compilation import compiled_reordered
-from isopeel.physics.adhesion.irreversible import with_history
+from isopeel.physics.adhesion.irreversible import damaged
 from isopeel.physics.adhesion.sliding import slipped
 from isopeel.physics.batch import law_at, substrate_at
 
@@ -56,11 +56,11 @@ class Response(NamedTuple):
 
 
 @compiled_reordered
-def respond(interface: InterfaceData, openings: FloatArray, u: FloatArray) -> Response:
+def respond(interface: InterfaceData, maximum_openings: FloatArray, u: FloatArray) -> Response:
     """Evaluate the interface of a body with coefficients u (size, 2).
 
-    An `irreversible` law follows the largest `openings` (E Q,) so far; a joint with a `sliding_length` also
-    holds along the tangents.
+    An `irreversible` law depends on the `maximum_openings` (E Q,) so far; a joint with a `sliding_length`
+    also holds along the tangents.
     """
     law, substrate = law_at(interface.law), substrate_at(interface.substrate)
     parameters, equilibrium_gap = interface.parameters, interface.equilibrium_gap
@@ -95,33 +95,36 @@ def respond(interface: InterfaceData, openings: FloatArray, u: FloatArray) -> Re
     if interface.factors:
         for p in range(points):
             seen[p] = curvature[p]
+    law(gap, seen, parameters, points, potential, T, dT)
+    # both need the law at the equilibrium gap
+    compared = interface.irreversible or sliding_length > 0.0
+    at = np.full(points if compared else 0, equilibrium_gap)
+    closed = np.empty((3, at.size))
+    if compared:
+        law(at, seen, parameters, points, closed[0], closed[1], closed[2])
     if interface.irreversible:
-        with_history(
-            law,
-            gap,
-            seen,
-            openings,
-            equilibrium_gap,
-            parameters,
-            points,
-            potential,
-            T,
-            dT,
-            lost,
-        )
-    else:
-        law(gap, seen, parameters, points, potential, T, dT)
+        reached = np.empty((3, points))
+        for p in range(points):
+            at[p] += max(maximum_openings[p], 0.0)
+        law(at, seen, parameters, points, reached[0], reached[1], reached[2])
+        for p in range(points):
+            here = potential[p], T[p], dT[p]
+            potential[p], T[p], dT[p], lost[p] = damaged(
+                gap[p],
+                equilibrium_gap,
+                maximum_openings[p],
+                here,
+                (closed[0, p], closed[1, p]),
+                (reached[0, p], reached[1, p]),
+            )
     if sliding_length > 0.0:
-        closed = np.full(points, equilibrium_gap)
-        bottom = np.empty((3, points))
-        law(closed, seen, parameters, points, bottom[0], bottom[1], bottom[2])
         for p in range(points):
             e, q = p // Q, p % Q
             slip = 0.0
             for i in range(2):
                 slip += tangents[e, q, i] * (x[i, p] - positions[e, q, i])
             here = potential[p], T[p], dT[p]
-            worn = (bottom[0, p], 0.0, 0.0) if gap[p] < equilibrium_gap else here
+            worn = (closed[0, p], 0.0, 0.0) if gap[p] < equilibrium_gap else here
             potential[p], T[p], dT[p], shear[0, p], shear[1, p], shear[2, p] = slipped(
                 slip, sliding_length, here, worn
             )

@@ -32,7 +32,7 @@ from isopeel.common.arrays import FloatArray
 from isopeel.common.compilation import compiled
 from isopeel.common.errors import InputError
 from isopeel.physics.adhesion.base import AdhesionLaw
-from isopeel.physics.batch import BatchFunction
+from isopeel.physics.batch import evaluate_law
 
 #: Openings below this share of the equilibrium gap count as none: the gap's round-off would show in the slope
 #: of so short a secant, and the envelope differs from it by less than can be seen.
@@ -55,7 +55,7 @@ class SecantUnloading(NamedTuple):
 def secant_unloading(
     law: AdhesionLaw, gap: FloatArray, history: FloatArray, curvature: float = 0.0
 ) -> SecantUnloading:
-    """State of a joint at gaps (...) after largest openings `history` (...), which broadcast together.
+    """State of a joint at gaps (...) after maximum openings `history` (...), which broadcast together.
 
     Raises InputError unless every history is finite and at least zero.
     """
@@ -64,72 +64,49 @@ def secant_unloading(
     )
     refused = openings[~((openings >= 0) & (openings < np.inf))]
     if refused.size:
-        raise InputError("history", float(refused[0]), "largest openings are finite and at least zero")
-    outputs = np.empty((4, gaps.size))
-    with_history(
-        law.kernel,
-        gaps.flatten(),
-        np.full(gaps.size, curvature),
-        openings.flatten(),
-        law.equilibrium_gap,
-        law.parameters,
-        gaps.size,
-        *outputs,
+        raise InputError("history", float(refused[0]), "maximum openings are finite and at least zero")
+    rest = law.equilibrium_gap
+    here, closed, reached = (
+        np.stack(evaluate_law(law.kernel, law.parameters, at, np.full(at.shape, curvature)), axis=-1)
+        for at in (gaps, np.full(gaps.shape, rest), rest + openings)
     )
-    return SecantUnloading(*outputs.reshape(4, *gaps.shape))
+    outputs = np.empty((*gaps.shape, 4))
+    for n in np.ndindex(gaps.shape):
+        envelope = tuple(here[n]), tuple(closed[n][:2]), tuple(reached[n][:2])
+        outputs[n] = damaged(float(gaps[n]), rest, float(openings[n]), *envelope)
+    return SecantUnloading(*np.moveaxis(outputs, -1, 0))
 
 
 @compiled
-def with_history(
-    law: BatchFunction,
-    gap: FloatArray,
-    curvature: FloatArray,
-    history: FloatArray,
+def damaged(
+    gap: float,
     equilibrium_gap: float,
-    parameters: FloatArray,
-    count: int,
-    stored: FloatArray,
-    traction: FloatArray,
-    derivative: FloatArray,
-    dissipated: FloatArray,
-) -> None:
-    """Write energies, traction and derivative (count) at gaps (count) after largest openings (count).
+    history: float,
+    law: tuple[float, float, float],
+    closed: tuple[float, float],
+    reached: tuple[float, float],
+) -> tuple[float, float, float, float]:
+    """Return stored energy, traction, its derivative and dissipated energy at a gap, after a maximum opening.
 
-    Where these are negative the joint has not closed yet, and follows its envelope. `law` is the kernel of
-    the envelope, which takes `curvature` (count) and `parameters`. At x = h, where a path goes on from an
-    equilibrium, the derivative is that of further opening.
+    `law` is Phi, T and T' of the envelope at the gap; `closed` and `reached` are Phi and T at the equilibrium
+    gap and at the maximum opening `history`. Where that is negative the joint has not closed yet, and follows
+    its envelope. At x = h, where a path goes on from an equilibrium, the derivative is that of further
+    opening.
     """
-    closed = np.empty((4, count))
-    reached = np.empty((4, count))
-    for n in range(count):
-        closed[0, n] = equilibrium_gap
-        reached[0, n] = equilibrium_gap + max(history[n], 0.0)
-    law(gap, curvature, parameters, count, stored, traction, derivative)
-    law(closed[0], curvature, parameters, count, closed[1], closed[2], closed[3])
-    law(reached[0], curvature, parameters, count, reached[1], reached[2], reached[3])
-    for n in range(count):
-        x = gap[n] - equilibrium_gap
-        if history[n] < 0.0:
-            stored[n] -= closed[1, n]
-            dissipated[n] = 0.0
-            continue
-        h = history[n] if history[n] > _NO_OPENING * equilibrium_gap else 0.0
-        opens = x >= h
-        end = x if opens else h
-        Phi_end = stored[n] if opens else reached[1, n]
-        T_end = traction[n] if opens else reached[2, n]
-        # zero, but for a law that pulls or pushes there where the substrate is curved
-        T_closed = closed[2, n]
-        if end > 0.0:
-            dissipated[n] = Phi_end - closed[1, n] + 0.5 * (T_closed + T_end) * end
-        else:
-            dissipated[n] = 0.0
-        if x < 0.0:
-            stored[n] -= closed[1, n]
-        elif opens:
-            stored[n] = -0.5 * (T_closed + T_end) * x
-        else:
-            slope = (T_end - T_closed) / h
-            stored[n] = -(T_closed + 0.5 * slope * x) * x
-            traction[n] = T_closed + slope * x
-            derivative[n] = slope
+    potential, traction, derivative = law
+    Phi_closed, T_closed = closed  # T is zero, but for a law that pulls or pushes there on a curved substrate
+    if history < 0.0:
+        return potential - Phi_closed, traction, derivative, 0.0
+    x = gap - equilibrium_gap
+    h = history if history > _NO_OPENING * equilibrium_gap else 0.0
+    opens = x >= h
+    end = x if opens else h
+    Phi_end = potential if opens else reached[0]
+    T_end = traction if opens else reached[1]
+    dissipated = Phi_end - Phi_closed + 0.5 * (T_closed + T_end) * end if end > 0.0 else 0.0
+    if x < 0.0:
+        return potential - Phi_closed, traction, derivative, dissipated
+    if opens:
+        return -0.5 * (T_closed + T_end) * x, traction, derivative, dissipated
+    slope = (T_end - T_closed) / h
+    return -(T_closed + 0.5 * slope * x) * x, T_closed + slope * x, slope, dissipated
