@@ -26,6 +26,17 @@ from isopeel.common.compilation import compiled
 def number(x):
     return {} * x
 """
+#: A source of the package.
+NUMBER = '''
+"""A module with {0} comment."""
+
+class Number:
+    """A class with {0} comment."""
+
+    def value(self):
+        """Return a number."""
+        return {1}  # with {0} comment
+'''
 #: Prints whether the first is kept, what it returns, and whether it is kept then.
 RUN = """
 import isopeel.common.compilation as compilation
@@ -49,10 +60,10 @@ def test_a_compiled_function_is_used_until_a_source_file_changes(tmp_path: Path,
     if elsewhere:
         environment |= {"NUMBA_CACHE_DIR": str(kept)}
 
-    def run(factor: int) -> list[str]:
+    def run(factor: int, comment: str = "the first") -> list[str]:
         # as a part of the package that the other one calls
         (package.parent / "called.py").write_text(CALLED.format(factor))
-        (package / "physics" / "number.py").write_text(f"FACTOR = {factor}")
+        (package / "physics" / "number.py").write_text(NUMBER.format(comment, factor))
         found = subprocess.run(
             [sys.executable, "-c", RUN], check=True, capture_output=True, text=True, env=environment
         )
@@ -60,6 +71,7 @@ def test_a_compiled_function_is_used_until_a_source_file_changes(tmp_path: Path,
 
     assert run(3) == ["False", "6.0", "True"]
     assert run(3) == ["True", "6.0", "True"]
+    assert run(3, "another") == ["True", "6.0", "True"]
     # Numba alone would go on with what it kept of the caller, which has not changed
     assert run(5) == ["False", "10.0", "True"]
     assert kept.exists() == elsewhere

@@ -2,11 +2,13 @@
 
 Numba's cache of a function is valid until the file of the function changes. But the functions that it calls,
 which may be in other files, are compiled into it. So the cached functions of a file are removed when any
-source file changes in the layers that contain compiled functions.
+source file changes in the layers that contain compiled functions. Changes of docstrings and comments do not
+count, but in the file itself.
 """
 
+import ast
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from functools import cache
 from hashlib import sha256
 from pathlib import Path
@@ -64,26 +66,28 @@ def is_cached(function: Callable[..., Any]) -> bool:
 def can_cache(function: Callable[..., Any]) -> bool:
     """Return whether a function can be cached.
 
-    Cached functions of its file with other sources are removed. The cache is beside the file or in the user's
-    cache folder. If neither is writable, each process compiles the function in memory.
+    Cached functions of its file that were compiled from other sources are removed. The cache is beside the
+    file or in the user's cache folder. If neither is writable, each process compiles the function in memory.
     """
     try:
-        _leave_out(_folder(function), _module(function), sources())
+        _leave_out(_folder(function), _module(function))
     except (OSError, RuntimeError):  # RuntimeError: Numba finds no folder
         return False
     return True
 
 
 @cache
-def _leave_out(folder: Path, module: str, version: str) -> None:
+def _leave_out(folder: Path, module: str) -> None:
     noted = folder / f"{module}.isopeel"
-    if noted.exists() and noted.read_text() == version:
+    versions = noted.read_text().split() if noted.exists() else []
+    if versions[:1] == [sources()]:
         return
-    for kept in folder.glob(f"{module}.*.nb[ic]"):
-        # another process may have been faster
-        kept.unlink(missing_ok=True)
+    if versions[1:] != [statements()]:
+        for kept in folder.glob(f"{module}.*.nb[ic]"):
+            # another process may have been faster
+            kept.unlink(missing_ok=True)
     folder.mkdir(parents=True, exist_ok=True)
-    noted.write_text(version)
+    noted.write_text(f"{sources()} {statements()}")
 
 
 def _folder(function: Callable[..., Any]) -> Path:
@@ -99,9 +103,28 @@ def _module(function: Callable[..., Any]) -> str:
 @cache
 def sources() -> str:
     """Return the digest of all sources that are part of compiled functions."""
-    package, digest = Path(__file__).parents[1], sha256()
+    digest = sha256()
+    for file in _files():
+        digest.update(file.read_bytes())
+    return digest.hexdigest()
+
+
+@cache
+def statements() -> str:
+    """Return the digest of the same sources without docstrings and comments, which takes longer."""
+    digest = sha256()
+    for file in _files():
+        tree = ast.parse(file.read_bytes())
+        for node in ast.walk(tree):
+            documented = (ast.Module, ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)
+            if isinstance(node, documented) and ast.get_docstring(node, clean=False) is not None:
+                del node.body[0]
+        digest.update(ast.dump(tree).encode())
+    return digest.hexdigest()
+
+
+def _files() -> Iterator[Path]:
+    package = Path(__file__).parents[1]
     for layer in COMPILED:
         path = package / layer
-        for file in [path] if path.suffix else sorted(path.rglob("*.py")):
-            digest.update(file.read_bytes())
-    return digest.hexdigest()
+        yield from [path] if path.suffix else sorted(path.rglob("*.py"))
