@@ -56,7 +56,7 @@ class Constraints:
     offset: FloatArray  # (size, 2)
     motions: tuple[Motion, ...]  # of boundaries that the drive moves
     driven: IntArray  # their functions
-    # what the drive prescribes at the last parameter, and its rate: a step asks for them several times
+    # what the drive prescribes at the last parameter, and its rate: a step needs them several times
     _moved: dict[float, FloatArray] = field(default_factory=dict, init=False, repr=False)
     _rate: dict[float, FloatArray] = field(default_factory=dict, init=False, repr=False)
 

@@ -12,7 +12,7 @@ from isopeel.matrix.band import entry_place
 
 
 class LoadData(NamedTuple):
-    """What compiled code is told of a load; the meaning of the arrays is that of `LoadTerm`."""
+    """The data of the loops over a load; the arrays are those of `LoadTerm`."""
 
     size: float  # of a load that is held; of a load of the drive, its factor on the size of that
     of_drive: bool

@@ -1,10 +1,10 @@
 """Compiled loops of terms, called by address: what calls them need not compile them again.
 
 The loops of all terms have one signature, and so have lists of terms of any number and kind: code that is
-compiled for one list serves all. A term's loops are told its data (see `packing`), its part of the history,
-the scalars that forces depend on (the size of the drive's load), the coefficients u (size, 2) of the
-displacement, and what they add to: forces (size, 2) and, if asked for, a tangent in a band, whose rows have
-their diagonal at some place. They return what they add to the energies.
+compiled for one list serves all. The arguments are the data of the term (see `packing`), its part of the
+history, the scalars that forces depend on (the size of the drive's load), the coefficients u (size, 2) of the
+displacement, and the arrays to add to: forces (size, 2) and, `with_tangent`, the band of a tangent, whose
+rows have their diagonal at the place `diagonal`. The loops return what they add to the energies.
 """
 
 from collections.abc import Callable, Sequence
@@ -29,7 +29,7 @@ def _read_only(kind: Any, dimensions: int) -> Any:
 
 
 # of floats that could be written to, as laws are compiled for such parameters
-#: (integers, floats, history, scalars, u, forces, band, diagonal, whether a tangent is asked for)
+#: (integers, floats, history, scalars, u, forces, band, diagonal, with_tangent)
 LOOPS_SIGNATURE = types.UniTuple(float64, 4)(  # type: ignore[no-untyped-call]
     _read_only(int64, 1),
     float64[::1],

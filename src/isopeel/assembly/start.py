@@ -1,4 +1,4 @@
-"""What can be known before the first step: whether the body overlaps the substrate, or is not held at all."""
+"""Checks before the first step: whether a body overlaps the substrate, or can move without a force."""
 
 from collections.abc import Mapping, Sequence
 
@@ -15,7 +15,7 @@ from isopeel.problem import Body, Interface, Problem
 from isopeel.splines.nurbs import NurbsSurface
 from isopeel.splines.rows import RIGID, RowSpace
 
-#: Motions and gaps are told apart from none by more than this share of the body's own size.
+#: Motions and gaps up to this share of the size of the body are round-off.
 ROUND_OFF = 1e-9
 
 

@@ -98,7 +98,7 @@ class System:
         tables = []
         for interface in problem.interfaces:
             side = side_of(self.spaces, interface.boundary, contact_points)
-            # only the projected force asks for the deformation gradient
+            # only the projected force needs the deformation gradient
             tables.append(side if interface.traction == "projected" else side.of_values())
         self.loads: tuple[LoadTerm, ...] = load_terms(self.spaces, self.constraints, base)
         #: Those that are held.
@@ -120,8 +120,8 @@ class System:
         self.irreversible: bool = any(interface.irreversible for interface in problem.interfaces)
         #: What forces and tangent are the sum of.
         self.terms: tuple[Term, ...] = *self.bodies, *self.interfaces, *self.loads
-        #: Maximum openings at the points of the adhesive force, for irreversible adhesion: the history after
-        #: which forces are asked for, of the bodies as they are made unless `after` has given another one.
+        #: Maximum openings at the points of the adhesive force, for irreversible adhesion: the history from
+        #: which forces are evaluated. It is that of the undeformed bodies, unless `after` sets another one.
         #: They are (E, Q), elements of one interface after those of another; (n, 1) where these differ in Q.
         self.maximum_openings: FloatArray = self._shaped([term.initial() for term in self.interfaces])
         #: Young's modulus times the area of the bodies: what energies are measured against.

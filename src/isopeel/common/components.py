@@ -59,7 +59,7 @@ def named_dataclass(kind: Kind) -> Kind:
 def _limits(hint: Any) -> list[Limit]:
     """The limits that a type is annotated with, or one of the types of a union."""
     if get_origin(hint) is Annotated:
-        return [note for note in get_args(hint)[1:] if isinstance(note, Limit)]
+        return [limit for limit in get_args(hint)[1:] if isinstance(limit, Limit)]
     if get_origin(hint) in (Union, UnionType):
         return [limit for kind in get_args(hint) for limit in _limits(kind)]
     return []

@@ -21,7 +21,7 @@ _POINTS_3 = float64[:, :, ::1]
 _POINTS_5 = float64[:, :, :, :, ::1]
 
 #: (deformation_gradient (2, 2, n), parameters, n, energy (n), stress (2, 2, n), tangent (2, 2, 2, 2, n), and
-#: whether the tangent is asked for: a residual needs none)
+#: whether to compute the tangent, which a residual does not need)
 MATERIAL_SIGNATURE = void(_POINTS_3, _VECTOR, int64, _VECTOR, _POINTS_3, _POINTS_5, boolean)
 #: (gap (n), curvature (n), parameters, n, potential (n), traction (n), derivative (n))
 ADHESION_SIGNATURE = void(_VECTOR, _VECTOR, _VECTOR, int64, _VECTOR, _VECTOR, _VECTOR)
@@ -41,9 +41,9 @@ def compile_batch(signature: Any, function: Callable[..., None], cache: bool = T
 
 
 def of_address(signature: Any) -> Any:
-    """What makes a function of this signature of its address, within compiled code.
+    """Return what makes a function of this signature from its address, in compiled code.
 
-    Numba would take the function itself as well, but looks up its type and its address at each call, which
+    Numba accepts the function itself, too, but then looks up its type and its address at each call, which
     takes as long as a few hundred points of a law.
     """
     function = types.FunctionType(signature)
@@ -146,5 +146,5 @@ def _points_last(values: FloatArray, shape: tuple[int, ...]) -> FloatArray:
 
 
 def _points_first(values: FloatArray, shape: tuple[int, ...]) -> FloatArray:
-    """The way back: values (i, j, n) as (..., i, j)."""
+    """Return values (i, j, n) as (..., i, j)."""
     return np.moveaxis(values, -1, 0).reshape(*shape, *values.shape[:-1])

@@ -1,6 +1,7 @@
-"""A logarithm that compiled loops can compute in vector registers, several points at once.
+"""A logarithm that compiled loops can compute by SIMD instructions, several points at once.
 
-The one of the C library is a call, which keeps a whole loop from that. Exact to two units in the last place.
+That of the C library is a call, which prevents SIMD instructions in the whole loop. The error is at most two
+units in the last place.
 """
 
 from typing import Any
@@ -39,7 +40,7 @@ def _number(_context: Any, _bits: Any) -> Any:
 # products and sums of the series may be one operation
 @njit(error_model="numpy", fastmath={"contract"})
 def log(x: float) -> float:
-    """Natural logarithm of x; nan unless 0 < x < inf, where an inverted point tells of itself.
+    """Natural logarithm of x; nan unless 0 < x < inf: the solver detects an inverted point by it.
 
     x = 2^k m with m in [1/sqrt 2, sqrt 2), and log m = 2 artanh z of z = (m - 1)/(m + 1), |z| < 0.172, by its
     series up to z^21: the first term left out is below 1e-18 of the sum.

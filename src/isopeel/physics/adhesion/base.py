@@ -7,7 +7,7 @@ from isopeel.physics.batch import BatchFunction
 
 
 class AdhesionLaw(Protocol):
-    """What the assembly and the reading of curves ask of an adhesion law."""
+    """What the assembly and the evaluation of curves need of an adhesion law."""
 
     @property
     def parameters(self) -> FloatArray:

@@ -19,7 +19,7 @@ has closed, x <= 0, its history is `NOT_CLOSED`, and it follows the envelope bot
 with nothing dissipated. From the first time it has closed the largest opening counts, from zero.
 
 Condition: the attraction divided by the opening must not grow with the opening, or closing would return more
-than opening took. All laws of this package keep to it; a formula whose attraction is convex at first does
+than opening took. All laws of this package satisfy it; a formula whose attraction is convex at first does
 not. There is no other threshold of damage: where an envelope rises in a straight line, the secant is that
 line and nothing is lost; where it rises in a curve, as the exponential law, a little is lost before the peak.
 """

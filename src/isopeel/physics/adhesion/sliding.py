@@ -29,7 +29,7 @@ def slipped(
     """
     exponent = (s / d) ** 2
     hold = np.exp(-exponent)
-    # 1 - exp(-x) keeps its digits at small slips
+    # 1 - exp(-x) with all digits at small slips
     lost = -np.expm1(-exponent)
     well, pull, slope = worn
     rate = 2.0 * s / d**2 * hold

@@ -15,10 +15,10 @@ class VanDerWaals(NormalLaw):
     T(r) = A_H/(2 pi r0^3) [f1/45 (r0/r)^9 - f2/3 (r0/r)^3], repulsion positive, with the factors
     f1 = (1 + 9/4 k r + 9/7 k^2 r^2)/(1 + k r)^2 and f2 = (1 + 3 k r + 3 k^2 r^2)/(1 + k r)^2 of a substrate
     of curvature k = 1/R; continued by its tangent below the equilibrium gap (Sauer and Wriggers, Comput.
-    Methods Appl. Mech. Eng. 198, 2009; Sauer, Int. J. Numer. Methods Eng. 87, 2011). The factors tell how
-    the layers of a body around a sphere of radius R grow with their distance; they have a pole at the centre
-    of a hollow substrate. Where the curvature varies along a substrate the force has no potential, and its
-    tangent lacks the change of the curvature.
+    Methods Appl. Mech. Eng. 198, 2009; Sauer, Int. J. Numer. Methods Eng. 87, 2011). The factors describe
+    how the layers of a body around a sphere of radius R grow with their distance; they have a pole at the
+    centre of a hollow substrate. Where the curvature varies along a substrate the force has no potential, and
+    its tangent lacks the change of the curvature.
 
     hamaker_constant: energy; equilibrium_distance: r0 of the Lennard-Jones potential, a length.
     """

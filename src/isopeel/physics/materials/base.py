@@ -7,7 +7,7 @@ from isopeel.physics.batch import BatchFunction
 
 
 class Material(Protocol):
-    """What the assembly and the figures ask of a material. All stresses share one unit."""
+    """What the assembly and the figures need of a material. All stresses share one unit."""
 
     @property
     def youngs_modulus(self) -> float:

@@ -21,9 +21,9 @@ class Isotropic(Component):
     """The base of a material, which `material` makes of its fields and its energy.
 
     `stored_energy` returns the energy per reference volume. Its arguments are what it needs of `I1`, `I2` and
-    `J`, see `invariants`, and the numbers of `constants`, under names of their own. It is run once, and what
-    it does is written down, differentiated and compiled: it may use + - * / ** and functions of NumPy, and
-    must not ask for the size of a number. Energies of J are nan where J <= 0.
+    `J`, see `invariants`, and the numbers of `constants`, under names of their own. It is called once, with
+    objects that record its operations, which are differentiated and compiled: it may use + - * / ** and
+    functions of NumPy, and must not compare numbers. Energies of J are nan where J <= 0.
 
     A material has a `youngs_modulus` and a `poissons_ratio`, at small strain, as fields or from its energy.
     """

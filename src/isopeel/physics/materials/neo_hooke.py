@@ -60,7 +60,7 @@ def _plane_strain(
     for n in range(count):
         J[n] = F[0, 0, n] * F[1, 1, n] - F[0, 1, n] * F[1, 0, n]
     for n in range(count):
-        # an inverted point has no energy: nan tells the solver, which then finds the point
+        # an inverted point has no energy: the solver detects the nan, and searches for the point
         log_J = log(J[n])
         c[n] = lam * log_J - mu
         pull[n] = c[n] / J[n]

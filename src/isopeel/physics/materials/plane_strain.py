@@ -33,7 +33,7 @@ _LOOP = """\
         det = F[0, 0, n] * F[1, 1, n] - F[0, 1, n] * F[1, 0, n]
         q = F[0, 0, n] ** 2 + F[0, 1, n] ** 2 + F[1, 0, n] ** 2 + F[1, 1, n] ** 2
         I1, I2 = q + 1.0, q + det * det
-        # an inverted point has no energy: its nan makes the solver look for the point
+        # an inverted point has no energy: the solver detects the nan, and searches for the point
         J = det if det > 0.0 else np.nan
 """
 _TAIL = """\
