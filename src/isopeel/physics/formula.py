@@ -29,8 +29,9 @@ _OPERATIONS: dict[type[ast.operator], Callable[[Any, Any], Any]] = {
     ast.Mult: operator.mul,
     ast.Div: operator.truediv,
 }
-_LONGEST = 2000  # characters: far more than any law of the literature, and little to parse
-#: Parts of a second derivative: a thousand of them take some seconds to derive and to compile.
+#: Most characters of a formula: far more than any law of the literature has, and parsed at once.
+LONGEST = 2000
+#: Most parts of a second derivative: a thousand of them take some seconds to derive and to compile.
 _LARGEST = 2000
 _MOST_CONSTANTS = 50
 #: What varies in a formula.
@@ -42,8 +43,8 @@ def parse_formula(field: str, text: str, names: tuple[str, ...]) -> "sympy.Expr"
     """Translate a formula of the given variable names to SymPy; InputError on anything that is not one."""
     import sympy
 
-    if len(text) > _LONGEST:
-        raise InputError(field, text[:40] + "...", f"a formula has at most {_LONGEST} characters")
+    if len(text) > LONGEST:
+        raise InputError(field, text[:40] + "...", f"a formula has at most {LONGEST} characters")
     allowed = (
         f"a formula uses numbers, + - * / **, the names {', '.join([*names, 'pi'])} and the functions "
         f"{', '.join(FUNCTIONS)}"

@@ -22,13 +22,15 @@ from isopeel.common.quantities import (
     SURFACE_ENERGY,
     Dimension,
 )
+from isopeel.physics.formula import LONGEST
 
 #: Exponents of a stress and a length.
 Powers: TypeAlias = tuple[Fraction, Fraction]
 
 _NONE: Powers = (Fraction(0), Fraction(0))
-_KNOWN = {(d.stress, d.length): d for d in (FORCE_PER_WIDTH, SURFACE_ENERGY, ENERGY, STRESS, LENGTH, NUMBER)}
-_LONGEST = 2000  # characters, of which `parse_formula` takes no more
+_KNOWN: dict[tuple[Fraction | int, Fraction | int], Dimension] = {
+    (d.stress, d.length): d for d in (FORCE_PER_WIDTH, SURFACE_ENERGY, ENERGY, STRESS, LENGTH, NUMBER)
+}
 #: Exponents that are no whole numbers are those of fractions with denominators up to this one, such as 1/3.
 _LARGEST_DENOMINATOR = 1000
 _LARGEST_EXPONENT = 1000
@@ -66,15 +68,15 @@ class _Form(NamedTuple):
 
 
 class _Rule(NamedTuple):
-    """A form that must have no dimension, what of the formula asks for it, and what is wrong else."""
+    """A form that must have no dimension, the part of the formula that requires this, and the error else."""
 
     form: _Form
     place: ast.expr
     wrong: str
 
     @property
-    def told(self) -> str:
-        """What is wrong, with its place in the formula."""
+    def message(self) -> str:
+        """The error, with the part of the formula."""
         try:
             place = ast.unparse(self.place)
         except RecursionError:
@@ -86,7 +88,7 @@ _A_NUMBER = _Form({}, _NONE)
 
 
 class _NoFormulaError(ValueError):
-    """What is no formula at all, which its parser tells."""
+    """A text that is no formula: its parser reports it."""
 
 
 def check_dimensions(
@@ -98,7 +100,7 @@ def check_dimensions(
     """Check the dimensions of a formula with constants, each a value and its powers of stress and length.
 
     Raises InputError that names a constant, TABLE.constants.NAME, and the dimension that it needs, or the
-    part of the formula that cannot have one. What is no formula passes: its parser tells more.
+    part of the formula that cannot have one. A text that is no formula passes: its parser reports more.
     """
     try:
         rules = _rules(text, dimensions, constants)
@@ -108,7 +110,7 @@ def check_dimensions(
     for rule in rules:
         if not solver.add(rule.form):
             allowed = (
-                f"{rule.told}, whatever its constants; numbers with a dimension must be constants with a "
+                f"{rule.message}, whatever its constants; numbers with a dimension must be constants with a "
                 "unit, or the result would depend on [units]"
             )
             raise InputError(f"{table}.{dimensions.field}", text, allowed)
@@ -123,25 +125,22 @@ def check_dimensions(
 def needed_for(powers: Powers) -> str:
     """Say that a dimension is needed, with an example."""
     stress, length = powers
-    known = (
-        _KNOWN.get((int(stress), int(length))) if stress == int(stress) and length == int(length) else None
-    )
-    if known is not None:
-        return known.needed
-    parts = [f"{unit}^{_exponent(power)}" for unit, power in (("Pa", stress), ("m", length)) if power]
-    return f"a quantity in {' '.join(parts).replace('^1 ', ' ').removesuffix('^1')} is needed, such as " + (
-        f"'1 {' '.join(parts).replace('^1 ', ' ').removesuffix('^1')}'"
-    )
+    if (stress, length) in _KNOWN:
+        return _KNOWN[stress, length].needed
+    unit = " ".join(name + _exponent(power) for name, power in (("Pa", stress), ("m", length)) if power)
+    return f"a quantity in {unit} is needed, such as '1 {unit}'"
 
 
 def _exponent(power: Fraction) -> str:
-    return str(power) if power.denominator == 1 else f"({power})"
+    if power == 1:
+        return ""
+    return f"^{power}" if power.denominator == 1 else f"^({power})"
 
 
 def _rules(
     text: str, dimensions: FormulaDimensions, constants: Mapping[str, tuple[float, Powers]]
 ) -> list[_Rule]:
-    if len(text) > _LONGEST:
+    if len(text) > LONGEST:
         raise _NoFormulaError
     tree = ast.parse(text.strip(), mode="eval").body
     variables = {name: (Fraction(d.stress), Fraction(d.length)) for name, d in dimensions.variables.items()}

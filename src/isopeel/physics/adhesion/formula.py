@@ -99,7 +99,7 @@ class FormulaAdhesion:
         values = traction(gaps)
         attractive = np.flatnonzero(values < 0)
         falls = np.flatnonzero((values[:-1] > 0) & (values[1:] <= 0))
-        # where no attraction follows, the repulsion has only become too small to tell from zero
+        # where no attraction follows, the repulsion has only fallen below the round-off
         if not len(falls) or not (attractive > falls[0]).any():
             return float("nan")
         bracket = gaps[falls[0]], gaps[falls[0] + 1]
