@@ -2,11 +2,14 @@
 
 import ast
 import math
+from runpy import run_path
 
+import numpy as np
 import pytest
 import sympy
 
 from isopeel import InputError
+from isopeel.physics import formula
 from isopeel.physics.adhesion.formula import FormulaAdhesion
 from isopeel.physics.formula import parse_formula
 from isopeel.physics.formula_size import VARIABLE, size_of
@@ -145,3 +148,9 @@ def test_the_size_of_a_second_derivative_is_of_the_order_of_what_sympy_finds() -
         estimate = size_of(ast.parse(text, mode="eval").body, {"r": VARIABLE}).second
         # a rough count of parts, for a limit that is rough too
         assert found / 4 < estimate < 4 * found
+
+
+def test_it_can_be_loaded_with_the_oldest_numpy(monkeypatch: pytest.MonkeyPatch) -> None:
+    """NumPy 1.26 has no `atan`."""
+    monkeypatch.delattr(np, "atan")
+    assert run_path(formula.__file__)["_NAMESPACE"]["atan"](1.0) == math.pi / 4

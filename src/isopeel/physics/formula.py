@@ -36,7 +36,8 @@ _LARGEST = 2000
 _MOST_CONSTANTS = 50
 #: What varies in a formula.
 _VARIABLES = dict.fromkeys(("r", "x", "I1", "I2", "J"), VARIABLE)
-_NAMESPACE = {name: getattr(np, name) for name in (*FUNCTIONS, "pi", "nan")}
+#: NumPy has had `atan` only since version 2.
+_NAMESPACE = {name: getattr(np, {"atan": "arctan"}.get(name, name)) for name in (*FUNCTIONS, "pi", "nan")}
 
 
 def parse_formula(field: str, text: str, names: tuple[str, ...]) -> "sympy.Expr":
