@@ -55,6 +55,13 @@ def test_derivatives_of_functions_are_those_of_sympy(name: str) -> None:
     np.testing.assert_allclose(numbers, by_sympy(lambda x, y: theirs(x * y)), rtol=1e-13)  # few operations
 
 
+@pytest.mark.parametrize("exponent", [1, 1.0, 2, 2.0, 3, 2.5])
+def test_powers_exist_at_zero(exponent: float) -> None:
+    expected = [0.0, float(exponent == 1), 2.0 * (exponent == 2)]
+    at_zero = Jet(0.0, {0: 1.0}) ** exponent
+    assert [at_zero.value, at_zero.first[0], at_zero.second.get((0, 0), 0.0)] == expected
+
+
 def test_a_derivative_that_vanishes_is_not_computed() -> None:
     lines: dict[str, str] = {}
     x, y = Jet(Term("x", lines), {0: 1.0}), Jet(Term("y", lines), {1: 1.0})

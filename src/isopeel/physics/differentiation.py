@@ -1,4 +1,4 @@
-"""First and second derivatives of a formula, by running it: forward differentiation.
+"""First and second derivatives of a formula, by forward differentiation.
 
 The formula is a Python function of numbers. A `Jet` in the place of a number has a value and its derivatives
 with respect to some variables, and computes those of sums, products and functions by the rules for these.
@@ -30,7 +30,7 @@ FUNCTIONS: dict[str, Callable[[Scalar, Scalar], tuple[Scalar, Scalar]]] = {
 
 
 class _Differentiated:
-    """A formula is run once for all numbers, so that it must not ask for the size of one."""
+    """A formula is called once for all numbers, so it must not compare them."""
 
     def __bool__(self) -> bool:
         raise TypeError("a formula that is differentiated must not compare numbers: it has one form for all")
@@ -72,9 +72,9 @@ class Jet(_Differentiated):
         if isinstance(exponent, Jet):
             return np.exp(np.log(self) * exponent)
         x = self.value
-        if isinstance(exponent, int) and exponent in (1, 2):
+        if isinstance(exponent, int | float) and exponent in (1, 2):
             return self * self if exponent == 2 else self
-        # one power for all three
+        # one power for all three: it exists at x = 0 for exponents from 2 on
         power = x ** (exponent - 2)
         slope = exponent * power * x
         return self._chain(power * x * x, slope, exponent * (exponent - 1) * power)
