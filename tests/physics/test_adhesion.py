@@ -5,11 +5,13 @@ import pickle
 import numpy as np
 import pytest
 from scipy.integrate import quad
-from scipy.optimize import minimize_scalar
+from scipy.optimize import brentq, minimize_scalar
 
 from isopeel import Exponential, Flat, FormulaAdhesion, InputError, MooneyRivlin, VanDerWaals, Yeoh
 from isopeel.common.arrays import FloatArray
 from isopeel.physics.adhesion import AdhesionLaw
+from isopeel.physics.adhesion.irreversible import secant_unloading
+from isopeel.physics.adhesion.mirrored import Mirrored
 from isopeel.physics.batch import evaluate_law, evaluate_substrate
 
 A_H, R0 = 1e-19, 0.4e-9  # J, m: SI, to hold the law against the published figures in their units
@@ -77,6 +79,33 @@ def test_derivative_and_smooth_regularisation(curvature: float) -> None:
     np.testing.assert_allclose((ahead - behind) / (2 * step), derivative, atol=2e-9 * 1e3)
     below = law_at(LAW, np.array([0.10, 0.15, 0.20]), curvature)[1]
     assert below[0] - below[1] == pytest.approx(below[1] - below[2], rel=1e-12)  # a straight line
+
+
+@pytest.mark.parametrize("curvature", [1e6, 3.0, -1.0, -1.5])
+def test_equilibrium_on_strongly_curved_substrates(curvature: float) -> None:
+    """T vanishes there, and is a straight line below; (r0/r)^6 = 15 f2/f1 is 35 on a sharp tip."""
+    gap = brentq(lambda r: published_traction(r, 1 / curvature), 0.2, 0.28, xtol=1e-16)
+    if curvature == 1e6:
+        assert gap == pytest.approx(0.4 / 35 ** (1 / 6), rel=1e-5)  # the next term is 1/(k r)
+    _, traction, derivative = law_at(LAW, gap * np.array([1 - 1e-9, 1.0, 0.5]), curvature)
+    # round-off of ninth powers, and of the gap where T is a hundred times its peak per length
+    assert traction[1] == pytest.approx(0.0, abs=1e-13)
+    assert traction[2] == pytest.approx(-0.5 * gap * derivative[0], rel=1e-12)
+
+
+FORMULA = "W*((s/r)**8/3 - 4/3*(s/r)**2)"
+
+
+@pytest.mark.parametrize(
+    "law",
+    [LAW, Mirrored(LAW), FormulaAdhesion(FORMULA, {"W": 0.01, "s": 0.25})],
+    ids=["written", "mirrored", "formula with a pole"],
+)
+def test_a_point_without_a_gap_has_no_traction(law: AdhesionLaw) -> None:
+    """Not even a finite one, as by max(nan, r_eq): by nan the solver detects that a point has no gap."""
+    assert np.isnan(law_at(law, np.array([np.nan]))).all()
+    lost = secant_unloading(law, np.array([np.nan, np.nan]), np.array([0.0, 0.1]))
+    assert np.isnan([lost.stored, lost.traction]).all()
 
 
 def test_a_formula_gives_the_same_law() -> None:

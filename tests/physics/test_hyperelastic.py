@@ -250,6 +250,22 @@ def test_a_strip_in_tension_tends_to_the_incompressible_one(
     assert errors[2] == pytest.approx(errors[1] / 10, rel=0.02)
 
 
+@pytest.mark.parametrize("stretch", [0.5, 1.2, 3.0])
+@pytest.mark.parametrize("ratio", [0.1, 0.3, 0.49, 0.4999])
+def test_neo_hooke_in_tension_in_closed_form(ratio: float, stretch: float) -> None:
+    """With F_22 free, ln J = mu/lambda (1 - J^2/s^2) and P_11 = mu (s - J^2/s^3), incompressible: J = 1."""
+    material = NeoHooke(1.0, ratio)
+    mu, lame = material.shear_modulus, material.lame_lambda
+    J = brentq(lambda J: lame * np.log(J) - mu * (1 - J**2 / stretch**2), 0.1, 30.0, xtol=1e-15)
+    _, P, _ = material_at(material, np.array([[[stretch, 0], [0, J / stretch]]]))
+    # lambda, up to 1667, times the round-off of J
+    np.testing.assert_allclose(P[0], np.diag([mu * (stretch - J**2 / stretch**3), 0]), rtol=0, atol=4e-12)
+    if ratio == 0.4999:
+        incompressible = mu * (stretch - stretch**-3)
+        # the first order in mu/lambda, 2e-4, times up to 2/s^4/(1 + 1/s^2) = 6.4
+        assert P[0, 0, 0] == pytest.approx(incompressible, rel=1.5e-3)
+
+
 def test_saint_venant_kirchhoff_in_uniaxial_strain_and_simple_shear() -> None:
     mu, lam = SVK.shear_modulus, SVK.lame_lambda
     s = np.linspace(0.1, 2, 20)
