@@ -79,7 +79,9 @@ def test_a_compiled_function_is_used_until_a_source_file_changes(tmp_path: Path,
 
 def test_compiled_functions_stand_in_the_layers_whose_sources_are_watched() -> None:
     package = Path(compilation.__file__).parents[1]
-    compiles = re.compile(r"^from isopeel.common.compilation import .*compiled|^(from|import) numba", re.M)
+    compiles = re.compile(
+        r"^from isopeel.common.compilation import .*(compiled|inlined)|^(from|import) numba", re.M
+    )
     files = [path for path in package.rglob("*.py") if compiles.search(path.read_text())]
     users = {path.relative_to(package).as_posix() for path in files}
     layers = {name if name.startswith("common/") else name.partition("/")[0] for name in users}

@@ -28,7 +28,6 @@ from isopeel.assembly.element_batch import (
     add_scaled,
     add_scaled_to_both,
     gather,
-    inlined,
     scatter,
     set_products,
     set_scaled,
@@ -49,6 +48,7 @@ from isopeel.assembly.packing import (
     reader,
 )
 from isopeel.common.arrays import FloatArray, IntArray
+from isopeel.common.compilation import inlined
 from isopeel.physics.batch import material_at
 
 #: Most elements of a batch: so many that the test for overlapping arrays before each innermost loop costs

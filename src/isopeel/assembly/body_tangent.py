@@ -10,11 +10,10 @@ from typing import Any
 from isopeel.assembly.element_batch import (
     add_products,
     add_scaled,
-    inlined,
     set_products,
     set_weighted_products,
 )
-from isopeel.common.compilation import compiled_reordered
+from isopeel.common.compilation import compiled_reordered, inlined
 from isopeel.matrix.band import entry_place
 
 

@@ -8,9 +8,7 @@ contiguous.
 
 from typing import Any
 
-from numba import njit
-
-inlined = njit(inline="always")
+from isopeel.common.compilation import inlined
 
 
 @inlined

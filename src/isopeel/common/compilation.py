@@ -49,6 +49,11 @@ def compiled_reordered(function: Function) -> Function:
     return cast("Function", njit(cache=can_cache(function), **REORDERED)(function))
 
 
+def inlined(function: Function) -> Function:
+    """Return a function that becomes a part of the compiled functions that call it, with their options."""
+    return cast("Function", njit(inline="always", **EXACT)(function))
+
+
 def compiled_now(
     signature: Any, function: Callable[..., Any], options: dict[str, Any], *, keep: bool = True
 ) -> Any:

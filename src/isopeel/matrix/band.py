@@ -4,9 +4,9 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 import numpy as np
-from numba import njit
 
 from isopeel.common.arrays import FloatArray, IntArray
+from isopeel.common.compilation import inlined
 
 #: Storage of a matrix: its lower half, or the whole band with room for the fill of a pivoted LU.
 Storage = Literal["symmetric", "general"]
@@ -22,7 +22,7 @@ def _entry_place(stride: Any, diagonal: Any, row: Any, column: Any) -> Any:
 
 
 #: The same in compiled code.
-entry_place = njit(inline="always")(_entry_place)
+entry_place = inlined(_entry_place)
 
 
 @dataclass(frozen=True, eq=False)

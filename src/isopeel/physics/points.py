@@ -8,11 +8,9 @@ from collections.abc import Callable, Container, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from inspect import signature
-from typing import Any, cast
+from typing import Any
 
-from numba import njit
-
-from isopeel.common.compilation import EXACT, Function
+from isopeel.common.compilation import inlined
 from isopeel.physics.batch import ADHESION_SIGNATURE, SUBSTRATE_SIGNATURE, BatchFunction, compile_batch
 
 
@@ -88,11 +86,6 @@ def compile_points(loop: PointLoop, formulas: Callable[..., Any]) -> BatchFuncti
 def argument_names(formulas: Callable[..., Any]) -> tuple[str, ...]:
     """Names of the arguments of some formulas."""
     return tuple(signature(formulas).parameters)
-
-
-def inlined(formulas: Function) -> Function:
-    """Make formulas a part of the compiled code that calls them."""
-    return cast("Function", njit(inline="always", **EXACT)(formulas))
 
 
 def compile_text(kind: Any, text: str, names: Mapping[str, Any], origin: Callable[..., Any]) -> BatchFunction:

@@ -13,8 +13,9 @@ import numpy as np
 from numba import float64, int64, void
 
 from isopeel.common.arrays import FloatArray
+from isopeel.common.compilation import inlined
 from isopeel.physics.batch import SUBSTRATE_SIGNATURE, BatchFunction, compile_batch, of_address
-from isopeel.physics.points import PointLoop, compile_points, inlined
+from isopeel.physics.points import PointLoop, compile_points
 
 _VECTOR = float64[::1]
 _CURVE_SIGNATURE = void(_VECTOR, _VECTOR, int64, _VECTOR, _VECTOR, _VECTOR)

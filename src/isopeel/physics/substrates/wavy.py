@@ -5,8 +5,8 @@ from typing import Self
 
 import numpy as np
 
+from isopeel.common.compilation import inlined
 from isopeel.common.quantities import Angle, Finite, Length, NotNegative, Positive
-from isopeel.physics.points import inlined
 from isopeel.physics.substrates.closest_point import minimum, seen_from
 from isopeel.physics.substrates.rigid import RigidSubstrate, substrate
 
