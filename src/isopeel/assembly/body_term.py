@@ -1,4 +1,4 @@
-"""The body as a term of the system: its forces have a potential, and no history."""
+"""The body as a term of the system."""
 
 from dataclasses import dataclass
 
@@ -6,15 +6,13 @@ from isopeel.assembly.body_kernel import BodyData, add_body
 from isopeel.assembly.loops import Loops
 from isopeel.assembly.packing import Packed, packed
 from isopeel.assembly.tables import BodyTable
-from isopeel.common.arrays import FloatArray, IntArray, frozen
+from isopeel.assembly.terms import WithoutHistory
+from isopeel.common.arrays import IntArray
 from isopeel.problem import Body
-
-#: The history of a term that has none.
-_NO_HISTORY = frozen([])
 
 
 @dataclass(frozen=True, eq=False)
-class BodyTerm:
+class BodyTerm(WithoutHistory):
     """The deformation of a body, whose functions are those of a table."""
 
     body: Body
@@ -36,11 +34,3 @@ class BodyTerm:
         table["unknowns"] = self.table.unknowns(unknowns)
         material = self.body.material
         return packed(BodyData(material=material.kernel.address, parameters=material.parameters, **table))
-
-    def initial(self) -> FloatArray:
-        """See `isopeel.assembly.terms`."""
-        return _NO_HISTORY
-
-    def commit(self, _displacement: FloatArray, history: FloatArray) -> FloatArray:
-        """See `isopeel.assembly.terms`."""
-        return history

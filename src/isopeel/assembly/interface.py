@@ -6,14 +6,14 @@ from typing import Self
 import numpy as np
 
 from isopeel.assembly.interface_kernel import Response, projected_areas, read_interface, respond
-from isopeel.assembly.interface_term import interface_data
+from isopeel.assembly.interface_term import interface_data, substrate_tangents
 from isopeel.assembly.packing import packed
 from isopeel.assembly.spaces import SpaceOfBodies, part_of_body, spaces_by_name
 from isopeel.assembly.tables import element_ends, side_points, table_at, usual_points
 from isopeel.common.arrays import BoolArray, FloatArray
 from isopeel.common.errors import InputError
 from isopeel.physics.adhesion.irreversible import NOT_CLOSED
-from isopeel.physics.batch import evaluate_law, evaluate_substrate
+from isopeel.physics.batch import evaluate_law
 from isopeel.problem import Problem
 
 
@@ -67,9 +67,7 @@ class InterfacePoints:
         self.lengths: FloatArray = table.weights
         self._projected = adhesion.traction == "projected"
         self._table = table if self._projected else table.of_values()
-        substrate = adhesion.substrate
-        _, normal, _ = evaluate_substrate(substrate.kernel, substrate.parameters, table.positions)
-        self._tangents = np.stack([-normal[..., 1], normal[..., 0]], axis=-1)
+        self._tangents = substrate_tangents(adhesion.substrate, table.positions)
         no_unknowns = np.zeros((space.size, 2), dtype=np.int64)
         data = interface_data(adhesion, self._table, self._tangents, no_unknowns)
         # with the types of the assembly

@@ -12,6 +12,7 @@ from isopeel.assembly.tables import SideTable
 from isopeel.common.arrays import FloatArray, IntArray, frozen
 from isopeel.physics.adhesion.irreversible import NOT_CLOSED
 from isopeel.physics.batch import evaluate_substrate
+from isopeel.physics.substrates import Substrate
 from isopeel.problem import Interface
 
 
@@ -70,6 +71,12 @@ class InterfaceTerm:
         """Return the maximum openings after one more opening; see `physics.adhesion.irreversible`."""
         waits = (before < 0) & (opening > self.closed)
         return frozen(np.where(waits, NOT_CLOSED, np.maximum(np.maximum(before, 0.0), opening)))
+
+
+def substrate_tangents(substrate: Substrate, positions: FloatArray) -> FloatArray:
+    """Return the tangents (..., 2) of a substrate at the points closest to positions (..., 2)."""
+    _, normals, _ = evaluate_substrate(substrate.kernel, substrate.parameters, positions)
+    return np.stack([-normals[..., 1], normals[..., 0]], axis=-1)
 
 
 def interface_data(

@@ -11,12 +11,10 @@ from isopeel.assembly.loops import Loops
 from isopeel.assembly.packing import Packed, packed
 from isopeel.assembly.spaces import Spaces
 from isopeel.assembly.tables import side_of
-from isopeel.common.arrays import FloatArray, IntArray, frozen
+from isopeel.assembly.terms import WithoutHistory
+from isopeel.common.arrays import FloatArray, IntArray
 from isopeel.common.errors import InputError
 from isopeel.problem import Boundary, Load
-
-#: Of a term without one.
-_NO_HISTORY = frozen([])
 
 
 class _Loaded(NamedTuple):
@@ -30,7 +28,7 @@ class _Loaded(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class LoadTerm:
+class LoadTerm(WithoutHistory):
     """Forces q(u) of a load of one per unit width; q . du is the mean displacement of its boundary.
 
     A dead load has q = q0; one that follows has the traction Q dx/ds, with x the deformed side, s its
@@ -85,14 +83,6 @@ class LoadTerm:
                 self.size, self.of_drive, loaded, self.pattern[loaded], self.functions, self.blocks, numbers
             )
         )
-
-    def initial(self) -> FloatArray:
-        """See `isopeel.assembly.terms`."""
-        return _NO_HISTORY
-
-    def commit(self, _displacement: FloatArray, history: FloatArray) -> FloatArray:
-        """See `isopeel.assembly.terms`."""
-        return history
 
     def forces(self, displacement: FloatArray) -> FloatArray:
         """q(u), (size, 2), for coefficients u (size, 2)."""

@@ -6,6 +6,7 @@ import numpy as np
 
 from isopeel.assembly.constraints import HELD
 from isopeel.assembly.control import Control
+from isopeel.assembly.interface_term import substrate_tangents
 from isopeel.assembly.spaces import Spaces
 from isopeel.assembly.tables import SideTable
 from isopeel.common.arrays import FloatArray, IntArray, frozen
@@ -103,7 +104,7 @@ def _check_interface(
     tangent = np.stack([-normal[..., 1], normal[..., 0]], axis=-1)
     directions = [normal, tangent] if interface.sliding_length else [normal]
     rows = [np.einsum("ni,nim->nm", d[acts], _motions(positions[acts])) for d in directions]
-    return rows, tangent if base is None else _tangents(interface, side)
+    return rows, tangent if base is None else substrate_tangents(substrate, side.positions)
 
 
 def check_rigid(space: RowSpace, shape: NurbsSurface) -> None:
@@ -124,12 +125,6 @@ def check_rigid(space: RowSpace, shape: NurbsSurface) -> None:
             means = f"degree {needed}" + (f" in all rows, such as 'N{needed}'" if field == "space" else "")
         allowed = f"a rotation would strain the body, as its shape is not in the space; take {means}"
         raise InputError(field, value, allowed)
-
-
-def _tangents(interface: Interface, side: SideTable) -> FloatArray:
-    substrate = interface.substrate
-    _, normal, _ = evaluate_substrate(substrate.kernel, substrate.parameters, side.positions)
-    return np.stack([-normal[..., 1], normal[..., 0]], axis=-1)
 
 
 def _motions(points: FloatArray) -> FloatArray:

@@ -4,7 +4,7 @@ from typing import Protocol
 
 from isopeel.assembly.loops import Loops
 from isopeel.assembly.packing import Packed
-from isopeel.common.arrays import FloatArray, IntArray
+from isopeel.common.arrays import FloatArray, IntArray, frozen
 
 
 class Term(Protocol):
@@ -38,3 +38,15 @@ class Term(Protocol):
     def commit(self, displacement: FloatArray, history: FloatArray) -> FloatArray:
         """Return the history (n,) after a step to coefficients (size, 2), from the history before it."""
         ...
+
+
+class WithoutHistory:
+    """The history of a term that has none."""
+
+    def initial(self) -> FloatArray:
+        """See `Term`."""
+        return frozen([])
+
+    def commit(self, _displacement: FloatArray, history: FloatArray) -> FloatArray:
+        """See `Term`."""
+        return history
