@@ -1,4 +1,4 @@
-"""Parts of docs/extending.md and of two how-to pages, each written to a file of its own, run, and checked."""
+"""Components of docs/extending.md and of two how-to pages, each written to a file, run, and checked."""
 
 import re
 import sys
@@ -24,20 +24,20 @@ TEXT = "".join(
     (DOCS / page).read_text(encoding="utf-8")
     for page in ("howto/adhesion-law.md", "extending.md", "howto/shape.md")
 )
-(PAGE_CASE,) = re.findall(r"^%%writefile own-parts.toml\n(.*?)^```", TEXT, re.DOTALL | re.MULTILINE)
-# all parts in one
+(PAGE_CASE,) = re.findall(r"^%%writefile own-plugins.toml\n(.*?)^```", TEXT, re.DOTALL | re.MULTILINE)
+# all components in one
 CASE = PAGE_CASE.replace('"strip"', '"bevelled-strip"\ntop_length = "62 nm"').replace(
     '"exponential"', '"power-law"'
 )
 # folder, module, and the text of the file
-FILES = re.findall(r"^%%writefile parts/(\w+)/(\w+)\.py\n(.*?)^```", TEXT, re.DOTALL | re.MULTILINE)
+FILES = re.findall(r"^%%writefile plugins/(\w+)/(\w+)\.py\n(.*?)^```", TEXT, re.DOTALL | re.MULTILINE)
 FAMILIES = {family.package.rpartition(".")[2]: family for family in KindSection.__subclasses__()}
 
 
 @pytest.fixture(scope="module")
-def parts(tmp_path_factory: pytest.TempPathFactory) -> Iterator[dict[str, Any]]:
-    """The classes of the pages, by their names, found in a folder that ISOPEEL_PARTS names."""
-    home = tmp_path_factory.mktemp("parts")
+def components(tmp_path_factory: pytest.TempPathFactory) -> Iterator[dict[str, Any]]:
+    """The classes of the pages, by their names, found in a folder that ISOPEEL_PLUGINS names."""
+    home = tmp_path_factory.mktemp("plugins")
     packages = {folder: FAMILIES[folder].package for folder, _, _ in FILES}
     modules = {f"{packages[folder]}.{module}" for folder, module, _ in FILES}
     with pytest.MonkeyPatch.context() as patch:
@@ -62,14 +62,14 @@ def parts(tmp_path_factory: pytest.TempPathFactory) -> Iterator[dict[str, Any]]:
         delattr(import_module(package), name)
 
 
-def test_the_pages_have_a_component_of_each_kind(parts: dict[str, Any]) -> None:
-    assert list(parts) == ["power-law", "blatz-ko", "step", "hinge", "bevelled-strip"]
+def test_the_pages_have_a_component_of_each_kind(components: dict[str, Any]) -> None:
+    assert list(components) == ["power-law", "blatz-ko", "step", "hinge", "bevelled-strip"]
 
 
 def test_a_folder_of_plug_ins_must_exist(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv(PLUG_INS, "nowhere")
     with pytest.raises(
-        InputError, match="ISOPEEL_PARTS: 'nowhere' cannot be used; it must be the path of folders"
+        InputError, match="ISOPEEL_PLUGINS: 'nowhere' cannot be used; it must be the path of folders"
     ):
         discover.__wrapped__("isopeel.physics.adhesion")
 
@@ -95,12 +95,12 @@ def test_a_plug_in_that_python_cannot_run_is_reported_with_its_line(
         discover.__wrapped__(package)
 
 
-def test_the_case_of_the_document_runs(parts: dict[str, Any]) -> None:
+def test_the_case_of_the_document_runs(components: dict[str, Any]) -> None:
     case = Case.parse(CASE)
     (stage,) = case.stages()
     problem = stage.problem
     made = {problem.body.material, problem.adhesion.law, problem.adhesion.substrate, problem.drive}
-    assert {type(part) for part in made} == {kind for name, kind in parts.items() if "strip" not in name}
+    assert {type(one) for one in made} == {kind for name, kind in components.items() if "strip" not in name}
     steps = list(trace(problem, case.space(), stage.parameters))
     assert len(steps) == 11
     assert steps[-1].dissipated_energy > 0
@@ -113,7 +113,7 @@ def test_the_case_of_the_document_runs(parts: dict[str, Any]) -> None:
         Case.parse(CASE.replace("4 MPa", "0 MPa")).problem()
 
 
-def test_tangent_of_the_components_is_the_derivative_of_the_residual(parts: dict[str, Any]) -> None:
+def test_tangent_of_the_components_is_the_derivative_of_the_residual(components: dict[str, Any]) -> None:
     case = Case.parse(CASE.replace("60x2", "20x2"))
     system = System(case.problem(), case.space())
     rng = np.random.default_rng(3)
@@ -129,8 +129,8 @@ def test_tangent_of_the_components_is_the_derivative_of_the_residual(parts: dict
     np.testing.assert_allclose(factor.solve(change), direction, rtol=0, atol=1e-6 * np.abs(direction).max())
 
 
-def test_closed_forms_of_the_components(parts: dict[str, Any]) -> None:
-    law = parts["power-law"].like(0.04, 0.015, 0.25)
+def test_closed_forms_of_the_components(components: dict[str, Any]) -> None:
+    law = components["power-law"].like(0.04, 0.015, 0.25)
     length = 3**1.5 / 8 * 0.015 / 0.04
     gap = 0.25 + length * np.array([0.0, 3**-0.5])
     potential, traction, derivative = evaluate_law(law.kernel, law.parameters, gap, np.zeros(2))
@@ -138,7 +138,7 @@ def test_closed_forms_of_the_components(parts: dict[str, Any]) -> None:
     np.testing.assert_allclose(traction, [0.0, -0.04], rtol=1e-14, atol=1e-17)
     np.testing.assert_allclose(derivative, [-2 * 0.015 / length**2, 0.0], rtol=1e-14, atol=1e-15)
 
-    material = parts["blatz-ko"](2.0, 0.3)
+    material = components["blatz-ko"](2.0, 0.3)
     stretch = 1.4
     F = np.diag([stretch, stretch ** (-0.3 / 0.7)])  # free faces
     _, P, A = evaluate_material(material.kernel, material.parameters, np.stack([F, np.eye(2)]))
@@ -149,7 +149,7 @@ def test_closed_forms_of_the_components(parts: dict[str, Any]) -> None:
     # lambda + 2 mu and lambda
     np.testing.assert_allclose(A[1, 0, 0, :, :].diagonal(), [2.0 * 0.7 / 0.52, 2.0 * 0.3 / 0.52], rtol=1e-14)
 
-    step = parts["step"](drop=1.0, place=10.0, width=2.0)
+    step = components["step"](drop=1.0, place=10.0, width=2.0)
     gap, normal, curvature = evaluate_substrate(
         step.kernel, step.parameters, np.array([[10.0, -0.5], [-90.0, 3.0], [110.0, 3.0]])
     )
@@ -158,10 +158,10 @@ def test_closed_forms_of_the_components(parts: dict[str, Any]) -> None:
     np.testing.assert_allclose(normal[0], np.array([0.25, 1.0]) / np.hypot(0.25, 1.0), rtol=1e-14)
     np.testing.assert_allclose(curvature, 0.0, atol=1e-15)
 
-    surface = parts["bevelled-strip"](60.0, 62.0, 4.0).surface()
+    surface = components["bevelled-strip"](60.0, 62.0, 4.0).surface()
     assert surface.boundary("right").length() == pytest.approx(np.hypot(2.0, 4.0), rel=1e-14)
 
-    drive = parts["hinge"]("right", (40.0, 2.0))
+    drive = components["hinge"]("right", (40.0, 2.0))
     points = np.array([[60.0, 0.0], [62.0, 4.0]])
     # a half turn is a point reflection
     np.testing.assert_allclose(drive.prescribed(points, np.pi), 2 * ([40.0, 2.0] - points), rtol=1e-14)

@@ -19,7 +19,7 @@ NOTEBOOKS = [
 def test_the_site_builds_without_a_warning(tmp_path: Path) -> None:
     site, warnings = tmp_path / "html", tmp_path / "warnings"
     command = [sys.executable, "-m", "sphinx", "-q", "-W", "--keep-going", "-E", "-w", str(warnings)]
-    environment = os.environ | {"ISOPEEL_PARTS": ""}
+    environment = os.environ | {"ISOPEEL_PLUGINS": ""}
     done = subprocess.run([*command, "-b", "html", str(DOCS), str(site)], check=False, env=environment)
     assert (done.returncode, warnings.read_text("utf-8")) == (0, "")
     pages = sorted(site.rglob("*.html"))

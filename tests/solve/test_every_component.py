@@ -1,8 +1,8 @@
 """Every law, material, substrate and shape that is registered, by four checks that none of them was made for.
 
 The tangent against central differences, Newton's convergence, the energy balance and going on from a file.
-One part at a time is varied around a common problem: a short strip, lifted at its end until about a tenth to
-a half of the work has gone into tearing. Drives have the same checks in `test_drives.py`.
+One component at a time is varied around a common problem: a short strip, lifted at its end until about a
+tenth to a half of the work has gone into tearing. Drives have the same checks in `test_drives.py`.
 """
 
 import json

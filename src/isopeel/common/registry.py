@@ -1,8 +1,8 @@
 """The registry of laws, materials, substrates, shapes and drives, which finds them by their files.
 
 A frozen dataclass with a `name` in a module of a package is registered by that name; nothing else refers to a
-new file. Plug-ins are in folders that the environment variable ISOPEEL_PARTS names, each in a subfolder with
-the name of its package, such as `adhesion` or `shapes`.
+new file. Plug-ins are in folders that the environment variable ISOPEEL_PLUGINS names, each in a subfolder
+with the name of its package, such as `adhesion` or `shapes`.
 """
 
 import os
@@ -21,7 +21,7 @@ from isopeel.common.errors import InputError
 
 #: The environment variable with the folders of plug-ins. A case cannot name such folders: it is data, and
 #: runs no code.
-PLUG_INS = "ISOPEEL_PARTS"
+PLUG_INS = "ISOPEEL_PLUGINS"
 
 
 @cache
