@@ -1,19 +1,22 @@
 """Secant unloading: work along paths by quadrature, closed forms, and the limits in which nothing is lost."""
 
+from contextlib import nullcontext
 from itertools import pairwise
 
 import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from isopeel import FormulaAdhesion, InputError, VanDerWaals
+from isopeel import FormulaAdhesion, InputError, VanDerWaals, row_space, strip
+from isopeel.assembly.system import System
 from isopeel.common.arrays import FloatArray
 from isopeel.physics.adhesion import AdhesionLaw
 from isopeel.physics.adhesion.bilinear import Bilinear
 from isopeel.physics.adhesion.dugdale import Dugdale
 from isopeel.physics.adhesion.exponential import Exponential
-from isopeel.physics.adhesion.irreversible import SecantUnloading, secant_unloading
+from isopeel.physics.adhesion.irreversible import SecantUnloading, check_envelope, secant_unloading
 from isopeel.physics.adhesion.lennard_jones import LennardJones
+from isopeel.physics.adhesion.mirrored import Mirrored
 from isopeel.physics.adhesion.trapezoidal import Trapezoidal
 from isopeel.physics.batch import evaluate_law
 
@@ -26,6 +29,7 @@ LAWS: dict[str, AdhesionLaw] = {
     "trapezoidal": Trapezoidal(S, W, 0.1, 0.4, equilibrium_gap=0.3),
     "dugdale": Dugdale(S, W, 0.3),
 }
+REFUSED = r"adhesion\.irreversible: True cannot be used; .* must not grow faster than the opening"
 every_law = pytest.mark.parametrize("law", LAWS.values(), ids=LAWS.keys())
 
 
@@ -180,6 +184,32 @@ def test_the_envelope_may_be_a_formula() -> None:
         strict=True,
     ):
         np.testing.assert_allclose(ours, derived, rtol=1e-12, atol=1e-15)  # round-off of the same formulas
+
+
+@every_law
+def test_every_envelope_may_be_irreversible(law: AdhesionLaw) -> None:
+    check_envelope(law)
+    check_envelope(Mirrored(law))
+
+
+def test_an_envelope_that_would_return_energy_is_refused() -> None:
+    """A = 4 W z^3/d/(1 + z^4)^2 of z = x/d: D = W z^4 (z^4 - 1)/(1 + z^4)^2 is negative up to z = 1."""
+    law = FormulaAdhesion("-W/(1 + (r/d)**4)", {"W": W, "d": 0.2})
+    z = np.array([0.5, 1.0, 2.0])
+    expected = W * z**4 * (z**4 - 1) / (1 + z**4) ** 2
+    # the equilibrium gap is found to 1e-12, beside one of 0.2
+    np.testing.assert_allclose(state(law, 0.2 * z, 0.0).dissipated, expected, rtol=0, atol=1e-11 * W)
+    with pytest.raises(InputError, match=REFUSED):
+        check_envelope(law)
+
+
+@pytest.mark.parametrize("b", [0.25, 0.75])
+def test_the_attraction_may_not_grow_faster_than_the_opening(b: float) -> None:
+    """A/z = 2 W/d exp(-z^2) (1 - b + b z^2) falls from z = 0 on for b < 1/2, and grows first for others."""
+    law = FormulaAdhesion("-W*(1 + b*(r/d)**2)*exp(-(r/d)**2)", {"W": W, "d": 0.2, "b": b})
+    System(strip(law=law), row_space("L1", (40, 1)))
+    with nullcontext() if b < 0.5 else pytest.raises(InputError, match=REFUSED):
+        System(strip(law=law, irreversible=True), row_space("L1", (40, 1)))
 
 
 def test_shapes_broadcast() -> None:

@@ -11,6 +11,7 @@ from isopeel.assembly.spaces import Spaces
 from isopeel.assembly.tables import SideTable
 from isopeel.common.arrays import FloatArray, IntArray, frozen
 from isopeel.common.errors import InputError
+from isopeel.physics.adhesion.irreversible import check_envelope
 from isopeel.physics.batch import evaluate_law, evaluate_substrate
 from isopeel.problem import Body, Interface, Problem
 from isopeel.splines.nurbs import NurbsSurface
@@ -39,7 +40,7 @@ def check_start(
     """Return the substrate's tangents (E, Q, 2) at the points of each interface, where all is well.
 
     Raises InputError where a body overlaps the substrate, where a point of it has no one closest point
-    there, or where it can move as a whole without a force.
+    there, where it can move as a whole without a force, or where a law cannot be irreversible.
     """
     problem = spaces.problem
     held: dict[str, list[FloatArray]] = {body.name: [] for body in problem.bodies}
@@ -83,6 +84,8 @@ def _check_interface(
 ) -> tuple[list[FloatArray], FloatArray]:
     """What rigid motions of a body of some size would change (n, 3), and the substrate's tangents."""
     substrate, law = interface.substrate, interface.law
+    if interface.irreversible:
+        check_envelope(law)
     positions = side.positions
     if base is not None:
         positions = positions + np.einsum("eqm,emi->eqi", side.values, base[side.functions])

@@ -18,10 +18,11 @@ A joint is made where its faces meet: the gap that a point starts at is no openi
 has closed, x <= 0, its history is `NOT_CLOSED`, and it follows the envelope both ways, as a reversible law,
 with nothing dissipated. From the first time it has closed the largest opening counts, from zero.
 
-Condition: the attraction divided by the opening must not grow with the opening, or closing would return more
-than opening took. All laws of this package satisfy it; a formula whose attraction is convex at first does
-not. There is no other threshold of damage: where an envelope rises in a straight line, the secant is that
-line and nothing is lost; where it rises in a curve, as the exponential law, a little is lost before the peak.
+The attraction divided by the opening must not grow with the opening, or closing would return more than
+opening took: `check_envelope`. All laws of this package satisfy it; a formula whose attraction is convex at
+first does not. There is no other threshold of damage: where an envelope rises in a straight line, the secant
+is that line and nothing is lost; where it rises in a curve, as the exponential law, a little is lost before
+the peak.
 """
 
 from typing import NamedTuple
@@ -38,9 +39,12 @@ from isopeel.physics.batch import evaluate_law
 #: of so short a secant, and the envelope differs from it by less than can be seen.
 _NO_OPENING = 1e-10
 
-
 #: History of a point that has not closed yet; any other negative number says the same.
 NOT_CLOSED = -1.0
+#: Openings at which an envelope is checked, in units of (W/stiffness)^(1/2). Its values there have more than
+#: the digits of the tolerance, unless the equilibrium gap is far larger.
+_OPENINGS = np.geomspace(1e-4, 1e4, 1601)
+_TOLERANCE = 1e-6
 
 
 class SecantUnloading(NamedTuple):
@@ -75,6 +79,21 @@ def secant_unloading(
         envelope = tuple(here[n]), tuple(closed[n][:2]), tuple(reached[n][:2])
         outputs[n] = damaged(float(gaps[n]), rest, float(openings[n]), *envelope)
     return SecantUnloading(*np.moveaxis(outputs, -1, 0))
+
+
+def check_envelope(law: AdhesionLaw) -> None:
+    """Raise InputError where the attraction divided by the opening grows with the opening, A < A' x."""
+    rest = np.array([law.equilibrium_gap])
+    stiffness = -evaluate_law(law.kernel, law.parameters, rest, np.zeros(1))[2][0]
+    if stiffness > 0:
+        openings = np.sqrt(law.work_of_adhesion / stiffness) * _OPENINGS
+        gaps = rest + openings
+        _, traction, derivative = evaluate_law(law.kernel, law.parameters, gaps, np.zeros(gaps.size))
+        slope = derivative * openings
+        if not (slope < traction - _TOLERANCE * (np.abs(slope) + np.abs(traction))).any():
+            return
+    allowed = "the attraction of its law must not grow faster than the opening, or closing would give energy"
+    raise InputError("adhesion.irreversible", True, allowed)
 
 
 @compiled
