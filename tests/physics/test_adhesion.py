@@ -118,6 +118,17 @@ def test_a_formula_gives_the_same_law() -> None:
     assert formula.work_of_adhesion == pytest.approx(LAW.work_of_adhesion, rel=1e-10)
 
 
+def test_the_potential_of_a_formula_counts_from_infinity() -> None:
+    """By the potential itself a joint is held along the substrate, see `physics.adhesion.sliding`."""
+    constants = {"W": 0.015, "a": 0.3, "r0": 0.3}
+    morse = "W*(1 - exp(-(r - r0)/a))**2"
+    gaps = np.linspace(0.2, 3.0, 30)
+    values = law_at(FormulaAdhesion(morse, constants), gaps)
+    for ours, shifted in zip(values, law_at(FormulaAdhesion(f"{morse} - W", constants), gaps), strict=True):
+        np.testing.assert_allclose(ours, shifted, rtol=0, atol=1e-15)  # round-off of stiffnesses up to 1
+    assert values[0].min() >= -0.015
+
+
 NAMES_OF_THE_KERNEL = ["n", "count", "gap", "traction", "potential", "parameters", "range", "shared_0", "nan"]
 
 

@@ -39,10 +39,11 @@ class FormulaAdhesion:
     """Reversible adhesion law whose potential per area is one expression of the gap `r`.
 
     `potential` may use `r` and the names in `constants` (values in the units of the problem). T = -dPhi/dr
-    (repulsion positive) and dT/dr are derived by SymPy. A potential that is not finite at r = 0 holds for
-    positive gaps only, and one with a pole below the equilibrium for gaps beyond that. Raises InputError
-    unless the traction turns from repulsion to attraction at some gap, the equilibrium gap, has finite values
-    from there on, and it takes a positive, finite work to part the surfaces.
+    (repulsion positive) and dT/dr are derived by SymPy. Phi counts from its value at infinity, which the
+    formula may have. A potential that is not finite at r = 0 holds for positive gaps only, and one with a
+    pole below the equilibrium for gaps beyond that. Raises InputError unless the traction turns from
+    repulsion to attraction at some gap, the equilibrium gap, has finite values from there on, and it takes a
+    positive, finite work to part the surfaces.
     """
 
     name: ClassVar[str] = "formula"
@@ -80,8 +81,9 @@ class FormulaAdhesion:
 
     @property
     def parameters(self) -> FloatArray:
-        """The equilibrium gap, and the constants in the alphabetic order of their names."""
-        return np.array([self.equilibrium_gap, *self.constants.values()], dtype=np.float64)
+        """The equilibrium gap, the constants in the alphabetic order of their names, and Phi at infinity."""
+        far = self._function(0)(_GAPS[-1:])
+        return np.array([self.equilibrium_gap, *self.constants.values(), *far], dtype=np.float64)
 
     @property
     def kernel(self) -> BatchFunction:
@@ -189,5 +191,10 @@ def _numeric(potential: str, constants: tuple[str, ...], order: int) -> Callable
 @cache
 def _formulas(potential: str, constants: tuple[str, ...], least_gap: float | None) -> Callable[..., Any]:
     """Phi, T and T' at one point, as `NormalLaw.at_point` returns them."""
+    import sympy
+
     guard = None if least_gap is None else f"gap > {least_gap!r}"
-    return point_function({"r": "gap"}, constants, _derive(potential, constants), guard)
+    phi, traction, derivative = _derive(potential, constants)
+    # no constant of a user has a name that begins with a line
+    results = phi - sympy.Symbol("_far", real=True), traction, derivative
+    return point_function({"r": "gap"}, (*constants, "_far"), results, guard)
