@@ -63,9 +63,8 @@ def compiled_now(
 
 def is_cached(function: Callable[..., Any]) -> bool:
     """Return whether a compiled function is in the cache."""
-    return can_cache(function) and any(
-        _folder(function).glob(f"{_module(function)}.{function.__name__}-*.nbi")
-    )
+    folder = _folder(function)
+    return folder is not None and any(folder.glob(f"{_module(function)}.{function.__name__}-*.nbi"))
 
 
 def can_cache(function: Callable[..., Any]) -> bool:
@@ -74,14 +73,26 @@ def can_cache(function: Callable[..., Any]) -> bool:
     Cached functions of its file that were compiled from other sources are removed. The cache is beside the
     file or in the user's cache folder. If neither is writable, each process compiles the function in memory.
     """
-    try:
-        _leave_out(_folder(function), _module(function))
-    except (OSError, RuntimeError):  # RuntimeError: Numba finds no folder
-        return False
-    return True
+    return _folder(function) is not None
 
 
-@cache
+#: Folders of Numba's cache by source files, None where there is none.
+_FOLDERS: dict[str, Path | None] = {}
+
+
+def _folder(function: Callable[..., Any]) -> Path | None:
+    """Return the folder of Numba's cache for a function, without cached functions from other sources."""
+    file = function.__code__.co_filename
+    if file not in _FOLDERS:
+        try:
+            folder = Path(str(njit(cache=True)(function).stats.cache_path))
+            _leave_out(folder, _module(function))
+            _FOLDERS[file] = folder
+        except (OSError, RuntimeError):  # RuntimeError: Numba finds no folder
+            _FOLDERS[file] = None
+    return _FOLDERS[file]
+
+
 def _leave_out(folder: Path, module: str) -> None:
     noted = folder / f"{module}.isopeel"
     versions = noted.read_text().split() if noted.exists() else []
@@ -93,11 +104,6 @@ def _leave_out(folder: Path, module: str) -> None:
             kept.unlink(missing_ok=True)
     folder.mkdir(parents=True, exist_ok=True)
     noted.write_text(f"{sources()} {statements()}")
-
-
-def _folder(function: Callable[..., Any]) -> Path:
-    """Return the folder of Numba's cache for a function."""
-    return Path(str(njit(cache=True)(function).stats.cache_path))
 
 
 def _module(function: Callable[..., Any]) -> str:
