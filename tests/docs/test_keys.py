@@ -1,13 +1,16 @@
 """The page on the keys of a case file has all of them."""
 
 import re
+from dataclasses import fields
 from pathlib import Path
 from typing import get_args
 
 import pytest
 
 from isopeel.case import Case, OneBody, SeveralBodies
+from isopeel.case.kinds import KindSection
 from isopeel.case.values import Section
+from isopeel.common.registry import discover
 
 #: Tables of lists, each with its own table on the page.
 LISTS = ("body", "interface", "support", "load")
@@ -37,6 +40,19 @@ def tables(form: type[Case]) -> dict[str, type[Section]]:
 )
 def test_each_key_of_a_table_is_there(key: str) -> None:
     assert f"`{key}`" in PAGE
+
+
+@pytest.mark.parametrize("family", KindSection.__subclasses__())
+def test_each_kind_is_there_with_its_own_keys(family: type[KindSection]) -> None:
+    (part,) = re.findall(
+        rf"\| `{family.table}\.{family.chooser}` \| keys \|\n.*?\n\n", PAGE + "\n", re.DOTALL
+    )
+    rows = dict(re.findall(r"^\| `([\w-]+)` \| (.*) \|$", part, re.MULTILINE))
+    kinds = discover(family.package)
+    assert set(rows) == set(kinds)
+    for name, kind in kinds.items():
+        own = {field.name for field in fields(kind) if field.init} - family.own
+        assert set(re.findall(r"`(\w+)`", rows[name])) == own, name
 
 
 @pytest.mark.parametrize("table", LISTS)
