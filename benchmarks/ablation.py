@@ -1,4 +1,4 @@
-"""What each method of speed earns: the published study without it, beside the study with all of them."""
+"""What each method for speed gains: the published study with all methods, and without each of them."""
 
 import json
 import os
@@ -25,7 +25,7 @@ _HERE = Path(__file__).parent
 
 
 class Cost(NamedTuple):
-    """What one run took in one process."""
+    """The cost of one run in one process."""
 
     seconds: float  # of the processor
     steps: int
@@ -51,13 +51,13 @@ class Worker:
             text=True,
         )
 
-    def ask(self, run: Run, to: float) -> None:
-        """Send a run up to some degrees."""
+    def send(self, run: Run, to: float) -> None:
+        """Send a run, and its last angle in degrees, to the process."""
         assert self._process.stdin is not None
         print(json.dumps([run.space, run.mesh, to]), file=self._process.stdin, flush=True)
 
-    def answer(self) -> Cost:
-        """Return the cost of the run that was asked for; raises ArithmeticError where the process ended."""
+    def receive(self) -> Cost:
+        """Return the cost of the requested run; raises ArithmeticError if the process ended."""
         assert self._process.stdout is not None
         line = self._process.stdout.readline()
         if not line:
@@ -81,13 +81,13 @@ class Worker:
 
 
 def ablation_table(base: Worker, workers: list[Worker], runs: list[Run]) -> Table:
-    """Tabulate what is lost without each method."""
+    """Tabulate the additional time without each method."""
     steps = [run for run in runs if run.name in _LOAD_STEPS]
     table = plain_table(
-        "what is lost without a method",
+        "additional time without a method",
         *("method", "instead", "lines", "study", *(run.space for run in steps), "corrections", "moment"),
-        caption="study, spaces: more time of the processor than with all methods;\n"
-        "corrections: per step; moment: largest relative difference at the last common step",
+        caption="study, spaces: more processor time than with all methods; corrections: per step;\n"
+        "moment: largest relative difference at the last step, of runs with as many steps",
     )
     for worker in workers:
         assert worker.method is not None
@@ -115,7 +115,7 @@ def main(
     to: Annotated[float, typer.Option(min=1, help="Last angle in degrees.")] = 150.0,
     passes: Annotated[int, typer.Option(min=1, help="Times that each run is computed.")] = 1,
 ) -> None:
-    """Compute the published study with all methods of speed and without each of them, in turn."""
+    """Compute the published study with all methods that save time, and without each of them, in turn."""
     for option, chosen, known in (
         ("--space", space, SPACES),
         ("--mesh", mesh, tuple(MESHES)),
@@ -130,17 +130,17 @@ def main(
         everyone = [base, *workers]
         try:
             # a whole path compiles all functions, which most processes load from the first one
-            base.ask(runs[0], to)
-            base.answer()
+            base.send(runs[0], to)
+            base.receive()
             for worker in workers:
-                worker.ask(runs[0], to)
+                worker.send(runs[0], to)
             for worker in workers:
-                worker.answer()
+                worker.receive()
             with Progress(console=Console(stderr=True), auto_refresh=False, transient=True) as bar:
                 for _, run in bar.track([(k, run) for k in range(passes) for run in runs]):
                     for worker in everyone:
-                        worker.ask(run, to)
-                        worker.costs.setdefault(run.name, []).append(worker.answer())
+                        worker.send(run, to)
+                        worker.costs.setdefault(run.name, []).append(worker.receive())
         finally:
             for worker in everyone:
                 worker.close()
@@ -148,7 +148,7 @@ def main(
     console.print(ablation_table(base, workers, runs))
     corrections = base.corrections(runs)
     console.print(
-        f"{len(runs)} runs to {to:g} degrees with all methods: {base.least(runs):.1f} s of the processor, "
+        f"{len(runs)} runs to {to:g} degrees with all methods: {base.least(runs):.1f} s of processor time, "
         f"{corrections:.2f} corrections per step"
     )
     console.print(machine.description(), soft_wrap=True)

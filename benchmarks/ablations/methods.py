@@ -1,6 +1,6 @@
-"""The methods that make a path fast: where each stands, and how it is switched off.
+"""The methods that make a path fast: the code of each, and how it is switched off.
 
-A method is switched off by a change of the package in a process of its own, before the first path. Where
+A method is switched off by a change of the package in a process of its own, before the first path. If
 compiled code changes, the process has a cache of its own. The package itself has no such switches.
 """
 
@@ -21,13 +21,13 @@ from isopeel.common.arrays import FloatArray
 
 @dataclass(frozen=True)
 class Method:
-    """One method: its name, what it is made of, and what switches it off.
+    """One method: its name, its code, and the function that switches it off.
 
-    Parts are modules, or names in modules: `isopeel.solve.predictor:Predictor.slope`.
+    The code is given by modules, or by names in modules: `isopeel.solve.predictor:Predictor.slope`.
     """
 
     name: str
-    parts: Sequence[str]
+    code: Sequence[str]
     switch_off: Callable[[], object]
     instead: str
     compiles: bool = False  # compiled functions change: they need a cache of their own
@@ -35,8 +35,8 @@ class Method:
 
     @property
     def lines(self) -> int:
-        """Lines of code of the parts, without docstrings, comments and blank lines."""
-        return self.extra_lines + sum(_lines(part) for part in self.parts)
+        """Lines of code, without docstrings, comments and blank lines."""
+        return self.extra_lines + sum(_lines(one) for one in self.code)
 
 
 def _lines(part: str) -> int:
@@ -245,7 +245,7 @@ METHODS = (
         extra_lines=8,  # in `select_predictor`, `Predictor` and `AcceptedState`
     ),
     Method(
-        "errors of predictors, kept",
+        "stored errors of predictors",
         (),
         _no_stored_errors,
         "all evaluated in each step",
@@ -265,7 +265,7 @@ METHODS = (
         "double precision",
     ),
     Method(
-        "vector operations by hand",
+        "SIMD kernels",
         ("isopeel.matrix.simd_kernels",),
         _plain_loops,
         "the same loops, left to the compiler",
@@ -297,17 +297,17 @@ METHODS = (
         extra_lines=12,  # in `newton`
     ),
     Method(
-        "prescribed motion, kept",
+        "stored prescribed motion",
         (),
         _no_stored_motion,
-        "computed where it is asked for",
+        "computed at each call",
         extra_lines=10,
     ),
     Method(
-        "sums in any order",
+        "reordered sums",
         (),
         _sums_in_order,
-        "sums in their order",
+        "sums in the order of the code",
         compiles=True,
         extra_lines=6,
     ),

@@ -10,7 +10,7 @@ from ablations.methods import METHODS
 
 
 def main(name: str) -> None:
-    """Switch a method off, unless the name is empty; then compute the runs that are asked for."""
+    """Switch a method off, unless the name is empty; then compute the requested runs."""
     for method in METHODS:
         if method.name == name:
             method.switch_off()
