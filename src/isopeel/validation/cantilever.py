@@ -128,9 +128,8 @@ def judge(outcomes: Sequence[Opened]) -> Result:
             " = sqrt(G E'I), for any length of the crack: {double-cantilever}. A rotation of the arm's"
             " root lengthens the crack; this has no effect on the force at a given D. The reaction is read"
             " where beam theory has the crack length a. The force is a dead traction of unknown size on the"
-            " end of the arm, which can rotate and deform. An end whose points all move by one displacement"
-            " could not rotate without being stretched across, by half of the square of its rotation, and"
-            " would take a moment."
+            " end of the arm, so that the end can rotate and deform. If all points of the end moved by the"
+            " same displacement, a rotation would stretch the end across, and a moment would act on it."
         ),
         settings=(
             ("arm, joint", f"height {_HEIGHT:g}, length {_LENGTH:g}, crack {_CRACK:g} at first"),

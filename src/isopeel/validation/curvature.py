@@ -96,11 +96,12 @@ def judge(outcomes: Sequence[Factors]) -> Result:
         text=(
             "On a curved substrate, the van der Waals law multiplies repulsion by f1 and attraction by f2."
             " Here they are compared with sums of forces on the layers of a body around a *sphere* of radius"
-            " R. A half space at its own gap attracts each point of a layer; the sum is a quadrature over"
-            " pairs of points: {curvature-factors}. So the factors are those of a sphere, not of a"
-            " cylinder in plane strain. In a hollow substrate (R < 0) the layers end at the centre, but the"
-            " law also counts layers beyond it. Their share of the attraction is about (r/R)^3. Rows with a"
-            " radius of ten gaps or more must pass; those with a smaller radius are for information."
+            " R. The force on a point of a layer is that of a half space at the gap of the point; it is"
+            " integrated over all points of the half space: {curvature-factors}. The result shows that the"
+            " factors are those of a sphere, not of a cylinder in plane strain. In a hollow substrate (R < 0)"
+            " the layers end at the centre, but the law also counts layers beyond it. Their part of the"
+            " attraction is about (r/R)^3. Rows with a radius of ten gaps or more must pass; those with a"
+            " smaller radius are for information."
         ),
         settings=(("laws", "r0 = 0.2 r and 1.4 r; f1 and f2 follow from two tractions"),),
         columns=("substrate", "R/r", "factor"),

@@ -136,8 +136,8 @@ def judge(outcomes: Sequence[PulledOff]) -> Result:
             f" R/16)^(1/3). Below {RIGID_LIKE:g} the cylinder is practically rigid, and the law is integrated"
             " over its parabola. Rows in between are for information. They are compared with the theory of"
             " Maugis, for a constant attraction of the same strength and work. The runs use an exponential"
-            " law, which has a longer range; so both differ there. All theories are for half spaces. The"
-            " path follows the displacement of the plane. When the edge passes a node, it may jump to the"
+            " law with a longer range, so that the results differ there. All theories are for half spaces."
+            " The path follows the displacement of the plane. When the edge passes a node, it may jump to the"
             " next stable equilibrium."
         ),
         settings=(

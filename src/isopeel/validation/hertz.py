@@ -94,11 +94,12 @@ def judge(outcomes: Sequence[Pressed]) -> Result:
     return Result(
         quantity="half-width a, peak pressure p_0",
         text=(
-            "The same cylinder is pressed onto the substrate by its middle plane. The law practically only"
-            " repels. Pressures are those of the law at the gaps of the Gauss points. The line p^2 = p_0^2"
-            f" (1 - x^2/a^2) over x^2 is fitted to those with x < {_FITTED:g} a: {{hertz-pressure}}. Its a"
-            " and p_0 are compared with a = sqrt(4 P R/(pi E\\*)) and p_0 = 2 P/(pi a) at the load P of the"
-            " run. Nearer to the edge, where the pressure has a root, the mesh smooths it."
+            "The same cylinder is pressed onto the substrate by its middle plane. The attraction of the law"
+            " is negligible. Pressures are those of the law at the gaps of the Gauss points. The line p^2 ="
+            f" p_0^2 (1 - x^2/a^2) over x^2 is fitted to the points with x < {_FITTED:g} a:"
+            " {hertz-pressure}. Its a and p_0 are compared with a = sqrt(4 P R/(pi E\\*)) and p_0 = 2 P/(pi"
+            " a) at the load P of the run. Closer to the edge of the contact the pressure falls steeply, and"
+            " the mesh smooths it."
         ),
         settings=(
             ("cylinder", f"R = {RADIUS:g}, E = {MODULUS:g}, Poisson's ratio {POISSONS_RATIO:g}; a quarter"),
