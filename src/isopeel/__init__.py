@@ -2,8 +2,8 @@
 
 import sys
 
-# `python -m isopeel` looks for modules in the folder that it runs in first, whoever has put them there: what
-# is imported from now on does not come from it. Until the module is found, the first argument is "-m".
+# `python -m isopeel` looks for modules first in the current folder, whoever wrote them. This folder is
+# removed from the path. Until the module is found, the first argument is "-m".
 if sys.argv[:1] == ["-m"] and not sys.flags.safe_path:
     del sys.path[:1]
 
@@ -109,7 +109,7 @@ __all__ = [
     "trace",
 ]
 
-# Names are imported when they are first used, so that the command line's help need not wait for a compiler.
+# Names are imported when they are first used, so that the help of the command line does not load a compiler.
 _MODULES = {
     "case": ("Case", "load_case"),
     "common.errors": ("InputError",),
@@ -158,7 +158,7 @@ _MODULES = {
 }
 _HOMES = {name: module for module, names in _MODULES.items() for name in names}
 
-if not TYPE_CHECKING:  # type checkers read the imports above, and complain about other names
+if not TYPE_CHECKING:  # type checkers read the imports above
 
     def __getattr__(name: str) -> object:
         if name not in _HOMES:

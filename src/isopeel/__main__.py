@@ -1,4 +1,4 @@
-"""The command `isopeel`, and `python -m isopeel`: Ctrl-C is seen to before all else is imported."""
+"""The command `isopeel`, and `python -m isopeel`. Ctrl-C is handled before anything else is imported."""
 
 import sys
 

@@ -103,7 +103,8 @@ def test_a_run_far_off_its_closed_form_gets_a_note(mesh: str, work: float) -> No
     deviation = message.reading("steady force")["deviation_percent"]
     assert abs(deviation) > 5
     assert (
-        f"steady force: the run is {deviation:+.3g} % off Kendall's tape" in message.notes("closed form")[0]
+        f"steady force: the run deviates by {deviation:+.3g} % from Kendall's tape"
+        in message.notes("closed form")[0]
     )
 
 

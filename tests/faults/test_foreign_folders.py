@@ -377,7 +377,7 @@ def test_a_report_is_written_to_no_folder_of_something_else(
     named, before = plant(Path("mine")), contents(Path("mine"))
     only = "table3" if command == "paper" else "bending"
     assert main([command, "--only", only, "--out", "mine"]) == 2
-    assert f"'mine' cannot be used; it contains {named}, which is of no report" in the_error(capsys)
+    assert f"'mine' cannot be used; it contains {named}, which is not of a report" in the_error(capsys)
     assert contents(Path("mine")) == before
 
 
@@ -390,7 +390,7 @@ def test_a_report_replaces_a_report_and_prints_it(
     (Path("mine") / "spaces" / "notes.txt").write_text("mine")
     capsys.readouterr()
     assert main(["paper", "--only", "spaces", "--out", "mine"]) == 2
-    assert "it contains spaces/notes.txt, which is of no report" in the_error(capsys)
+    assert "it contains spaces/notes.txt, which is not of a report" in the_error(capsys)
     assert main(["paper", "--only", "spaces", "--out", "mine", "--force"]) == 0
     assert "replaces the report in mine/spaces" in capsys.readouterr().out
     assert (Path("mine") / "spaces" / "notes.txt").read_text() == "mine"

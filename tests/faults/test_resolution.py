@@ -167,7 +167,7 @@ def test_a_strength_is_proposed_if_no_mesh_suffices(length: float) -> None:
     case = Case.parse(STAMP.replace('"500 um"', f'"{length} mm"').replace('"1 MPa"\nrise', '"3 MPa"\nrise'))
     text = message(case)
     assert "mesh = '" not in text
-    strength = re.search(r"that of a strength of ([\d.]+) (k?Pa|MPa) or less", text)
+    strength = re.search(r"with a strength of ([\d.]+) (k?Pa|MPa) or less", text)
     assert strength is not None
     softer = Case.parse(case.text.replace('strength = "3 MPa"', f'strength = "{strength[1]} {strength[2]}"'))
     mesh = re.search(r"mesh = '(\d+x\d+)'", message(softer))
@@ -208,7 +208,7 @@ def test_the_summary_has_the_same_notes(tmp_path: Path) -> None:
     run_case(Case.parse(HALF_BEAM), tmp_path, Console(quiet=True))
     summary = json.loads((tmp_path / "summary.json").read_text("utf-8"))
     texts = " ".join(note["text"] for note in summary["notes"])
-    (mesh,) = re.findall(r"take mesh = '(\d+)x2'", texts)
+    (mesh,) = re.findall(r"use mesh = '(\d+)x2'", texts)
     # 38 elements are 0.29 in the zone
     assert int(mesh) >= 38 / 0.29
     zones = summary["process_zone"]

@@ -164,7 +164,7 @@ def test_branches_and_jumps_are_reported_apart(stage: StoredStage) -> None:
     legend = curve_legend(stored, plateau=False)
     assert re.findall("</span>([a-z ]+)</span>", legend) == [
         "stored state",
-        "shown",
+        "selected state",
         "unstable",
         "jump",
         "limit point",
@@ -259,7 +259,7 @@ def test_runs_that_did_not_end_are_reported(stage: StoredStage, tmp_path: Path) 
     (stopped,) = read_stages(failed(tmp_path))
     assert stopped.run.failure is not None
     text = message(stopped)
-    assert f"Cause: {stopped.run.failure.cause}. What to try: {stopped.run.failure.hint}." in text
+    assert f"Cause: {stopped.run.failure.cause}. Remedy: {stopped.run.failure.hint}." in text
 
 
 def test_a_run_without_a_step_has_a_page_too(tmp_path: Path) -> None:
@@ -297,7 +297,7 @@ def test_a_page_takes_the_finer_mesh_from_the_summary(folder: Path, monkeypatch:
     assert changes
     text = html_report(read_stages(folder))
     assert not computed
-    assert text.count("half the elements&#x27; length") == len(changes)
+    assert text.count("half of the element length") == len(changes)
 
 
 @pytest.mark.parametrize(

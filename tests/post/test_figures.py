@@ -112,7 +112,7 @@ def test_the_closed_form_and_the_plateau_are_drawn_and_named(long_curve: Curve) 
         "onset 53.8°",
         "mean 1.63, amplitude $4.00\\times 10^{-3}$\n"
         "slopes $2.00\\times 10^{-3}$, $-2.00\\times 10^{-3}$ per degree\n"
-        "drift taken out $1.00\\times 10^{-4}$ per degree",
+        "subtracted drift $1.00\\times 10^{-4}$ per degree",
     ]
 
 

@@ -102,7 +102,7 @@ def test_a_run_that_ends_too_soon_is_not_read(last: float) -> None:
         (0.1, (98.0, 98.5), "shorter than a period"),
         (0.2, (98.0, 101.4), "steps of 0.2 degree are too large"),
         (1.0, (98.0, 101.4), "steps of 1 degree are too large"),
-        (2.0, (98.0, 101.4), "holds 2 steps"),
+        (2.0, (98.0, 101.4), "has 2 steps"),
         (0.1, (108.0, 111.4), "the run reached 110"),
     ],
 )

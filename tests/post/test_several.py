@@ -214,7 +214,7 @@ def test_the_summary_names_the_interfaces() -> None:
     summary = summarize("two", run, found, 1.0, mesh_changes(problem, SPACES, run))
     names = [row.name for row in summary_rows(summary, run.curve, found)]
     assert {"crack length, first.bottom", "process zone, first.bottom"} <= set(names)
-    assert "elements in the zone, second.bottom" in names
+    assert "elements in process zone, second.bottom" in names
     assert not any("second" in name for name in names if name.startswith(("crack", "process")))
     assert found.closed_form is None
     assert summary["closed_form"] is None

@@ -317,8 +317,8 @@ def test_no_digit_is_cut_off_on_a_narrow_console() -> None:
         (lambda: Table("a", "A", ("x",), (("1\n2",),)), "one line"),
         (lambda: Picture("a", " A", draw), "one line"),
         (lambda: Picture("", "A", draw), "small letters"),
-        (lambda: Document("A", Text(""), (Section("B", (table(), table())),)), "only one"),
-        (lambda: Document("A", Text(""), (Section("B", ()), Section("B!", ()))), "only one"),
+        (lambda: Document("A", Text(""), (Section("B", (table(), table())),)), "used twice"),
+        (lambda: Document("A", Text(""), (Section("B", ()), Section("B!", ()))), "used twice"),
         (lambda: Document("A", Text("{speciall}"), (Section("B", (table(),)),)), "special"),
     ],
 )

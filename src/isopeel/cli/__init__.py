@@ -57,4 +57,4 @@ def _code_of(arguments: Sequence[str] | None) -> int:
     except OSError as error:
         return fail(BAD_INPUT, unwritten(error))
     except MemoryError:
-        return fail(BAD_INPUT, "there is not enough memory; take a coarser --mesh")
+        return fail(BAD_INPUT, "there is not enough memory; use a coarser --mesh")

@@ -48,7 +48,7 @@ def command(function: Callable[P, int]) -> Callable[P, int]:
             with deferred():
                 code = function(*arguments, **options)
         except KeyboardInterrupt:
-            # Ctrl-C after the end of the command has interrupted nothing
+            # after the end of the command Ctrl-C interrupts nothing
             return fail(INTERRUPTED, "interrupted") if code is None else code
         return code
 
@@ -59,7 +59,7 @@ def console() -> "Console":
     """Standard output."""
     from isopeel.cli.terminal import PlainConsole
 
-    # paths are shown as they are: [b] and :b: are no markup in them
+    # paths are shown as they are: [b] and :b: in a path are not markup
     return PlainConsole(markup=False, emoji=False, highlight=False)
 
 
@@ -71,9 +71,12 @@ def fail(code: int, message: str) -> int:
 
 
 def unwritten(error: OSError, folder: Path | None = None) -> str:
-    """Return the message on a file that could not be written, with how to continue the run in a folder."""
+    """Return the message on a file that cannot be written, and the command that continues the run."""
     if error.errno in (EMFILE, ENFILE):
-        text = f"{error.filename or 'a file'} cannot be opened: {error.strerror}; `ulimit -n` allows more"
+        text = (
+            f"{error.filename or 'a file'} cannot be opened: {error.strerror}; `ulimit -n NUMBER` raises the"
+            " limit"
+        )
     else:
         text = f"{error.filename or 'a file'} cannot be written: {error.strerror or error}"
     if folder is None or not any(folder.glob("**/run.h5")):
@@ -82,7 +85,7 @@ def unwritten(error: OSError, folder: Path | None = None) -> str:
 
 
 def interrupted_message(folder: Path) -> str:
-    """Return the message on an interrupted run in a folder."""
+    """Return the message on an interrupted run in a folder, with the command that continues it."""
     return (
         f"the converged steps are in {folder}; `isopeel resume {shlex.quote(str(folder))}` continues the run"
     )

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from isopeel.running.run import Result
 
 _ForceOption = Annotated[
-    bool, typer.Option("--force", help="Write to DIR even if it has other files; these stay.")
+    bool, typer.Option("--force", help="Write to DIR even if it has other files; these remain.")
 ]
 _ControlOption = Annotated[
     str | None,
@@ -45,8 +45,8 @@ def run(
         typer.Option(
             "--set",
             metavar="KEY=VALUE",
-            help="Another value of a key of the case, such as body.height='12 nm', or body.2.height of the "
-            "second of several bodies; KEY= leaves it out. Repeatable.",
+            help="Set a key of the case, such as body.height='12 nm', or body.2.height for the second of "
+            "several bodies; KEY= removes the key. Repeatable.",
         ),
     ] = None,
     space: Annotated[str | None, typer.Option(metavar="NAME", help="Spline space, such as N2.1.")] = None,
@@ -74,17 +74,17 @@ def run(
         typer.Option(metavar="VALUE", help="Parameter between stored displacements, in the same format."),
     ] = None,
     strict: Annotated[
-        bool, typer.Option("--strict", help="Reject elements that do not resolve the front, or lock.")
+        bool, typer.Option("--strict", help="Reject elements that do not resolve the front, or that lock.")
     ] = False,
     force: Annotated[
         bool,
-        typer.Option("--force", help="Replace a longer or another run in DIR; other files stay."),
+        typer.Option("--force", help="Replace any run in DIR, also a longer one; other files remain."),
     ] = False,
 ) -> int:
     """Run CASE, and write its curve, figures, summary and fields to a folder.
 
-    A run of the same case in the folder is replaced if it is not longer. Without --force, a folder with
-    other content is rejected.
+    If the folder has a run of the same case that is not longer, it is replaced. Without --force, a folder
+    with other content is rejected.
     """
     folder: Path | None = None
     try:
@@ -112,7 +112,7 @@ def run(
 
             result = run_case(chosen, folder, console(), strict, force=force)
     except InputError as error:
-        # errors of an option that only the solver finds
+        # some errors of options are found by the solver
         for option, value in (("mesh", mesh), ("contact_points", contact_points)):
             if error.field == f"discretization.{option}" and error.value == value:
                 raise InputError(f"--{option.replace('_', '-')}", value, error.allowed) from error
@@ -127,13 +127,11 @@ def resume(
     folder: Annotated[Path, typer.Argument(metavar="DIR", help="Folder of a run that was interrupted.")],
     to: Annotated[
         str | None,
-        typer.Option(
-            metavar="VALUE", help="Last parameter, if other than that of the run; written as in `run`."
-        ),
+        typer.Option(metavar="VALUE", help="Another last parameter, in the same format as for `run`."),
     ] = None,
     control: _ControlOption = None,
 ) -> int:
-    """Continue a run that was interrupted or killed; its steps are those of an uninterrupted run."""
+    """Continue a run that was interrupted or killed. The steps equal those of an uninterrupted run."""
     try:
         from isopeel.running.warm_up import warmed_up_beside
 
@@ -178,7 +176,7 @@ def paper(
     ),
     force: _ForceOption = False,
 ) -> int:
-    """Run the published study, and write a report that compares it with the published figures.
+    """Run the published study, and write a report that compares our results with the published ones.
 
     Finished runs are stored, so that the same command continues an interrupted study.
     """
@@ -207,7 +205,7 @@ def validate(
     out: Annotated[Path, typer.Option(metavar="DIR", help="Folder of the report.")] = Path("out/validation"),
     force: _ForceOption = False,
 ) -> int:
-    """Compare runs with closed forms, and write a report on all deviations."""
+    """Compare runs with closed forms, and write a report with all deviations."""
     from isopeel.common.processes import WorkerLostError
     from isopeel.validation.report import chosen_checks
     from isopeel.validation.report import validate as run_checks

@@ -19,7 +19,8 @@ def plot(
     only: Annotated[
         list[str] | None,
         typer.Option(
-            metavar="PART", help="Figure: curve, plateau, shapes, front or tractions; repeatable, else all."
+            metavar="PART",
+            help="Figure: curve, plateau, shapes, front or tractions; repeatable. Default: all.",
         ),
     ] = None,
     at: Annotated[
@@ -51,7 +52,7 @@ def report(
     ] = None,
     force: _ForceOption = False,
 ) -> int:
-    """Write a run as one HTML page, with its curve, shapes, front and tractions, that opens anywhere."""
+    """Write one HTML page of a run, with its curve, shapes, front and tractions."""
     from isopeel.html_report.write import write_html_report
 
     console().print(f"the report is {write_html_report(folder, out, force=force)}", soft_wrap=True)
@@ -66,7 +67,7 @@ def export(
     ] = None,
     linear: Annotated[
         int | None,
-        typer.Option(metavar="N", help="Cut each element into N x N straight cells, not into Bezier cells."),
+        typer.Option(metavar="N", help="Write N x N straight cells for each element, not Bezier cells."),
     ] = None,
     force: _ForceOption = False,
 ) -> int:
@@ -85,7 +86,7 @@ def export(
 @command
 def compare(
     folders: Annotated[
-        list[Path], typer.Argument(metavar="DIR...", help="Folders of two runs or more, or of stages.")
+        list[Path], typer.Argument(metavar="DIR...", help="Folders of two or more runs, or stages of runs.")
     ],
     suffix: Annotated[str, typer.Option("--format", metavar="png|svg|pdf", help="Kind of figure.")] = "png",
     out: Annotated[Path, typer.Option(metavar="DIR", help="Folder of the table and the figure.")] = Path(
@@ -93,7 +94,7 @@ def compare(
     ),
     force: _ForceOption = False,
 ) -> int:
-    """Compare stored runs: their curves in one figure, and a table of the values read from them."""
+    """Compare stored runs: draw their curves in one figure, and write a table of their results."""
     from isopeel.output.compare import compare_runs
 
     compare_runs(folders, suffix, out, console(), force=force)
@@ -106,7 +107,7 @@ def animate(
     suffix: Annotated[str, typer.Option("--format", metavar="mp4|gif", help="Kind of file.")] = "mp4",
     fps: Annotated[
         float | None,
-        typer.Option(metavar="N", help="Stored states per second; a few seconds in all by default."),
+        typer.Option(metavar="N", help="Stored states per second; by default for a few seconds in all."),
     ] = None,
     size: Annotated[str, typer.Option(metavar="WxH", help="Width and height in pixels.")] = "1280x600",
     out: Annotated[
@@ -114,7 +115,7 @@ def animate(
     ] = None,
     force: _ForceOption = False,
 ) -> int:
-    """Animate a stored run: the deformed body, and beside it the curve with a moving mark."""
+    """Animate a stored run: the deformed body, and the curve with a moving mark."""
     from isopeel.output.animate import animate_run
 
     animate_run(folder, suffix, fps, size, out, console(), force=force)
@@ -161,7 +162,7 @@ def spaces(
     ] = None,
     force: _ForceOption = False,
 ) -> int:
-    """Draw the functions of a spline space, and print its degrees, continuities, supports and DOFs."""
+    """Draw the functions of a spline space, and print their degree, continuity, support and number."""
     from isopeel.output.spaces import show_space
 
     show_space(name, mesh, out, console(), force=force)

@@ -11,10 +11,10 @@ from isopeel.common.errors import visible
 
 
 class PlainConsole(Console):
-    """A console that makes control characters of a text visible; only its own colours and bars work."""
+    """A console that makes control characters of texts visible; its own colours and bars still work."""
 
     def render_str(self, text: str, **options: Any) -> Text:
-        """Return a string as a text, as wide as it is with visible control characters."""
+        """Return a string as a text whose width is that with visible control characters."""
         return super().render_str(visible(text), **options)
 
     def render(self, renderable: RenderableType, options: ConsoleOptions | None = None) -> Iterable[Segment]:

@@ -1,4 +1,4 @@
-"""The content of the page of a stage, as numbers and texts for its script."""
+"""The content of the HTML page of a stage, as numbers and texts for its script."""
 
 import json
 import re
@@ -239,7 +239,7 @@ def _side(stored: StoredStage, drawn: DrawnState, name: str) -> Content:
     every = substrates(problem)
     return {
         "name": name,
-        "substrates": [every.index(one) for one in substrates(problem, name)],  # that its body feels
+        "substrates": [every.index(one) for one in substrates(problem, name)],  # that attract its body
         "position": packed(profile.position, "f4"),
         "points": profile.position.shape[1],
         "places": packed(places, "f4"),
@@ -254,7 +254,7 @@ def _along_face(adhering: FloatArray) -> IntArray:
 def _shown_state(
     stored: StoredStage, state: StoredState, drawn: DrawnState, fronts: Mapping[str, Window], scale: float
 ) -> Content:
-    # of a body without an interface, the dots of the whole picture
+    # without an interface, the resolution is that of the whole picture
     widths = [front.x[1] - front.x[0] for front in fronts.values()]
     resolution = (min(widths) if widths else np.ptp(whole_window([drawn]).x)) / _DOTS
     return {

@@ -1,4 +1,4 @@
-"""The texts of a page, which are readable without its script. Texts of a run are escaped."""
+"""The texts of the HTML page of a run, which do not need its script. Texts of a run are escaped."""
 
 from collections.abc import Iterable, Sequence
 from functools import partial
@@ -63,7 +63,7 @@ def _failure(failure: Failure, reason: str, at: str) -> str:
     residuals = ", ".join(f"{measure:.1e}" for measure in failure.iterations)
     lines = [
         f"No equilibrium at {at}: {reason}.",
-        f"Cause: {failure.cause}. What to try: {failure.hint}.",
+        f"Cause: {failure.cause}. Remedy: {failure.hint}.",
         *([f"Energy residual per unknown before each correction: {residuals}."] if residuals else []),
     ]
     return "".join(map(paragraph, lines))
@@ -109,11 +109,11 @@ def curve_legend(stored: StoredStage, plateau: bool) -> str:
     kinds = {KINDS[kind] for kind in curve.kind[1:]}
     marked = {
         "state": ("stored state", True),
-        "chosen": ("shown", True),
+        "chosen": ("selected state", True),
         "unstable": ("unstable", bool(unstable_pieces(curve).any())),
         "jumped": ("jump", "jump" in kinds),
         "limit": ("limit point", "limit point" in kinds),
-        "shaded": ("where the plateau is read", plateau),
+        "shaded": ("window of the plateau", plateau),
     }
     keys = [(kind, words) for kind, (words, there) in marked.items() if there]
     return " ".join(

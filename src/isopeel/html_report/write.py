@@ -1,4 +1,4 @@
-"""Write the page of a run."""
+"""Write the HTML page of a run."""
 
 import json
 from base64 import b64encode

@@ -1,4 +1,4 @@
-"""A stored run as an animation: the body and its curve, side by side."""
+"""Animate a stored run: the body and its curve, side by side."""
 
 import re
 from collections.abc import Callable, Iterable, Iterator
@@ -42,20 +42,20 @@ def animate_run(
 ) -> None:
     """Animate the states whose displacement is stored in the folder of a run, in one file for each stage.
 
-    `suffix` is mp4 or gif, `fps` the states per second, by default chosen for some seconds in all, and `size`
-    the width and height in pixels, such as 1280x600. The files are animation.mp4 in the folder `figures` of
-    the run, or in `out`. Raises InputError where an argument is invalid, or a stage has one state only;
-    OSError where a file cannot be written. If it is ended early, there is no file, or the earlier one.
+    `suffix` is mp4 or gif. `fps` is the number of states per second; by default the animation takes some
+    seconds. `size` is the width and height in pixels, such as 1280x600. The files are animation.mp4 in the
+    folder `figures` of the run, or in `out`. Raises InputError if an argument is invalid, or if a stage has
+    one state only; OSError if a file cannot be written. If the process is ended early, the old file remains.
     """
     if suffix not in _WRITERS:
         raise InputError("--format", suffix, f"it must be one of {', '.join(_WRITERS)}")
     if fps is not None and not FEWEST <= fps <= MOST:
-        raise InputError("--fps", fps, f"{FEWEST:g} to {MOST:g} pictures per second are possible")
+        raise InputError("--fps", fps, f"it must be from {FEWEST:g} to {MOST:g} pictures per second")
     pixels = _pixels(size)
     stages = shown_stages(folder)
     moving = [stage for stage in stages if len(stage.run.states) > 1]
     if not moving:
-        allowed = "two stored states or more are needed; `isopeel run --fields-every` stores more"
+        allowed = "two or more stored states are needed; `isopeel run --fields-every` stores more"
         raise InputError("DIR", str(folder), allowed)
     leave_time()
     for stage in moving:
@@ -91,8 +91,8 @@ def _pictures(stage: StoredStage, size: tuple[int, int], next_one: Callable[[], 
 def _write_mp4(path: Path, pictures: Iterable[Picture], size: tuple[int, int], fps: float) -> None:
     every = iter(pictures)
     first, count = next(every), 0  # no file before the first picture
-    # the writer keeps Ctrl-C from ffmpeg, and ends ffmpeg when the generator is closed; players need colours
-    # in blocks of two pixels
+    # the writer does not pass Ctrl-C to ffmpeg, and ends ffmpeg when the generator is closed; players need
+    # colours in blocks of two pixels
     writer = imageio_ffmpeg.write_frames(
         path,
         size,
@@ -130,7 +130,7 @@ def _killed(processes: Iterable[Process]) -> None:
 def _write_gif(path: Path, pictures: Iterable[Picture], _size: tuple[int, int], fps: float) -> None:
     every = iter(pictures)
     first = next(every)
-    # each picture holds the colour bar, so that the palette of the first one serves all pictures
+    # each picture has the colour bar, so that all pictures can use the palette of the first one
     found = Image.fromarray(first).quantize(255, Image.Quantize.MAXCOVERAGE).getpalette() or []
     palette = Image.new("P", (1, 1))
     palette.putpalette([255, 255, 255, *found[: 3 * 255]])

@@ -27,16 +27,15 @@ from isopeel.running.run_reader import StoredStage
 def compare_runs(
     folders: Sequence[Path], suffix: str, out: Path, console: Console, *, force: bool = False
 ) -> None:
-    """Print a table of the runs in folders, and write it with a figure and the differences to another folder.
+    """Print a table of the runs in folders, and write the table, a figure and the differences to a folder.
 
     The files are compare.csv, differences.csv (each run minus the first, at the parameters that both have)
     and compare with the suffix. Raises InputError for less than two folders, for a folder with no run or
-    several stages, or for runs whose curves are of different quantities; OSError where a file cannot be
-    written.
+    several stages, or for runs whose curves have different quantities; OSError if a file cannot be written.
     """
     check_format(suffix)
     if len(folders) < 2:
-        raise InputError("DIR", " ".join(map(str, folders)), "two folders of runs or more are needed")
+        raise InputError("DIR", " ".join(map(str, folders)), "two or more folders of runs are needed")
     stages = [shown_stage(folder) for folder in folders]
     for folder, stage in zip(folders, stages, strict=True):
         _check_alike(folder, stage, stages[0])
@@ -68,7 +67,7 @@ def _shown(name: str, stage: StoredStage) -> Compared:
 
 
 def _check_alike(folder: Path, stage: StoredStage, first: StoredStage) -> None:
-    """Raise InputError where the curve of a stage is not of the quantities of the first."""
+    """Raise InputError if the curve of a stage has other quantities than the curve of the first."""
 
     def quantities(one: StoredStage) -> str:
         curve = one.laboratory.curve(one.run.curve)
@@ -76,7 +75,7 @@ def _check_alike(folder: Path, stage: StoredStage, first: StoredStage) -> None:
         return f"{reaction.name} ({reaction.unit}) over {parameter.name} ({parameter.unit})"
 
     if quantities(stage) != quantities(first):
-        allowed = f"its curve is {quantities(stage)}; that of the first run is {quantities(first)}"
+        allowed = f"its curve is {quantities(stage)}, but that of the first run is {quantities(first)}"
         raise InputError("DIR", str(folder), allowed)
 
 
@@ -87,7 +86,7 @@ def _names(folders: Sequence[Path]) -> list[str]:
         names = [str(folder) for folder in folders]
     for folder, name in zip(folders, names, strict=True):
         if names.count(name) > 1:
-            raise InputError("DIR", str(folder), "it is given more than once")
+            raise InputError("DIR", str(folder), "each folder can be given only once")
     return names
 
 
@@ -130,7 +129,7 @@ def _write_differences(path: Path, runs: Sequence[Compared]) -> None:
 
 
 def _table(rows: Sequence[dict[str, Any]], curve: Curve) -> Table:
-    """One column for each run, so that few of them fit on any terminal."""
+    """Return a table with one column for each run, so that a few runs fit on any terminal."""
     reaction, unit = curve.reaction_column.unit, short_unit(curve.parameter_column)
     table = Table("", *(Column(row["run"], overflow="fold") for row in rows), box=SIMPLE_HEAD)
     for key, label, digits in (
@@ -144,7 +143,7 @@ def _table(rows: Sequence[dict[str, Any]], curve: Curve) -> Table:
         ("steepest_fall", f"steepest fall / {reaction}/{unit}", "+.3e"),
         ("onset", f"onset / {unit}", ".1f"),
         ("seconds_per_step", "time of a step / s", ".2g"),
-        ("largest_difference", f"most off the first / {reaction}", "+.3e"),
+        ("largest_difference", f"difference from the first / {reaction}", "+.3e"),
         ("largest_difference_at", f"  at / {unit}", "g"),
     ):
         values = ["-" if row[key] is None else f"{row[key]:{digits}}" for row in rows]

@@ -25,14 +25,14 @@ def export_run(
 
     They are written to `out`, by default to `paraview` beside the file of the run; a case of several stages
     has a folder for each stage with fields. The time of a series, `body.pvd` or `adhesive-side.pvd`, is the
-    drive's parameter in its shown unit, or the number of the step where the path turns back. Of several
-    bodies or interfaces each has its own files, and is a part of the series. Cells are Bezier cells, or
-    elements cut into `linear` straight cells each way. Files of an earlier export are replaced. Raises
-    InputError where the folder holds no run with a field, or `out` cannot be written, and OSError where a
-    file cannot be written.
+    parameter of the drive in the unit of its column; if the path turns back, it is the number of the step.
+    If there are several bodies or interfaces, each has its own files, and is a part of the series. Cells are
+    Bezier cells, or `linear` straight cells per element and direction. Files of an earlier export are
+    replaced. Raises InputError if the folder has no run with a field, or if `out` cannot be written, and
+    OSError if a file cannot be written.
     """
     if linear is not None and not 1 <= linear <= MOST_PIECES:
-        raise InputError("--linear", linear, f"an element can be cut into 1 to {MOST_PIECES} per direction")
+        raise InputError("--linear", linear, f"it must be from 1 to {MOST_PIECES} cells per direction")
     stages = read_stages(folder)
     if not any(stage.run.states for stage in stages):
         raise InputError("DIR", str(folder), "its run has no converged step yet")

@@ -1,4 +1,4 @@
-"""Show a law of adhesion: its numbers and its figure."""
+"""Print the numbers of an adhesion law, and draw it."""
 
 from pathlib import Path
 
@@ -23,9 +23,10 @@ LAWS = discover("isopeel.physics.adhesion")
 def show_law(name: str, out: Path | None, console: Console, *, force: bool = False) -> None:
     """Print the numbers of a law, and draw it to a file.
 
-    `name` is that of a law, which then has the strength and the work of adhesion of the shipped strip's law,
-    or a case, whose law is shown; of several interfaces each has its own table and file. Raises InputError
-    where it is neither, or for an unknown kind of file, and OSError where the file cannot be written.
+    `name` is that of a law, which then has the strength and the work of adhesion of the law of the shipped
+    strip; or that of a case, whose law is shown. If the case has several interfaces, each has its own table
+    and file. Raises InputError if the name is neither, or for an unknown kind of file, and OSError if the
+    file cannot be written.
     """
     laws, units = _like_the_strip(name) if name in LAWS else _of_the_case(name)
     path = out or Path("out") / f"{Path(name).stem}.png"
@@ -46,8 +47,8 @@ def show_law(name: str, out: Path | None, console: Console, *, force: bool = Fal
         console.print(law_table(title, character, units))
         if isinstance(law, Mirrored):
             console.print(
-                "of the whole joint, over the separation of both faces; the half that is modelled has half of"
-                " its work of adhesion, over half of the separation",
+                "these values are those of the whole joint, over the separation of both faces; the modelled"
+                " half has half of the work of adhesion, and half of the separation",
                 soft_wrap=True,
             )
         console.print(f"drawn in {file}", soft_wrap=True)
@@ -72,7 +73,7 @@ def _of_the_case(name: str) -> tuple[dict[str, AdhesionLaw], UnitSystem]:
         interface: one.law for interface, one in zip(problem.interface_names, problem.interfaces, strict=True)
     }
     if not laws:
-        raise InputError("NAME", name, "its bodies have no interface, and so no law")
+        raise InputError("NAME", name, "the case has no interface, so it has no law")
     return {name: next(iter(laws.values()))} if len(laws) == 1 else laws, case.units.system()
 
 
@@ -85,19 +86,19 @@ def _like_the_strip(name: str) -> tuple[dict[str, AdhesionLaw], UnitSystem]:
 def law_table(name: str, character: LawCharacter, units: UnitSystem) -> Table:
     """Tabulate a law's numbers in E0 and L0, the units, and in SI units."""
     c = character
-    caption = "dissipated: if the adhesion is irreversible"
+    caption = "dissipated: only if the adhesion is irreversible"
     scales = f"in E0 = {shown(1.0, units, stress=1)}, L0 = {shown(1.0, units, length=1)}"
     table = Table("", scales, "", title=name, caption=caption, box=SIMPLE_HEAD)
     for label, value, stress, length in (
         ("equilibrium gap", c.equilibrium_gap, 0, 1),
         ("strength", c.strength, 1, 0),
-        ("at the gap", c.strongest_gap, 0, 1),
+        ("gap at the strength", c.strongest_gap, 0, 1),
         ("work of adhesion", c.work_of_adhesion, 1, 1),
         ("stiffness at equilibrium", c.stiffness, 1, -1),
-        ("half as strong at the gap", c.softened_gap, 0, 1),
-        ("  dissipated by then", c.dissipated_energy, 1, 1),
-        ("  of the work so far", c.dissipated_share, 0, 0),
-        ("  dissipated when parted", c.work_of_adhesion, 1, 1),
+        ("gap at half of the strength", c.softened_gap, 0, 1),
+        ("  dissipated energy there", c.dissipated_energy, 1, 1),
+        ("  dissipated / work there", c.dissipated_share, 0, 0),
+        ("dissipated after separation", c.work_of_adhesion, 1, 1),
     ):
         si = shown(value, units, stress, length) if stress or length else f"{100 * value:.1f} %"
         table.add_row(label, f"{value:.6g}", si)

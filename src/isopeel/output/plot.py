@@ -1,4 +1,4 @@
-"""Draw figures of a stored run again: selected figures, at chosen states, in vector formats."""
+"""Draw figures of a stored run: selected figures, at selected states, also in vector formats."""
 
 from collections.abc import Callable, Sequence
 from functools import partial
@@ -57,10 +57,10 @@ def plot_run(
 ) -> None:
     """Draw figures of the run in a folder, by default all of PARTS, each to its own file.
 
-    They are written to `out`, by default to the folder `figures` in that of the run; several stages have one
-    such folder each. The states `at` parameters are shown, by default some along the run; the front is that
-    of the last of them. Raises InputError where a figure, a parameter or a format is invalid, or a requested
-    figure cannot be drawn, and OSError where a file cannot be written.
+    They are written to `out`, by default to the folder `figures` in that of the run; each of several stages
+    has such a folder. The figures show the states `at` the parameters, by default some states along the run;
+    the front is that of the last of them. Raises InputError if a figure, a parameter or a format is invalid,
+    or if a requested figure cannot be drawn, and OSError if a file cannot be written.
     """
     check_format(suffix)
     for part in only:
@@ -69,7 +69,7 @@ def plot_run(
     stages = shown_stages(folder)
     if at and len(stages) > 1:
         folders = ", ".join(str(stage.folder) for stage in stages)
-        allowed = f"parameters belong to one stage; give the folder of one stage: {folders}"
+        allowed = f"a parameter is that of one stage; give the folder of one stage: {folders}"
         raise InputError("--at", " ".join(at), allowed)
     for stage in stages:
         shown = _Shown(
@@ -98,7 +98,7 @@ def plot_run(
 def _unread(shown: _Shown) -> str:
     found, curve = shown.found, shown.stored.run.curve
     if found.window is None:
-        return "the case names no window to read it in"
+        return "the case has no window for it, reading.window"
     reason = partial(found.laboratory.parameter, curve.parameter_column)
     return str(unreadable(curve, found.window, found.period, reason))
 

@@ -20,7 +20,7 @@ _SAME = 1e-9
 def shown_stages(folder: Path) -> tuple[StoredStage, ...]:
     """Return the stages with a converged step, in the folder of a run or of a stage.
 
-    Raises InputError where there is none.
+    Raises InputError if there is none.
     """
     stages = tuple(stage for stage in read_stages(folder) if len(stage.run.curve) and stage.run.states)
     if not stages:
@@ -30,7 +30,7 @@ def shown_stages(folder: Path) -> tuple[StoredStage, ...]:
 
 
 def shown_stage(folder: Path) -> StoredStage:
-    """Return the stage in a folder; raises InputError too where there are several."""
+    """Return the only stage in a folder. Raises InputError if there is none, or if there are several."""
     stage, *others = shown_stages(folder)
     if others:
         folders = ", ".join(str(one.folder) for one in (stage, *others))
@@ -42,9 +42,9 @@ def shown_stage(folder: Path) -> StoredStage:
 def chosen_states(stage: StoredStage, written: Sequence[str], console: Console) -> list[StoredState]:
     """Return the stored states nearest to the parameters that a user wrote, in their order.
 
-    Of several states at one parameter it is the last. Where one differs from the written one, a line is
-    printed. They are read in the units of the run's case. Plain numbers are degrees, and valid for angles
-    only. Raises InputError for --at, also where one lies beyond the path.
+    If several states have the same parameter, it is the last of them. If a state has another parameter than
+    the written one, a line is printed. Parameters are read in the units of the run's case. Plain numbers are
+    degrees, and allowed for angles only. Raises InputError for --at, also for a parameter beyond the path.
     """
     found = [_nearest(stage, value, console) for value in written]
     return list({state.step: state for state in found}.values())

@@ -1,4 +1,4 @@
-"""Show a spline space: its rows and its functions."""
+"""Print the rows of a spline space, and draw its functions."""
 
 from pathlib import Path
 

@@ -48,10 +48,10 @@ def view_run(
 ) -> None:
     """Show the stored states of one stage in a window, until the window is closed.
 
-    The first state is the one `at` a parameter, by default the last one. With `screenshot`, a picture of that
-    state is written to a PNG file instead, which needs no display. Raises InputError where pyvista is not
-    installed, where there is no display, or where the file exists and isopeel did not write it, unless with
-    `force`; OSError where it cannot be written.
+    The window begins with the state `at` a parameter, by default with the last state. With `screenshot`, a
+    picture of this state is written to a PNG file instead, which needs no display. Raises InputError if
+    pyvista is not installed, if there is no display, or, without `force`, if the file exists and isopeel did
+    not write it; OSError if it cannot be written.
     """
     stage = shown_stage(folder)
     steps = [state.step for state in stage.run.states]
@@ -69,7 +69,7 @@ def view_run(
         viewer.plotter.show(title=f"isopeel: {stage.title}")
         return
     make_folder(screenshot.parent, "--screenshot")
-    # without a display VTK warns that there is none, and draws all the same
+    # without a display VTK prints a warning, but it can draw
     with pyvista.vtk_verbosity("off"), replacing(screenshot) as part:
         viewer = Viewer(pyvista, stage, off_screen=True)
         viewer.show(number)
@@ -89,7 +89,7 @@ def _pyvista() -> ModuleType:
 
 
 def _check_display() -> None:
-    # only here a display may be missing; without one VTK ends the process
+    # on other systems there is always a display; without one VTK ends the process
     if sys.platform.startswith("linux") and not (
         os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")
     ):

@@ -1,4 +1,4 @@
-"""The findings of a run: readings, fronts, closed forms, and doubts about the discretization."""
+"""The findings of a run: readings, fronts, closed forms, and notes on the discretization."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -44,12 +44,12 @@ from isopeel.splines.rows import RowSpace
 class Findings:
     """The values read from a run beyond its curve, and the closed form for them.
 
-    The plateau is read in the `window`, if the case names one; `inside` are the largest depths (in L0) in a
-    substrate, by names of sides, as `body.bottom`. `period` is that of the mesh's oscillation, in the
-    parameter's unit; it is given also where the closed form is not valid, for the reason `unproven`. `fronts`
-    are those of the stored states and `zones` the elements there, both by the names of interfaces; `readings`
-    are the quantities of interest of the drive, and `doubts` the notes on the discretization; `tall` is
-    whether its elements at the contact are too high.
+    The plateau is read in the `window`, if the case names one. `inside` are the largest depths (in L0) in a
+    substrate, by names of sides, as `body.bottom`. `period` is that of the oscillation by the mesh, in the
+    unit of the parameter; it is also given if the closed form is not valid, for the reason `unproven`.
+    `fronts` are those of the stored states, and `zones` the elements there, both by the names of interfaces.
+    `readings` are the quantities of interest of the drive, and `doubts` the notes on the discretization.
+    `tall` is whether the elements at the contact are too high.
     """
 
     window: tuple[float, float] | None
@@ -67,9 +67,9 @@ class Findings:
     tall: bool = False
 
 
-#: What is read of a run of one body only, and the reason.
+#: The note on a run of several bodies or interfaces.
 _OF_ONE_BODY = (
-    "closed forms, energy release rates and doubts about the discretization are known for one body with one"
+    "closed forms, energy release rates and checks of the discretization exist for one body with one"
     " interface only"
 )
 
@@ -126,8 +126,8 @@ def _of_one_body(
     said = theory(problem, space)
     form, unproven = said.form, said.reason
     if form is not None and run.base is not None:
-        # a later stage reaches the same steady state by another path; and a part that lies on the substrate
-        # without being held was stretched by the stage before
+        # a later stage reaches the same steady state by another path; but if the tape slides, the stage
+        # before has stretched the part that lies on the substrate
         slides = problem.adhesion.sliding_length is None and isinstance(problem.drive, Load)
         form = None if slides else replace(form, onset=None)
     period = form.period if form else None
@@ -143,7 +143,7 @@ def _of_one_body(
         if steady is None and window is None:
             reason = f"no part of the run has a steady {curve.reaction_column.name}"
     elif form is not None:
-        reason = "the end was not lifted far enough for a tape to turn into its direction"
+        reason = "the end was not lifted far enough: the free arm does not yet point along the force"
     if steady is None and run.base is not None:
         form = None
     if form is not None and reason:
@@ -276,7 +276,7 @@ def _steady(
         words += f", drift {_drifted(rise)}"
         if plateau:
             words += f", oscillation {100 * plateau.amplitude / abs(mean):.2g} %"
-    # where a closed form is valid the state is steady, and the drift comes from the oscillation of the mesh
+    # if a closed form is valid the state is steady, and the drift comes from the oscillation by the mesh
     name = "steady" if form or abs(rise) <= DRIFT else "mean"
     kind = kind_of(curve.reaction_column)
     theory, source = (form.reaction, form.source) if form else (None, "")

@@ -81,7 +81,7 @@ def bending(problem: Problem, space: RowSpace) -> Bending | None:
 def locking_notes(
     problem: Problem, space: SpaceOfBodies, laboratory: Laboratory, *, bends: bool = True
 ) -> list[Note]:
-    """Return notes on how much too stiff the body is, where this affects the reaction, and on a remedy.
+    """Return notes on how much too stiff the body is, if this affects the reaction, and on a remedy.
 
     `bends` is whether the values read from the run depend on the bending of the body. The notes are known for
     one body with one interface only.
@@ -96,10 +96,10 @@ def locking_notes(
 def confined(problem: Problem, space: RowSpace) -> float | None:
     """Return the excess of stiffness of a nearly incompressible body that lies flat and is pulled.
 
-    It is that of a block with both sides held: the stiffness in this space over that with one degree more
-    both ways, minus the same at a Poisson's ratio of 0.3, as corners are not resolved for any material. Large
-    spaces are coarsened, where the error falls at least linearly with the number of elements. Returns None
-    for other bodies.
+    It is that of a block with both sides held: the stiffness in this space over that with one degree more in
+    both directions, minus the same at a Poisson's ratio of 0.3, because corners are not resolved for any
+    material. Large spaces are coarsened; the error is assumed to be inversely proportional to the number of
+    elements. Returns None for other bodies.
     """
     nu = problem.body.material.poissons_ratio
     drive, adhesion = problem.driven_side, problem.adhesion.side
@@ -123,13 +123,13 @@ def _volume_notes(problem: Problem, space: RowSpace) -> list[Note]:
     higher = f" and across_degree = {degree + 1}" if degree < _ENOUGH else ""
     text = (
         f"volume: the body, whose Poisson's ratio is {problem.body.material.poissons_ratio:g}, is at least "
-        f"{_by(found)} too stiff where its sides hold it; take more elements both ways{higher}"
+        f"{_by(found)} too stiff next to the sides that hold it; use more elements in both directions{higher}"
     )
     return [Note("locking", text, Remedy((2 * space.elements[0], 2 * space.elements[1])))]
 
 
 def _coarser(space: RowSpace, step: int) -> RowSpace:
-    """Return the space on every so many breakpoints both ways."""
+    """Return the space on every `step`-th breakpoint in both directions."""
 
     def thinned(one: SplineSpace) -> SplineSpace:
         ends = np.append(one.breakpoints[:-1:step], one.breakpoints[-1])
@@ -190,7 +190,7 @@ def _bending_notes(problem: Problem, space: RowSpace, laboratory: Laboratory) ->
         better = bending(problem, richer)
         if better is not None and not _matters(problem, richer, better):
             return [Note("locking", f"{message}; {words} is sufficient ({_by(better.excess)})")]
-    return [Note("locking", f"{message}; take smaller elements too, and space N2.1 with across_degree = 3")]
+    return [Note("locking", f"{message}; use smaller elements and space N2.1 with across_degree = 3")]
 
 
 def _by(excess: float) -> str:
@@ -249,7 +249,7 @@ def _largest(problem: Problem, space: RowSpace) -> tuple[float, float]:
 
 def _linear(space: RowSpace, lengths: FloatArray, heights: FloatArray, poissons_ratio: float) -> float:
     """Return the mean excess of the bending stiffness of elements (elements,) at small strain."""
-    # the exact deflection is quadratic both ways, and an extent across that is of degree 2 along is constant
+    # the exact deflection is quadratic in both directions, so degree 2 in both directions represents it
     if space.across.degree >= 2 and min(row.degree for row in space.rows) >= 2:
         return 0.0
     order = np.argsort(lengths / heights)

@@ -1,4 +1,4 @@
-"""The notes on a run: which of its numbers are doubtful, and which could not be read."""
+"""The notes on a run: which of its results may be wrong, and which are missing."""
 
 from collections.abc import Sequence
 from functools import partial
@@ -13,14 +13,15 @@ from isopeel.post.stability import stability_notes
 from isopeel.results.notes import Note, Remedy
 from isopeel.results.run_file import StoredRun
 
-#: Change of a reaction on a finer space that is worth a note. For an error that falls with the element size
-#: to the power of 3/4 or faster the error itself is at most 2.5 times that: 3 %. At 1.5 %, a pressed cylinder
-#: on elements longer than its contact was 3.2 % off without a note, and changed by 1.45 %.
+#: Change of a reaction on a finer space above which there is a note. If the error is proportional to the
+#: element size to the power of 3/4 or more, it is at most 2.5 times the change: 3 %. With a limit of 1.5 %, a
+#: pressed cylinder on elements longer than its contact had no note: its force changed by 1.45 %, and was
+#: 3.2 % too large.
 MESH_CHANGE = 0.012
 
 
 def run_notes(run: StoredRun, found: Findings, onset: float | None) -> list[Note]:
-    """Return all notes on a run but those of a finer mesh."""
+    """Return all notes on a run except those of a finer mesh."""
     window, laboratory = found.window, found.laboratory
     notes = [*found.doubts]
     if found.inside:
@@ -32,20 +33,20 @@ def run_notes(run: StoredRun, found: Findings, onset: float | None) -> list[Note
     notes += stability_notes(run.curve, laboratory)
     for reading in found.readings:
         deviation = reading.deviation
-        # the front is compliant: a crack's length differs from that of an arm clamped at its front
+        # the front is compliant, so the crack length differs from that of an arm clamped at its front
         if deviation is None or abs(deviation) <= FAR or reading.kind in ("length", "toughness"):
             continue
         text = (
-            f"{reading.name}: the run is {100 * deviation:+.3g} % off {reading.source},"
-            f" {laboratory.text(reading.theory or 0.0, reading.kind)}; up to {100 * FAR:g} % is usual:"
-            " compare a finer mesh, a later window and smaller steps"
+            f"{reading.name}: the run deviates by {100 * deviation:+.3g} % from {reading.source},"
+            f" {laboratory.text(reading.theory or 0.0, reading.kind)}; a deviation up to {100 * FAR:g} % is"
+            " usual: compare a finer mesh, a later window and smaller steps"
         )
         notes.append(Note("closed form", text))
     if found.unproven:
         notes.append(Note("reading", f"closed form: {found.unproven}"))
     if window is None:
         if found.closed_form is not None:
-            text = "plateau, amplitude and slopes: the case has no reading window"
+            text = "plateau, amplitude and slopes: the case has no window for them, reading.window"
             notes.append(Note("reading", text))
     elif reason := unreadable(
         run.curve, window, found.period, partial(laboratory.parameter, run.curve.parameter_column)
@@ -53,7 +54,7 @@ def run_notes(run: StoredRun, found: Findings, onset: float | None) -> list[Note
         covered = plateau_mean(run.curve, window) is not None
         notes.append(Note("reading", f"{'' if covered else 'plateau, '}amplitude and slopes: {reason}"))
     if onset is None and run.curve.parameter_column.unit == "degree":
-        notes.append(Note("reading", "onset: no peeling began"))
+        notes.append(Note("reading", "onset: peeling did not begin"))
     return notes
 
 
@@ -70,18 +71,18 @@ def _more(change: MeshChange) -> int:
 def mesh_notes(run: StoredRun, found: Findings, changes: Sequence[MeshChange]) -> list[Note]:
     """Return notes on the reactions that change by more than MESH_CHANGE on a finer mesh."""
     parameter, reaction = run.curve.parameter_column, run.curve.reaction_column
-    # of several bodies the mesh is that of each, and no single one is advised
+    # several bodies have several meshes, so no mesh is proposed
     meshes = str(run.attributes["mesh"]).split(", ")
     notes = []
     for change in changes:
         if change.relative > MESH_CHANGE:
             at = f"{reaction.name} at {found.laboratory.parameter(parameter, change.parameter)}"
             seen = (
-                "has no equilibrium near it on elements of half the length"
+                "has no equilibrium nearby"
                 if change.finer is None
-                else f"changes by {100 * change.relative:.2g} % on elements of half the length"
+                else f"changes by {100 * change.relative:.2g} %"
             )
-            text = f"the mesh is too coarse: the {at} {seen}"
+            text = f"the mesh is too coarse: on elements of half the length, the {at} {seen}"
             remedy = None
             if len(meshes) == 1:
                 length, height = meshes[0].split("x")

@@ -11,7 +11,7 @@ from isopeel.common.arrays import FloatArray
 from isopeel.common.errors import InputError
 from isopeel.results.curve import Curve
 
-#: Share by which the reaction is below its initial straight line at the onset.
+#: Relative difference of the reaction from its initial straight line at the onset.
 ONSET_DEVIATION = 0.02
 #: Steps per period that an oscillation needs: of eight, one is within 8 % of a sine's peak.
 STEPS_PER_PERIOD = 8
@@ -68,20 +68,18 @@ def unreadable(
         reached = (
             f"the run reached {write(float(curve.parameter[-1]))}" if len(curve) else "no step converged"
         )
-        return f"their window is {ends}, and {reached}"
+        return f"the window is {ends}, but {reached}"
     if len(inside) < 4:
-        return f"their window of {ends} holds {len(inside)} steps"
+        return f"the window of {ends} has {len(inside)} steps, and 4 are needed"
     if period is not None:
         step = float(np.diff(inside).max())
         if end - start < period:
-            return (
-                f"their window is shorter than a period of the oscillation, {write(float(f'{period:.3g}'))}"
-            )
+            return f"the window is shorter than a period of the oscillation, {write(float(f'{period:.3g}'))}"
         if step > period / STEPS_PER_PERIOD:
             largest, passes = (float(f"{value:.3g}") for value in (period / STEPS_PER_PERIOD, period))
             return (
-                f"steps of {write(step)} are too large for a period of {write(passes)},"
-                f" at most {write(largest)}"
+                f"steps of {write(step)} are too large for a period of {write(passes)}; they must be at most"
+                f" {write(largest)}"
             )
     return None
 

@@ -100,11 +100,11 @@ def drive_test(problem: Problem, curve: Curve) -> Test:
 
 
 def halves(problem: Problem, test: Test) -> str | None:
-    """Return a sentence where one half of a problem is modelled; None where it is whole, as far as known."""
+    """Return a sentence if one half of a problem is modelled; None if it is whole, as far as known."""
     if isinstance(problem.adhesion.law, Mirrored):
         return (
-            "one half of a symmetric joint is modelled: forces act on each arm, displacements are of one arm"
-            " (half of the opening), energies of one half"
+            "one half of a symmetric joint is modelled: forces are those on each arm, displacements are those"
+            " of one arm (half of the opening), and energies are those of one half"
         )
     sides = [
         support.side
@@ -113,8 +113,8 @@ def halves(problem: Problem, test: Test) -> str | None:
     ]
     if test == "pull" and sides and any(_straight_up(problem, side) for side in sides):
         return (
-            f"the {sides[0]} side is held as a line of symmetry: forces and energies are of this half, those"
-            " of the whole body are twice as large"
+            f"the {sides[0]} side is held as a line of symmetry: forces and energies are those of this half;"
+            " those of the whole body are twice as large"
         )
     return None
 
@@ -146,7 +146,7 @@ def read(
         if peak is None or curve.parameter[peak] != strongest.at:
             words = ""
             if test == "tape" and _at_the_end(problem, curve)[curve.parameter == strongest.at].any():
-                words = "as the end of the joint comes off"
+                words = "when the end of the joint separates"
             readings.append(replace(strongest, name=f"largest force{arm}", words=words))
         if test == "opening":
             readings += _opened(problem, curve, pulled, arm)
@@ -166,7 +166,7 @@ def read(
                 "toughness",
                 theory=work,
                 source="W" if flat else "",
-                words="by the drive" if flat else "by the drive, per area of the face, which adheres in part",
+                words="by the drive" if flat else "by the drive, per area of the face; a part of it adheres",
                 between=released.between,
             )
         )
@@ -266,9 +266,9 @@ def _pull(problem: Problem, curve: Curve, pulled: Forces) -> list[Reading]:
         comes_off = pull_off(problem, curve) is not None
         words = "tension, away from the substrate"
         if 0 < step == len(curve) - 1:
-            words += "; it rises to the end of the run"
+            words += "; it increases until the end of the run"
         elif step < len(curve) - 1 and not comes_off:
-            words += ", while the body approaches it"
+            words += ", while the body approaches the substrate"
         name = "pull-off force" if comes_off else "largest tension"
         readings.append(
             Reading(name, float(tension[step]), "force", float(curve.parameter[step]), words=words)

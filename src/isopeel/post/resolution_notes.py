@@ -1,4 +1,4 @@
-"""Notes where a front has too few elements, with a discretization that has enough."""
+"""Notes on fronts that have too few elements, with a discretization that has enough."""
 
 from collections.abc import Sequence
 from math import ceil, floor, log, log10
@@ -43,7 +43,7 @@ _ROWS = (10, 16, 24, 32)
 _TIMES, _GRADINGS = (1.0, 1.5, 2.0, 3.0, 4.0), (2, 5, 10, 20, 50, 100, 200, 500, 1000)
 #: Oscillation of a plateau over its mean above which the mean may be wrong by a percent: 3 to 5 % on strips.
 SWINGS = 0.04
-#: Number of jumps of a strip on flat ground that its start and its end do not explain.
+#: Number of jumps of a strip on a flat substrate that are too many for its start and its end alone.
 JUMPS = 3
 #: Factor on the needed elements of a proposed mesh; larger for a graded one, where additional elements
 #: shorten the short elements less.
@@ -117,7 +117,7 @@ def oscillation_notes(
     swing = f"the reaction oscillates by {100 * plateau.amplitude / abs(plateau.mean):.2g} % of its mean"
     if jumped >= JUMPS:
         swing += f", and the front jumped {jumped} times"
-    text = f"{swing}, where that of such a strip should be steady: elements along are too large for the front"
+    text = f"{swing}, but it should be steady: the elements along the strip are too long for its front"
     return [Note("resolution", text)]
 
 
@@ -147,7 +147,7 @@ def _zone_note(
     text = (
         f"{found.elements:.2g} elements of {element} in the process zone of {zone}, and "
         f"{found.elements_in_reach:.2g} in the reach of the law, {reach} ({source}); space {space.name} "
-        f"needs {found.needed:.2g} in the zone"
+        f"needs {found.needed:.2g} in the process zone"
     )
     remedy = _remedy(problem, space, found)
     if remedy is None:
@@ -156,7 +156,7 @@ def _zone_note(
 
 
 def _remedy(problem: Problem, space: RowSpace, found: Resolution) -> Remedy | None:
-    """Return a discretization that a run can afford and that resolves the process zone, or None."""
+    """Return a discretization that resolves the process zone and on which a run takes minutes, or None."""
     along, across = space.elements
     more = _SPARE * found.needed / found.elements
     if problem.adhesion.side in ("left", "right"):
@@ -232,7 +232,7 @@ def _rows(problem: Problem, across: int, contact: float | None) -> tuple[int, in
 
 
 def _softer(problem: Problem, space: RowSpace, found: Resolution, laboratory: Laboratory) -> str:
-    """Return the strength whose process zone a run can resolve, by the estimate."""
+    """Return a text on the strength whose estimated process zone an affordable mesh resolves."""
     from scipy.optimize import brentq
 
     law = problem.adhesion.law
@@ -251,8 +251,9 @@ def _softer(problem: Problem, space: RowSpace, found: Resolution, laboratory: La
     # a zone of a slender body is longer by the root of the strength at least
     strength = character.strength * float(np.exp(brentq(misses, -2 * log(longer) - 1, 0.0)))
     return (
-        "no mesh that a run can afford is enough, but a longer zone is possible: that of a strength of "
-        f"{laboratory.text(strength, 'stress', 3)} or less, with the same work of adhesion"
+        "no mesh on which a run takes minutes has enough; but with a strength of "
+        f"{laboratory.text(strength, 'stress', 3)} or less and the same work of adhesion, the zone is "
+        "longer, and such a mesh exists"
     )
 
 

@@ -19,8 +19,8 @@ def stability_notes(curve: Curve, laboratory: Laboratory) -> list[Note]:
     for k in bifurcations:
         at = float(curve.parameter[k])
         text = (
-            f"stability is lost at {shown(at)}, a bifurcation: the path changes to the stable branch; the"
-            " unstable one is followed by path_control = continuation"
+            f"stability is lost at {shown(at)}, a bifurcation: the path changes to the stable branch;"
+            " path_control = continuation follows the unstable branch"
         )
         late = 0
         # a path that detects the loss of stability late returns to the bifurcation
@@ -36,8 +36,8 @@ def stability_notes(curve: Curve, laboratory: Laboratory) -> list[Note]:
             Note(
                 "stability",
                 f"{len(unstable)} steps between {shown(float(ends.min()))} and {shown(float(ends.max()))} are"
-                " unstable equilibria, which a body leaves at the least disturbance; path_control = auto also"
-                " leaves them",
+                " unstable equilibria, which a real body leaves at the smallest disturbance; path_control ="
+                " auto leaves them too",
             )
         )
     return notes

@@ -69,9 +69,9 @@ def summary_rows(summary: Mapping[str, Any], curve: Curve, found: Findings) -> l
     for change in summary["finer_mesh"]:
         relative = change["relative_change"]
         name = curve.reaction_column.name
-        finer = "no equilibrium near it" if relative is None else f"{name} changes by {relative:.2%}"
+        finer = "no equilibrium nearby" if relative is None else f"{name} changes by {relative:.2%}"
         at_which = laboratory.parameter(parameter, change[parameter.name])
-        rows.append(Row("half the elements' length", f"{finer}, at {at_which}"))
+        rows.append(Row("half of the element length", f"{finer}, at {at_which}"))
     per_step = summary["corrections_per_step"]
     average = "-" if per_step is None else f"{per_step:.2f} per step"
     rows.append(Row("corrections", f"{summary['corrections']}, {average}"))
@@ -99,7 +99,7 @@ def _row(reading: Reading, parameter: Column, laboratory: Laboratory) -> Row:
 def _zone_rows(found: Findings, parameter: Column) -> list[Row]:
     """Return a row on the elements that each process zone has, and needs; none where unknown."""
     laboratory, rows = found.laboratory, []
-    for name, zones in found.zones.items():
+    for interface, zones in found.zones.items():
         counts, needed = [], None
         if zones.last is not None:
             at, zone = zones.last
@@ -109,8 +109,9 @@ def _zone_rows(found: Findings, parameter: Column) -> list[Row]:
             counts.append(f"{zones.estimated.elements:.2g} estimated")
             needed = zones.estimated.needed
         if counts:
-            where = f", {name}" if len(found.zones) > 1 else ""
-            rows.append(Row(f"elements in the zone{where}", f"{', '.join(counts)}; {needed:.2g} needed"))
+            where = f", {interface}" if len(found.zones) > 1 else ""
+            name = f"elements in process zone{where}"
+            rows.append(Row(name, f"{', '.join(counts)}; {needed:.2g} needed"))
     return rows
 
 

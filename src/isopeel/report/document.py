@@ -42,8 +42,8 @@ class Text:
 class Table:
     """A table of plain texts; `name` is that of its file.
 
-    The first column is aligned left, the others right. Raises InputError where a row does not have one cell
-    for each heading, where a name has other characters than small letters, digits, - and _, or for a text of
+    The first column is aligned left, the others right. Raises InputError if a row does not have one cell
+    for each heading, if the name has other characters than small letters, digits, - and _, or for a text of
     several lines.
     """
 
@@ -231,15 +231,15 @@ def _escaped_line(text: str) -> str:
 
 def _check_name(field: str, name: str) -> None:
     if not re.fullmatch("[a-z0-9_-]+", name):
-        raise InputError(field, name, "a name consists of small letters, digits, - and _")
+        raise InputError(field, name, "it must consist of small letters, digits, - and _")
 
 
 def _check_line(field: str, text: str) -> None:
     if text != text.strip() or len(text.splitlines()) > 1:
-        raise InputError(field, text, "a text is one line, without blanks around it")
+        raise InputError(field, text, "it must be one line, without blanks at its ends")
 
 
 def _check_unique(field: str, names: Iterable[str]) -> None:
     for name, times in Counter(names).items():
         if times > 1:
-            raise InputError(field, name, "there can be only one of this name")
+            raise InputError(field, name, "this name is used twice")

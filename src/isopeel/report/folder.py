@@ -16,16 +16,16 @@ _MARK = "This section is made by\n\n```sh\nisopeel "
 def take_folder(out: Path, part: str, is_part: Callable[[str], bool], *, force: bool = False) -> Path:
     """Make the folder of a report, or of the report on a `part` inside it, and return it.
 
-    Reports on parts are in folders inside, whose names `is_part` accepts. Raises InputError for --out where
-    it cannot be written, or where it holds files that are not of a report, unless with `force`.
+    A report on a part has its own folder inside, whose name `is_part` accepts. Raises InputError for --out if
+    the folder cannot be written, or, without `force`, if it contains files that are not of a report.
     """
     make_folder(out)
     others = sorted(str(path.relative_to(out)) for path in _foreign(out, is_part))
     if others and not force:
-        what = "which is of no report" if len(others) == 1 else "which are of no report"
+        what = "which is not of a report" if len(others) == 1 else "which are not of a report"
         allowed = (
-            f"it contains {first_names(others)}, {what}; give another folder, or --force, which replaces the"
-            " files of a report in it, and leaves all others"
+            f"it contains {first_names(others)}, {what}; give another folder, or --force, which replaces only"
+            " the files of a report in it"
         )
         raise InputError("--out", str(out), allowed)
     make_folder(out / part)

@@ -1,4 +1,4 @@
-"""A report's Markdown as one HTML page that needs no other file."""
+"""Convert the Markdown of a report to one HTML page that needs no other file."""
 
 import re
 from base64 import b64encode
@@ -126,7 +126,7 @@ def _embedded(folder: Path, source: str) -> dict[str, str | int | float]:
     if not data.startswith(b"\x89PNG\r\n\x1a\n"):
         raise InputError("image", source, "the images of a report are PNG files")
     width, height = unpack(">II", data[16:24])
-    # half a point for each dot: figures have 200 of them to the inch, which is about that of a fine screen
+    # figures have 200 pixels per inch, about as many as a fine screen: twice as many as CSS pixels
     return {
         "src": f"data:image/png;base64,{b64encode(data).decode()}",
         "width": width // 2,

@@ -1,4 +1,4 @@
-"""Notes on the numbers of a run: which of them are doubtful, and which could not be read."""
+"""Notes on the results of a run: which of them may be wrong, and which are missing."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -11,9 +11,9 @@ Subject: TypeAlias = Literal[
 
 
 class Remedy(NamedTuple):
-    """A sufficient discretization: elements along and across, and their grading where it is changed.
+    """A sufficient discretization: elements along and across, and their grading if it is changed.
 
-    Each of `instead` is another remedy, which is sufficient on the mesh as it is.
+    Each of `instead` is another remedy, which is sufficient without a new mesh.
     """
 
     mesh: tuple[int, int]
@@ -23,15 +23,15 @@ class Remedy(NamedTuple):
     @property
     def text(self) -> str:
         """The remedy as keys of a case file."""
-        ways = [f"mesh = '{self.mesh[0]}x{self.mesh[1]}'"]
+        mesh = f"mesh = '{self.mesh[0]}x{self.mesh[1]}'"
         if self.grading is not None:
-            ways[0] += f" with grading = [{self.grading[0]:g}, {self.grading[1]:g}]"
-        return ", or ".join([*ways, *self.instead])
+            mesh += f" with grading = [{self.grading[0]:g}, {self.grading[1]:g}]"
+        return ", or ".join([mesh, *self.instead])
 
 
 @dataclass(frozen=True)
 class Note:
-    """One sentence on the numbers of a run, for the summary, the report and the terminal."""
+    """One sentence on the results of a run, for the summary, the report and the terminal."""
 
     subject: Subject
     text: str
@@ -39,10 +39,11 @@ class Note:
 
 
 def with_one_remedy(notes: Sequence[Note]) -> list[Note]:
-    """Return the notes with one remedy only, the finest discretization, at the end of the first that has one.
+    """Return the notes with one remedy only, at the end of the first note that has one.
 
-    A graded mesh counts as finer at the front than any other. Remedies on the mesh as it is are left out
-    where the notes have different ones, as each was found for its own note.
+    It is the finest discretization of all remedies; a graded mesh counts as finer at the front than any
+    other. If the notes have different remedies, the ones without a new mesh are left out, because each of
+    them was computed for one note only.
     """
     remedies = list(dict.fromkeys(note.remedy for note in notes if note.remedy is not None))
     if not remedies:
@@ -54,6 +55,6 @@ def with_one_remedy(notes: Sequence[Note]) -> list[Note]:
         chosen = Remedy((chosen.mesh[0], max(chosen.mesh[1], across)), chosen.grading)
     first = next(k for k, note in enumerate(notes) if note.remedy is not None)
     return [
-        Note(note.subject, f"{note.text}; take {chosen.text}" if k == first else note.text)
+        Note(note.subject, f"{note.text}; use {chosen.text}" if k == first else note.text)
         for k, note in enumerate(notes)
     ]

@@ -1,4 +1,4 @@
-// Arrays from the short texts that isopeel.html_report.packing made of them.
+// Unpack the arrays that isopeel.html_report.packing has packed as short texts.
 
 function bytesOf(text) {
   const raw = atob(text);

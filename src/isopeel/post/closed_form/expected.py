@@ -1,4 +1,4 @@
-"""What theory says of a problem, where it says anything, and where that is valid."""
+"""The closed form of a problem, if there is one, and the range in which it is valid."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -96,11 +96,15 @@ def invalid(
     if first is None or last is None:
         return "no front was found along the joint"
     if first < form.arm:
-        return f"it holds from a free part of {shown(form.arm)} on; the reading begins at {shown(first)}"
+        return (
+            f"the free part must be {shown(form.arm)} long; at the start of the reading it is {shown(first)}"
+        )
     left = adhering_end - last
     if left < form.behind:
         rest = shown(max(left, 0.0))
-        return f"it holds while {shown(form.behind)} of the joint are left; the reading ends with {rest}"
+        return (
+            f"the rest of the joint must be {shown(form.behind)} long; at the end of the reading it is {rest}"
+        )
     return None
 
 
@@ -148,7 +152,7 @@ def _beam(problem: Problem, strip: FreeStrip, element: float | None) -> Theory |
     work, material = problem.adhesion.law.work_of_adhesion, problem.body.material
     exact = bent_strip(material, strip.height, work, 1 / beam.radius)
     if exact is None:
-        return Theory(reason="no moment bends a section so far that it releases the work of adhesion")
+        return Theory(reason="no bending moment releases the work of adhesion with this material")
     reach = decay_length(problem, strip.height) or strip.height
     small = abs(beam.moment / exact.moment - 1) <= SMALL_STRAIN
     curvature = 1 / beam.radius if small else exact.curvature

@@ -93,7 +93,7 @@ def opening(problem: Problem, lift: float, force: float) -> Opening | str | None
     for wrong, text in (
         (crack < strip.free_length + _GROWN * reach, "the crack has not grown by the reach of its front"),
         (crack < _SLENDER * strip.height, f"the open arm is shorter than {_SLENDER:g} heights"),
-        (crack < _DECAYS * reach, f"the front reaches {reach / crack:.2g} of the crack into the joint"),
+        (crack < _DECAYS * reach, f"the front is {reach / crack:.2g} times as long as the crack"),
         (crack > strip.length - _LEFT * reach, "the end of the joint is near"),
     ):
         if wrong:

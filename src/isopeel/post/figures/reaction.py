@@ -159,6 +159,6 @@ def _enlarged(axes: Axes, curve: Curve, plateau: PlateauReading) -> None:
     text = (
         f"mean {plateau.mean:.6g}, amplitude {scientific(plateau.amplitude)}\n"
         f"slopes {rise}, {fall} per {unit}\n"
-        f"drift taken out {scientific(plateau.drift)} per {unit}"
+        f"subtracted drift {scientific(plateau.drift)} per {unit}"
     )
     axes.text(0.03, 0.97, text, transform=axes.transAxes, va="top", fontsize=8, linespacing=1.4)
