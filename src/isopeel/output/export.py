@@ -12,7 +12,7 @@ from isopeel.results.vtk import Grid, Part, write_grid, write_series
 from isopeel.running.folder import EXPORTED, check_overwritten, make_folder, part_of_name
 from isopeel.running.run_reader import StoredStage, read_stages
 
-#: Most straight cells of an element each way; the square of them is written for each element and state.
+#: Most straight cells of an element in each direction; for each element and state, their square is written.
 MOST_PIECES = 20
 
 _BODY, _SIDE = "body", "adhesive-side"

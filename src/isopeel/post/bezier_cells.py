@@ -1,4 +1,4 @@
-"""Cells of a body: rational Bezier cells that hold shape and displacement exactly, or straight cells."""
+"""Cells of a body: rational Bezier cells, in which shape and displacement are exact, or straight cells."""
 
 from dataclasses import dataclass
 from typing import Self
@@ -115,7 +115,7 @@ class StraightMesh:
 
     @classmethod
     def of(cls, shape: NurbsSurface, space: RowSpace, ends: Ends, pieces: int) -> Self:
-        """Return the cells, cut into `pieces` each way."""
+        """Return the cells, cut into `pieces` in each direction."""
         along, across = (nodes(breakpoints, pieces) for breakpoints in ends)
         return cls._at(shape, space.weighted(shape), ends, (along, across))
 

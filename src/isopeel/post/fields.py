@@ -58,7 +58,7 @@ def sample_fields(
     chosen by its name. Raises InputError for less than one cell, and for coefficients of another space.
     """
     if min(per_element) < 1:
-        raise InputError("per_element", per_element, "an element has at least one cell each way")
+        raise InputError("per_element", per_element, "it must be at least one cell in each direction")
     own = spaces_by_name(problem, space)[_chosen(problem, body).name]
     xi, eta = (
         nodes(along.breakpoints, cells)

@@ -1,10 +1,10 @@
 """The change of a reaction on a finer space, which measures the discretization error of a state.
 
-A stored state is transferred to the space with elements of half the length and, where there are few elements
-across the height, with one degree more across. The equilibrium is computed there at the same parameter. For
-an error that falls as h^p the change is 1 - 2^-p of the error, at least half of it for p >= 1. The change can
-be smaller where elements are larger than the process zone: the front then sticks between them, on the finer
-space too, and only `post.resolution` detects it.
+A stored state is transferred to the space with elements of half the length and, if there are few elements
+across the height, with one degree more across. The equilibrium is computed there at the same parameter. If
+the error is proportional to h^p, the change is 1 - 2^-p of the error, at least half of it for p >= 1. The
+change can be smaller if elements are longer than the process zone: the front then sticks at the elements of
+the finer space too, and only `post.resolution` detects it.
 """
 
 from collections.abc import Mapping
@@ -65,9 +65,9 @@ def mesh_changes(
 ) -> list[MeshChange]:
     """Return the changes on a finer space of the largest reaction and of that in the last stored state.
 
-    To the largest reaction the finer space is traced from the stored state before it. States that carry next
-    to nothing are left out, and all where the finer space would be too large. The damage of an irreversible
-    joint is that of each state, at the points of the finer space.
+    The path to the largest reaction is traced on the finer space, from the stored state before it. States
+    with a reaction near zero are left out, and all states if the finer space would be too large. The damage
+    of an irreversible joint is that of each state, at the points of the finer space.
     """
     refined = {
         name: finer(own, tall=elements_are_tall(problem, space, name))
@@ -155,7 +155,7 @@ def _change(
 def _change_of_largest(
     system: System, problem: Problem, run: StoredRun, stored: FloatArray, before: StoredState
 ) -> MeshChange | None:
-    """Return the change of the largest reaction; None where no path leads there on the finer space.
+    """Return the change of the largest reaction; None if no path reaches it on the finer space.
 
     The path starts at the stored state before it, which may lie well below: where a joint comes off, the
     error is largest at the largest reaction. On the finer space the joint may come off earlier.

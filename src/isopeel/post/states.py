@@ -28,7 +28,7 @@ _ALIKE = 0.95  # of the strongest pull
 
 @dataclass(frozen=True)
 class Window:
-    """A rectangle of the plane, (from, to) each way."""
+    """A rectangle of the plane, (from, to) in each direction."""
 
     x: tuple[float, float]
     y: tuple[float, float]
@@ -142,7 +142,7 @@ def front_window(problem: Problem, state: DrawnState, interface: str) -> Window:
 def substrates(problem: Problem, interface: str = "") -> list[Substrate]:
     """Return the substrates of all interfaces, each once; or those of the body of one interface.
 
-    A body does not feel the substrates of others, which may lie where its own gap is.
+    A substrate of another body does not attract this body, and may be in the gap of this body.
     """
     body = problem.interface_of(interface).boundary.body if interface else ""
     found: list[Substrate] = []
@@ -166,8 +166,8 @@ def common_view(
 ) -> tuple[Window, float]:
     """Return a window for all states of a run, and their largest |I1|; one state at a time, to save memory.
 
-    The window holds all bodies. Where the only one is thick for its adhering part, such as a cylinder, it
-    holds the fronts only, which would be invisible otherwise.
+    The window contains all bodies. If the only body is thicker than its adhering part is long, such as a
+    cylinder, the window contains only the fronts, which would be too small to see otherwise.
     """
     windows, scale = [], 0.0
     for stored in states:

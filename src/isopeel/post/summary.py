@@ -23,7 +23,9 @@ from isopeel.results.run_file import StoredRun
 def summarize(
     title: str, run: StoredRun, found: Findings, wall_time: float, changes: Sequence[MeshChange]
 ) -> dict[str, Any]:
-    """Return the summary of a run as plain numbers and texts; `notes` say why a value is None, or doubtful.
+    """Return the summary of a run as plain numbers and texts.
+
+    `notes` give the reason if a value is None, or may be wrong.
 
     `readings` are in laboratory units, each with its own unit. All other numbers are those of the curve:
     parameter and reaction in the units of their columns, named in `units`, slopes per unit of the parameter.

@@ -18,10 +18,10 @@ from isopeel.solve.step import KINDS, Step
 
 @dataclass(frozen=True, eq=False)
 class Curve:
-    """Reaction against the drive's parameter, both in the units of their columns.
+    """The reaction over the parameter of the drive, both in the units of their columns.
 
-    Where the drive acts on several boundaries, `reactions` has a column for each, named as `upper.right`.
-    Energies and reactions are for a width of L0, the problem's unit of length; E0 is its unit of stress.
+    If the drive acts on several boundaries, `reactions` has a column for each, with a name as `upper.right`.
+    Energies and reactions are for a width of L0, the unit of length of the problem; E0 is its unit of stress.
     """
 
     parameter_column: Column

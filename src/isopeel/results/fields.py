@@ -15,8 +15,9 @@ _ROUND_OFF = 1e-9
 class StoredState(NamedTuple):
     """The state of a step, by its number: its parameter, in the unit of the curve's column, and its fields.
 
-    They are the displacement coefficients (functions, 2) of all bodies, and the maximum openings at the Gauss
-    points of the interfaces, (elements, points), as a step has them; only irreversible adhesion needs those.
+    The fields are the displacement coefficients (functions, 2) of all bodies, and the maximum openings at the
+    Gauss points of the interfaces, (elements, points), as in a step. Only irreversible adhesion needs the
+    openings.
     """
 
     step: int

@@ -36,10 +36,10 @@ _MARKS = {
 def replacing(path: Path, *, durable: bool = False) -> Iterator[Path]:
     """Yield a temporary name to write a file under; the file replaces the old one when it is whole.
 
-    Whatever ends the process, the file has its old content or its new content. With `durable` this holds
-    where the machine fails too: the content is on the disk before the file takes its name. The temporary file
-    is made here: a link in its place is removed, and never written through. Raises OSError, which names the
-    file, also where the path is a link, or not a file.
+    If the process ends at any time, the file has its old content or its new content. With `durable` this is
+    also true if the machine fails: the content is on the disk before the file gets its name. A link in place
+    of the temporary file is removed; nothing is written to its target. Raises OSError, which names the file,
+    also if the path is a link, or not a file.
     """
     part = part_of(path)
     try:
@@ -106,7 +106,7 @@ def kind_of(mode: int) -> str:
 
 
 def is_written_by_isopeel(path: Path) -> bool:
-    """Return whether a file holds the mark of isopeel for its kind; links are not followed."""
+    """Return whether a file has the mark of isopeel for its kind; links are not followed."""
     try:
         if kind_of(path.lstat().st_mode):
             return False

@@ -4,11 +4,11 @@ To write the whole file at every step would take longer than the step. A record 
 system at once, so that a kill loses only the step that is being computed. A resumed path continues from the
 file, not from the journal: it computes the journaled steps again, with the same result to the last bit.
 
-Layout: a mark, the identity of the file before it, and the records. A record holds the number of the step,
-the numbers of its energy residuals and of its maximum openings (none where all are zero), its row of the
-curve, its displacement, its maximum openings, and a checksum of the record without displacement and openings.
-After the file has been saved, new records overwrite the old ones from the beginning; the bytes after the last
-whole record have no meaning.
+Layout: a mark, the identity of the last saved file, and the records. A record has the number of the step,
+how many energy residuals and maximum openings it has (no openings if all are zero), the row of the curve, the
+displacement, the maximum openings, and a checksum of the record without displacement and openings. After the
+file has been saved, new records overwrite the old ones from the beginning; the bytes after the last whole
+record have no meaning.
 """
 
 import os
@@ -67,7 +67,7 @@ class Journal:
         self._write([head, u.data.cast("B"), maximum_openings.tobytes(), _CHECKSUM.pack(zlib.crc32(head))])
 
     def clear(self) -> None:
-        """Drop all records, as the run's file holds them now."""
+        """Delete all records, because the file of the run has these steps now."""
         # truncation would take longer than to write them
         self._file.seek(self._begin)
 
@@ -76,7 +76,7 @@ class Journal:
         self._file.close()
 
     def remove(self) -> None:
-        """Remove the journal, once the run's file holds all steps."""
+        """Remove the journal, after the file of the run has got all steps."""
         self._path.unlink(missing_ok=True)
 
     def _write(self, parts: list[bytes | memoryview]) -> None:
@@ -98,7 +98,7 @@ def read_journal(
     displacement_shape: tuple[int, ...],
     opening_shape: tuple[int, ...],
 ) -> Iterator[Record]:
-    """Yield the whole records after a run's file, whose curve and shapes of fields are given."""
+    """Yield the complete records after the file of a run, whose curve and shapes of fields are given."""
     path = journal_path(run_file)
     if not path.is_file():
         return

@@ -1,4 +1,4 @@
-"""What the arrays of a run belong to: bodies, whose functions come one after another, and interfaces."""
+"""The layout of the arrays of a run: the functions of each body, and the points of each interface."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -24,7 +24,7 @@ _MOST = 1000
 _OPENINGS = "maximum_openings"
 _HISTORY: dict[str, str | float] = {
     "unit": "L0",
-    "description": "largest opening so far at the Gauss points, -1 where it has not closed yet",
+    "description": "maximum opening so far at the Gauss points, -1 where it has not closed yet",
 }
 
 
@@ -69,9 +69,9 @@ class Layout:
 
 
 def read_history(file: h5py.File, states: int, shape: tuple[int, ...]) -> FloatArray | None:
-    """Return the maximum openings (states, *shape) of all interfaces; None where the file has none.
+    """Return the maximum openings (states, *shape) of all interfaces; None if the file has none.
 
-    Raises UntrustedError where they are not of so many states, or not of the shape of the last state.
+    Raises UntrustedError if they have another number of states, or another shape than in the last state.
     """
     if "history" not in file:
         return None

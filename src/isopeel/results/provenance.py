@@ -1,4 +1,4 @@
-"""Where results come from: versions, machine, source revision, time and command."""
+"""The provenance of results: versions, machine, source revision, time and command."""
 
 import platform
 import shlex

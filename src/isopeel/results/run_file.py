@@ -1,12 +1,12 @@
-"""The file of a run, run.h5: its curve, fields at chosen steps, the case, and where it comes from.
+"""The file of a run, run.h5: the curve, fields at selected steps, the case, and the provenance.
 
-`isopeel.results.schema` lists the data sets with their units and meanings; each has them as attributes too.
-Beside those there are `spaces/NAME`, knots, degrees and control points of the displacement space of each body
-(`isopeel.results.spaces`); `history/NAME`, the maximum openings of each irreversible interface; `last`, the
-state of the last step, from which the path goes on, with `solver`, arrays that only the solver reads
-(`isopeel.solve.stored_state`); and attributes of the root for all else.
+`isopeel.results.schema` lists the data sets with their units and descriptions, which are also attributes of
+each data set. The file also has the groups `spaces/NAME`, the knots, degrees and control points of the
+displacement space of each body (`isopeel.results.spaces`); `history/NAME`, the maximum openings of each
+irreversible interface; `last`, the state of the last step, from which the path continues; and in it `solver`,
+arrays that only the solver reads (`isopeel.solve.stored_state`). All else are attributes of the root.
 
-Beside it, while the run goes on and where it was killed, lies its journal (`isopeel.results.journal`).
+While the run is computed, and after it was killed, its journal is beside it (`isopeel.results.journal`).
 """
 
 import re
@@ -72,12 +72,12 @@ class Failure(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class StoredRun:
-    """What the file of a run holds.
+    """The content of the file of a run.
 
     `states` are those of the first step at or beyond each multiple of `field_interval`, in the unit of the
-    parameter's column, and of the last step. `attributes` are those of `run_attributes`. Where the run was
-    killed, `journaled` of its steps come from its journal, which is known by the `identity` of the file, and
-    `last` is the state before them. the `layout` is written for other programs, and not read.
+    parameter's column, and of the last step. `attributes` are those of `run_attributes`. If the run was
+    killed, `journaled` of its steps are from its journal, which belongs to the `identity` of the file, and
+    `last` is the state before them. The `layout` is written for other programs, and not read.
     """
 
     case_text: str
@@ -86,7 +86,7 @@ class StoredRun:
     attributes: Mapping[str, str | int]
     ending: Ending
     failure: Failure | None = None
-    last: State | None = None  # where `trace` goes on bit for bit
+    last: State | None = None  # from which `trace` continues with bit-identical steps
     base: FloatArray | None = None  # displacement that a later stage began with, (functions, 2)
     field_interval: float = 10.0
     identity: str = field(default_factory=lambda: uuid4().hex)
@@ -102,9 +102,9 @@ class StoredRun:
 
 
 def run_attributes(problem: Problem, space: SpaceOfBodies, provenance: Provenance) -> dict[str, str | int]:
-    """Describe the discretization and the provenance of a run; `git_revision` only where there is one.
+    """Describe the discretization and the provenance of a run, with `git_revision` if there is one.
 
-    Space and mesh of several bodies are listed in their order; the traction once where it is the same.
+    Spaces and meshes of several bodies are listed in their order; equal kinds of traction are listed once.
     """
     revision = provenance.git_revision
     spaces = spaces_by_name(problem, space).values()
@@ -122,9 +122,9 @@ def run_attributes(problem: Problem, space: SpaceOfBodies, provenance: Provenanc
 
 
 def write_run(path: Path, run: StoredRun) -> None:
-    """Write the file of a run, in one go: it has its old content or its new one. Raises OSError.
+    """Write the file of a run: at any time it has its old content or its new one. Raises OSError.
 
-    The new content is on the disk before it takes the place of the old one, whatever ends the machine.
+    The new content is on the disk before it replaces the old one, so this is also true if the machine fails.
     """
     with replacing(path, durable=True) as part:
         part.write_bytes(_image(run))
@@ -133,8 +133,7 @@ def write_run(path: Path, run: StoredRun) -> None:
 def read_run(path: str | Path, *, journal: bool = True) -> StoredRun:
     """Read the file of a run, with the steps of its journal if there are any.
 
-    Both may come from anywhere: nothing outside of them is read. Raises InputError where it is not the file
-    of a run.
+    Both are untrusted, and nothing outside of them is read. Raises InputError if it is not the file of a run.
     """
     path = Path(path)
     try:
@@ -244,7 +243,7 @@ def _state(file: h5py.File, read: schema.Read) -> State | None:
     state = State(untrusted.number(last, "parameter"), displacement, read.get("last/maximum_openings"))
     solver = untrusted.group(last, "solver")
     if untrusted.number(solver, "version") != VERSION:
-        # the path goes on from the state all the same, to the tolerance of the solver
+        # without the solver state the path also continues, with steps to the tolerance of the solver
         return state
     arrays: dict[str, FloatArray] = {}
     for name in list(solver)[:_MOST_ARRAYS]:

@@ -31,15 +31,14 @@ class RunWriter:
     The steps in between are in its journal, one by one. The first save removes the `outdated` files, which
     were made from an earlier run, and lists them in `removed`; `saved` is whether it was made.
 
-    The displacement and the maximum openings are kept at the first step at or beyond each multiple of
+    The displacement and the maximum openings are stored at the first step at or beyond each multiple of
     `field_interval` (in the unit of the parameter's column), and at the last step; `base` is the displacement
-    of the initial state of a stage. Each save replaces the file as a whole, so that the file stays valid
-    whatever ends the process: an exception, a kill, a full disk. A run that continues a stored one, read
-    without its journal, appends the steps after that; file and journal do not change until all steps of the
-    journal have been computed again.
+    of the initial state of a stage. Each save replaces the file as a whole, so that the file is valid also
+    after an exception, a kill or a full disk. A run that continues a stored one, read without its journal,
+    appends its steps; file and journal do not change until all steps of the journal have been computed again.
 
-    Raises OSError where the file cannot be written. A folder that has vanished is made again first, with all
-    steps so far.
+    Raises OSError if the file cannot be written. If the folder has been removed, it is made again first, with
+    all steps so far.
     """
 
     def __init__(
@@ -83,7 +82,7 @@ class RunWriter:
         self.removed: list[Path] = []
 
     def __enter__(self) -> Self:
-        """Change no file yet: the first step replaces an earlier run, and so does an end without a step."""
+        """Change no file yet: an earlier run is replaced at the first step, or at the end without a step."""
         return self
 
     def __exit__(
@@ -156,7 +155,7 @@ class RunWriter:
         try:
             write_run(self._path, run)
         except FileNotFoundError as error:
-            # whoever removed the folder of a running run did not mean to lose the steps in memory
+            # somebody has removed the folder of this run: save the steps that are in memory
             self._path.parent.mkdir(parents=True)
             write_run(self._path, run)
             reason = "its folder vanished; it was made again, with all converged steps"

@@ -1,7 +1,8 @@
-"""The data sets of run.h5: what each is, its type, shape and unit, and that it is what was written.
+"""The data sets of run.h5: their types, shapes, units, descriptions and checksums.
 
-One table serves the writer, which stores unit and description with each data set, and the reader, which takes
-nothing that differs from it. A checksum (CRC-32) of each data set detects bits that have changed since.
+The writer and the reader use one table. The writer stores the unit and the description with each data set;
+the reader rejects a file that differs from the table. A checksum (CRC-32) of each data set detects bits that
+have changed.
 """
 
 import re
@@ -18,8 +19,8 @@ from isopeel.results.untrusted import UntrustedError
 
 #: Attribute of each data set.
 _CHECKSUM = "checksum"
-#: What names, units and labels may not hold, as a figure could take it for mathematics, or a terminal for a
-#: command. It is left out where they are read, as the drive of a plug-in may have it.
+#: Characters that names, units and labels may not contain: a figure could read them as mathematics, or a
+#: terminal as a command. They are removed on reading, because the drive of a plug-in may have them.
 _FORBIDDEN = re.compile(r"[^\w ,.()'/%^*°·-]")
 #: A label: words and one symbol.
 _LABEL = re.compile(r"[\w ,.()'/-]*(\$\\?[A-Za-z_]{1,20}\$)?")
@@ -79,7 +80,7 @@ SCHEMA: dict[str, DataSet] = {
         "float", ("functions", 2), "L0", "displacement coefficients of the last step", required=False
     ),
     "last/maximum_openings": DataSet(
-        "float", ("elements", "points"), "L0", "largest openings at the last step", required=False
+        "float", ("elements", "points"), "L0", "maximum openings at the last step", required=False
     ),
     "base": DataSet(
         "float", ("functions", 2), "L0", "displacement that this stage began with", required=False
@@ -96,7 +97,7 @@ SCHEMA: dict[str, DataSet] = {
 
 
 def checksum(values: FloatArray | IntArray | bytes) -> int:
-    """CRC-32 of numbers as they lie in the memory, or of a text in UTF-8."""
+    """CRC-32 of numbers in memory, or of a text in UTF-8."""
     return zlib.crc32(values if isinstance(values, bytes) else np.ascontiguousarray(values).data.cast("B"))
 
 
@@ -118,7 +119,7 @@ def write_described(
 
 
 class Read(NamedTuple):
-    """What a file holds of the schema: its arrays by their paths, and its case."""
+    """The content of a file by the schema: its arrays by their paths, and its case."""
 
     arrays: Mapping[str, FloatArray | IntArray]
     case: str
@@ -137,7 +138,7 @@ class Read(NamedTuple):
 
 
 def read(file: h5py.File) -> Read:
-    """Read all data sets of the schema. Raises UntrustedError where one is missing or not what it must be."""
+    """Read all data sets of the schema. Raises UntrustedError if one is missing or does not fit."""
     arrays: dict[str, FloatArray | IntArray] = {}
     sizes: dict[str, int] = {}
     case = ""
@@ -169,7 +170,7 @@ def check_values(data: h5py.Dataset, values: FloatArray | IntArray, *, finite: b
 
 
 def label(of: h5py.Group | h5py.Dataset, name: str) -> str:
-    """Return an attribute that is a name, a unit or a label, without what they may not hold."""
+    """Return an attribute that is a name, a unit or a label, without characters that are not allowed."""
     value = text_attribute(of, name)
     return value if _LABEL.fullmatch(value) else _FORBIDDEN.sub("", value)
 
@@ -183,7 +184,7 @@ def text_attribute(of: h5py.Group | h5py.Dataset, name: str) -> str:
 
 
 def _parent(file: h5py.File, path: str, one: DataSet) -> tuple[h5py.Group | None, str]:
-    """The group that holds a data set, None where it may be missing and is, and the name in it."""
+    """Return the group of a data set, None if it is missing and may be, and the name in the group."""
     *groups, name = path.split("/")
     parent: h5py.Group = file
     for part in groups:

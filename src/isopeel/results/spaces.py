@@ -12,8 +12,9 @@ def write_space(file: h5py.File, name: str, space: RowSpace, shape: NurbsSurface
     """Write the group `spaces/NAME`.
 
     The functions of row j, numbered from `first_function[j]` on, are B-splines of the knots `rows/j` along
-    the body (attribute `degree`) times function j of the knots `across`, weighted and divided by the sum of
-    all where there are `weights` (functions,). `control_points` (functions, 2) describe the body as it is.
+    the body (attribute `degree`) times function j of the knots `across`. If there are `weights`
+    (functions,), each function is multiplied by its weight and divided by the sum of all.
+    `control_points` (functions, 2) describe the undeformed body.
     """
     group = file.create_group(f"spaces/{name}")
     group.attrs["name"] = space.name

@@ -19,7 +19,7 @@ class UntrustedError(ValueError):
 
 
 def group(parent: h5py.Group, name: str) -> h5py.Group:
-    """Return a group inside another one; raises UntrustedError where it is a link or not a group."""
+    """Return a group inside another one; raises UntrustedError if it is a link or not a group."""
     return _inside(parent, name, h5py.Group)
 
 
@@ -32,7 +32,7 @@ def text(parent: h5py.Group, name: str) -> str:
 
 
 def floats(parent: h5py.Group, name: str, dimensions: int | None = None) -> FloatArray:
-    """Return numbers of double precision, of any number of dimensions where none is given."""
+    """Return numbers of double precision, with so many dimensions, or with any number of them if None."""
     return np.asarray(_array(parent, name, dimensions, "<f8"), dtype=np.float64)
 
 

@@ -32,8 +32,8 @@ class Grid:
     """Cells of one kind and of c points each in the plane z = 0, with data at points and in cells.
 
     Data are (points or cells, components): 1, 3 of a vector, 6 of a symmetric tensor (xx, yy, zz, xy, yz,
-    xz) or 9 of a tensor, row by row. The data at points of a Bezier cell are control values: the cell's
-    rational functions weigh them as they weigh its points.
+    xz) or 9 of a tensor, row by row. The data at points of a Bezier cell are control values: the rational
+    functions of the cell apply to them as to its points.
     """
 
     kind: int

@@ -1,4 +1,4 @@
-"""Closed forms with which a run is compared.
+"""Closed forms, with which runs are compared.
 
 `expected` and `beam_peeling` read a problem; the others are functions of numbers, in any consistent units.
 That of a rigid cylinder is in `closed_form.rigid_cylinder`, which loads SciPy's quadrature: time that most

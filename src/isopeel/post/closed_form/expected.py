@@ -26,8 +26,8 @@ SMALL_STRAIN = 0.005
 #: its turn changes the balance of energies by exp(-2 x 3) = 0.25 % (`tests/validation`, tapes).
 _ARM = 3.0
 #: Decay lengths (4 E'I/k)^(1/4) of a beam on springs that the joint must have opened by, and be closed beyond
-#: the front. With the mean stiffness k of the law on its way to parting they are the longest that there are:
-#: the moment of the published strip, whose law reaches far, is there 0.1 % below its plateau.
+#: the front. With the mean stiffness k of the law during separation they are the longest decay lengths: the
+#: moment of the published strip, whose law has a long range, is 0.1 % below its plateau there.
 _DECAY = 2.0
 
 
@@ -112,7 +112,7 @@ def decay_length(problem: Problem, height: float) -> float | None:
     """Return the length (4 E'I/k)^(1/4) that a front reaches into a joint; None without attraction.
 
     Of a beam on springs (Hetenyi, Beams on Elastic Foundation, 1946) with the mean stiffness
-    k = strength^2/(2 W) of the law on its way to parting, and of a layer at least its height.
+    k = strength^2/(2 W) of the law during separation; at least the height of the strip, as for a layer.
     """
     law = problem.adhesion.law
     try:

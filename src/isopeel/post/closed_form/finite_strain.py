@@ -82,12 +82,12 @@ def peeled_tape(
     """Return the force S that peels a tape at an angle (radians), at any stretch; None where none does.
 
     The membrane form for soft tapes (He et al. 2018), with the energy of the material itself, per reference
-    length. A joint that holds along the substrate keeps what adheres as it was laid:
+    length. If the joint holds along the substrate, the adhering part has its undeformed shape:
 
         S (lambda - cos a) - h [psi(lambda) - psi(1)] = W,  S = h dpsi/dlambda.
 
-    One that slides without friction, its far end held, bears S cos a = h dpsi/dlambda(lambda_a) and moves
-    with the front, which follows from the potential energy of both parts:
+    If it slides without friction and its far end is held, it bears S cos a = h dpsi/dlambda(lambda_a) and
+    moves with the front, which follows from the potential energy of both parts:
 
         S (lambda - lambda_a cos a) - h [psi(lambda) - psi(lambda_a)] = W.
 

@@ -35,7 +35,7 @@ def sliding_tape_force(work: float, stiffness: float, angle: float) -> float:
     """Return the force F that peels a tape whose adhering part slides freely and is held at its far end.
 
     F (1 - cos angle) + F^2 sin^2(angle)/(2 E' h) = W: without friction the adhering part bears F cos(angle),
-    so that what peels gains only the rest of the energy F^2/(2 E' h), and the front is carried along; derived
+    so that what peels gains only the rest of the energy F^2/(2 E' h), and the front moves with it; derived
     from the potential energy of both parts (Begley, Collino, Israelachvili and McMeeking, J. Mech. Phys.
     Solids 61, 2013, treat such tapes). Raises InputError unless the angle lies in (0, pi]; at angle 0 no
     force peels.

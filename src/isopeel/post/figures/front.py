@@ -135,7 +135,7 @@ def _evenly(arrows: FloatArray, window: Window) -> FloatArray:
 
 
 def _widened(window: Window, profile: FrontProfile, zone: ProcessZone) -> Window:
-    """Return a window that holds the whole process zone with a margin; for a thin body it is long."""
+    """Return a window that contains the whole process zone with a margin; for a thin body it is long."""
     inside = (profile.position >= zone.start) & (profile.position <= zone.end)
     places = profile.deformed[inside]
     if not len(places):
@@ -150,7 +150,7 @@ def _widened(window: Window, profile: FrontProfile, zone: ProcessZone) -> Window
 
 
 def _fitted(window: Window, arrows: FloatArray, body: FloatArray) -> Window:
-    """Return a window that holds all arrows, too, and not much that is outside of a body (..., 2)."""
+    """Return a window that also contains all arrows, and little outside of a body (..., 2)."""
     margin = 0.1 * float(np.ptp(window.y))
     ends = []
     for k, (low, high) in enumerate((window.x, window.y)):
