@@ -32,7 +32,7 @@ MOST_ACROSS = 12
 #: Largest attraction as a share of Young's modulus; stronger strips are drawn again.
 STRONGEST = 0.25
 
-CONTROLS: tuple[PathControl, ...] = ("newton", "auto")
+PATH_CONTROLS: tuple[PathControl, ...] = ("newton", "auto")
 
 
 @dataclass(frozen=True)
@@ -112,7 +112,7 @@ class Attempt:
     step_deg: float
 
     def __call__(self) -> tuple[Outcome, ...]:
-        return tuple(self._under(path_control) for path_control in CONTROLS)
+        return tuple(self._under(path_control) for path_control in PATH_CONTROLS)
 
     def _under(self, path_control: PathControl) -> Outcome:
         case = self.draw.case(self.to_deg, self.step_deg, path_control)
@@ -167,8 +167,8 @@ def shares(found: Sequence[tuple[Draw, tuple[Outcome, ...]]]) -> Table:
         "from",
         "to",
         "strips",
-        *CONTROLS,
-        *(f"{path_control}\nmedian" for path_control in CONTROLS),
+        *PATH_CONTROLS,
+        *(f"{path_control}\nmedian" for path_control in PATH_CONTROLS),
         caption="thirds of the strips by each parameter; median: of the angles reached, in degrees",
         labels=1,
     )
@@ -212,7 +212,7 @@ def failures(found: Sequence[tuple[Draw, tuple[Outcome, ...]]]) -> Table:
         labels=2,
     )
     for draw, outcomes in found:
-        last = outcomes[CONTROLS.index("auto")]
+        last = outcomes[PATH_CONTROLS.index("auto")]
         if last.cause:
             table.add_row(
                 str(draw.number),

@@ -102,9 +102,9 @@ def test_residuals_and_tangents_are_those_of_two_systems(storage: Storage) -> No
     np.testing.assert_allclose(whole[size:, size:], beside, rtol=0, atol=1e-12 * largest)
 
 
-@pytest.mark.parametrize("control", ["newton", "auto"])
-def test_curves_are_those_of_two_systems(control: str) -> None:
-    settings = NewtonSettings(path_control=control)  # type: ignore[arg-type]
+@pytest.mark.parametrize("path_control", ["newton", "auto"])
+def test_curves_are_those_of_two_systems(path_control: str) -> None:
+    settings = NewtonSettings(path_control=path_control)  # type: ignore[arg-type]
     paths = np.radians(np.arange(0.0, 6.1, 0.25)), np.arange(0.0, 0.31, 0.02)
     cases = (("strip", ALONE, TURN, paths[0]), ("pad", OTHER, PUSH, paths[1]))
     for driven, alone, drive, path in cases:

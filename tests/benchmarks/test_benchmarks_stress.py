@@ -45,10 +45,10 @@ def test_the_strength_is_that_of_the_law() -> None:
     assert draw.strength == pytest.approx(strength, rel=1e-6)
 
 
-def test_a_strip_is_traced_under_each_control_and_its_failure_reported() -> None:
+def test_a_strip_is_traced_under_each_path_control_and_its_failure_reported() -> None:
     draw = next(draw for draw in stress.draws(0, 200) if draw.mesh == "13x2")
     plain, automatic = stress.Attempt(draw, 60.0, 2.0)()
-    assert (plain.path_control, automatic.path_control) == stress.CONTROLS
+    assert (plain.path_control, automatic.path_control) == stress.PATH_CONTROLS
     assert automatic.reached_deg == pytest.approx(60.0)
     assert (automatic.cause, automatic.reason) == ("", "")
     assert plain.reached_deg < 60

@@ -65,10 +65,10 @@ def test_sections_with_defaults_may_be_left_out() -> None:
 
 def test_angles_are_multiples_of_the_step_and_end_at_the_requested_one() -> None:
     case = load_case("strip")
-    asked = [float(f"{k}e-1") for k in range(1201)]
+    requested = [float(f"{k}e-1") for k in range(1201)]
     (stage,) = case.stages()
     assert stage.name == "rotation"
-    assert np.array_equal(stage.parameters, np.radians(asked))
+    assert np.array_equal(stage.parameters, np.radians(requested))
     for to, step in ((3.0, 0.7), ("3 deg", "0.7 deg"), ("180 arcmin", "0.7"), ("3", "42 arcmin")):
         (stage,) = with_options(case, to=to, step=step).stages()
         assert np.array_equal(stage.parameters, np.radians([0, 0.7, 1.4, 2.1, 2.8, 3.0]))

@@ -263,7 +263,7 @@ def test_no_equilibrium_at_first_replaces_an_earlier_run(monkeypatch: pytest.Mon
     assert main(["run", "strip", *SMALL]) == 3
     left = {"run.h5", "curve.csv", "summary.json", "run.earlier.h5"}  # the last one is the finished run
     assert {path.name for path in Path("out/strip").iterdir()} == left
-    assert summary(Path("out/strip"))["failure"]["theta_deg"] == 0.3  # as asked for, to the last bit
+    assert summary(Path("out/strip"))["failure"]["theta_deg"] == 0.3  # as requested, to the last bit
     assert len(table(Path("out/strip/curve.csv"))[1]) == 0
 
 

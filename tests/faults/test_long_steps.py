@@ -161,8 +161,8 @@ def test_work_and_energy_balance_between_the_rows(name: str) -> None:
     """Cantilevers in two steps missed 13 % of the work of adhesion, the pad in one ended with an error."""
     (steps,) = paths(CASES[name])
     # each row may miss so much of what the largest reaction would do over it
-    way = float(np.abs(np.diff([step.parameter for step in steps])).sum())
-    assert unbalanced(steps) <= SLIGHT * max(abs(step.reaction) for step in steps) * way
+    length = float(np.abs(np.diff([step.parameter for step in steps])).sum())
+    assert unbalanced(steps) <= SLIGHT * max(abs(step.reaction) for step in steps) * length
     assert max(gained(steps)) <= 1e-6 * worth(CASES[name])
     assert not [step for step in steps if step.kind == "jump"]
 

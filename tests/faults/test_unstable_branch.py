@@ -179,7 +179,7 @@ def test_no_step_is_made_on_the_unstable_branch_before_that(step: float) -> None
 
 @pytest.mark.parametrize("share", [1e-4, 1e-3, 0.009])
 def test_a_bifurcation_right_after_a_step_is_one(share: float) -> None:
-    """It was taken for another branch, as states of both sides were apart by much of the way to it."""
+    """It was taken for another branch, because the states of both sides were far from each other."""
     step = 0.0066441406 / 6 / (1 + share / 6)
     (steps,) = paths(STRIP.format(drive=f'{HELD}\nto = "{8 * step} mm"\nstep = "{step} mm"'))
     (lost,) = bifurcations(steps)

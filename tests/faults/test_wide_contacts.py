@@ -52,7 +52,7 @@ CASES = {
     "exponential": stamp(law="exponential", rise="", strength=0.3),
     "weak": stamp(W=0.02, strength=0.3),
 }
-#: On meshes as coarse as these some come off by more jumps than one, or not at all in the way asked for.
+#: On meshes as coarse as these some come off by more jumps than one, or not at all as requested.
 OFF = ("compressible", "exponential", "weak")
 
 

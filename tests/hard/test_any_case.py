@@ -48,13 +48,13 @@ def _compiled(tmp_path_factory: pytest.TempPathFactory) -> None:
 def outcome(text: str, options: list[str], figures: bool) -> tuple[int, str]:
     """The exit code of a case, and what it wrote to standard error; HangError where it does not end."""
 
-    asked: list[bool] = []
+    stopped: list[bool] = []
 
     def stop(_number: int, _frame: FrameType | None) -> None:
-        if asked or not list(Path(folder).glob("out/**/run.h5")):
+        if stopped or not list(Path(folder).glob("out/**/run.h5")):
             raise HangError(text)
-        # it is on its way, but too many steps have been asked for
-        asked.append(True)
+        # it runs, but too many steps were requested
+        stopped.append(True)
         signal.raise_signal(signal.SIGINT)
 
     written, error = io.StringIO(), io.StringIO()
@@ -97,10 +97,10 @@ def check(document: dict[str, Any], options: list[str], around: tuple[str, str],
 
 
 def any_case(examples: int) -> Callable[[Callable[..., None]], Callable[..., None]]:
-    """Ask for so many cases, the same ones each time."""
+    """Draw so many cases, the same ones each time."""
 
     def decorate(test: Callable[..., None]) -> Callable[..., None]:
-        asked = given(
+        drawn = given(
             documents(),
             st.sampled_from(OPTIONS),
             st.sampled_from(AROUND),
@@ -108,12 +108,12 @@ def any_case(examples: int) -> Callable[[Callable[..., None]], Callable[..., Non
         )
         limited = settings(
             max_examples=examples,
-            deadline=None,  # HangError tells
+            deadline=None,  # HangError shows it
             derandomize=True,
             database=None,
             suppress_health_check=list(HealthCheck),
         )
-        return limited(asked(test))
+        return limited(drawn(test))
 
     return decorate
 

@@ -145,7 +145,7 @@ def check(stored: Path, change: Change, command: list[str]) -> None:
 
 
 def any_run(examples: int) -> Callable[[Callable[..., None]], Callable[..., None]]:
-    """Ask for so many changes, the same ones each time."""
+    """Draw so many changes, the same ones each time."""
 
     def decorate(test: Callable[..., None]) -> Callable[..., None]:
         limited = settings(

@@ -88,7 +88,7 @@ def log(browser: Any, name: str) -> list[dict[str, str]]:
 
 
 def requests(browser: webdriver.Chrome) -> list[str]:
-    """What has been asked for since the last time."""
+    """The requests since the last call."""
     messages = (json.loads(entry["message"])["message"] for entry in log(browser, "performance"))
     return [
         message["params"]["request"]["url"]

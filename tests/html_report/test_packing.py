@@ -1,4 +1,4 @@
-"""What is packed for the script is what was given, as fine as was asked for."""
+"""The script gets the numbers that were packed, to the requested resolution."""
 
 from base64 import b64decode
 

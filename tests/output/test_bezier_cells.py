@@ -63,7 +63,7 @@ def test_shape_and_displacement_are_exact_in_cells(name: str, tmp_path: Path) ->
         xi, eta = between(mesh.ends[0], i, s), between(mesh.ends[1], j, t)
         X, d = read.evaluate(cell, (s, t), "displacement [L0]")
         expected = exact(problem, space, u, xi, eta)
-        # of the size of the body, as asked for; found are ten round-offs
+        # of the size of the body; ten round-offs were found
         assert np.abs(np.stack([X, d])[:, :2] - expected).max() < 1e-12 * extent
         assert X[2] == d[2] == 0
 

@@ -53,9 +53,9 @@ def test_tests_ask_for_extras_and_marks_that_there_are() -> None:
     marks = {mark.partition(":")[0] for mark in settings["tool"]["pytest"]["ini_options"]["markers"]}
     for path in WORKFLOWS:
         text = path.read_text("utf-8")
-        asked = {extra for found in re.findall(r'"\.\[([a-z,]+)\]"', text) for extra in found.split(",")}
-        assert asked
-        assert asked <= set(extras)
+        named = {extra for found in re.findall(r'"\.\[([a-z,]+)\]"', text) for extra in found.split(",")}
+        assert named
+        assert named <= set(extras)
         for expression in re.findall(r'-m "?((?:long|not|posix|or|and| )+)"?', text):
             assert set(expression.split()) - {"not", "and", "or"} <= marks
 

@@ -197,8 +197,8 @@ def test_dugdale_with_a_sharp_transition() -> None:
 def test_a_strip_peels_over_rounded_kinks_with_quadratic_convergence() -> None:
     problem = strip(law=Bilinear(strength=S, work_of_adhesion=W, rise=0.3))
     space, angles = row_space("N2.1", (100, 4)), np.radians(np.arange(0, 81, 2.5))
-    *_, on_the_way = trace(problem, space, angles[:-1])
-    (step,) = trace(problem, space, angles[-1:], NewtonSettings(plain=True), start=[on_the_way.state])
+    *_, before = trace(problem, space, angles[:-1])
+    (step,) = trace(problem, space, angles[-1:], NewtonSettings(plain=True), start=[before.state])
     expected = beam_peeling(problem)
     assert expected is not None
     # the beam's theory neglects what the joint gives, and the moment oscillates with the elements

@@ -48,7 +48,7 @@ def test_a_half_space_attracts_each_point_with_the_law_s_slope(gap: float) -> No
     strength = LAW.hamaker_constant / (2 * np.pi**2 * r0**6)  # b^2 e
     pairs = strength * (r0**12 * half_space(gap, 12) - 2 * r0**6 * half_space(gap, 6))
     scale = strength * r0**12 * half_space(gap, 12)
-    assert pairs == pytest.approx(-law_at(gap, 0.0)[1], abs=1e-9 * scale)  # as the quadrature was asked for
+    assert pairs == pytest.approx(-law_at(gap, 0.0)[1], abs=1e-9 * scale)  # the tolerance of the quadrature
 
 
 @pytest.mark.parametrize("gap", GAPS)
@@ -63,7 +63,7 @@ def test_the_factors_are_of_a_body_beyond_a_sphere(gap: float, radius: float) ->
         quad(layer, gap, np.inf, args=(growth,), epsabs=0, epsrel=1e-11, limit=200)[0] for growth in (2, 1)
     )
     traction = law_at(gap, 1 / radius)[0]
-    assert traction == pytest.approx(spherical, rel=1e-9)  # as the quadrature was asked for
+    assert traction == pytest.approx(spherical, rel=1e-9)  # the tolerance of the quadrature
     # a cylinder's layers grow as R + u: the factors are then 1 + 9/8 z and 1 + 3/2 z over 1 + z, z = r/R
     z, x = gap / radius, LAW.equilibrium_distance / gap
     strength = LAW.hamaker_constant / (2 * np.pi * LAW.equilibrium_distance**3) / (1 + z)
@@ -120,7 +120,7 @@ def test_distances_add_up_to_the_whole_solid() -> None:
 
     whole_sphere, _ = dblquad(of_sphere, 0, radius, -1, 1, epsabs=0, epsrel=1e-8)
     whole_cylinder, _ = dblquad(of_cylinder, 0, radius, 0, np.pi, epsabs=0, epsrel=1e-8)
-    # as the quadrature was asked for
+    # the tolerance of the quadrature
     assert sphere(radius)(gap, 6) == pytest.approx(whole_sphere, rel=1e-7)
     assert cylinder(radius)(gap, 6) == pytest.approx(whole_cylinder, rel=1e-7)
 

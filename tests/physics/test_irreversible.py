@@ -69,7 +69,7 @@ def test_work_along_a_path_is_stored_and_dissipated(law: AdhesionLaw, curvature:
     for start, end in pairwise([0.0, 0.02, 0.005, 0.1, -0.05, 0.06, 0.03, 0.25, 0.0, 0.5]):
         total += work(law, start, end, history, curvature)
         now = state(law, end, history, curvature)
-        # of the work of adhesion, whose round-off the quadrature adds up; no less is asked for than 1e-10
+        # of the work of adhesion, whose round-off the quadrature adds up; the tolerance is 1e-10
         assert now.stored + now.dissipated == pytest.approx(total, abs=1e-10 * W)
         if end <= history:
             assert now.dissipated == pytest.approx(lost, abs=1e-15 * W)

@@ -99,8 +99,10 @@ def test_a_joint_that_only_opens_snaps_back_as_if_it_could_heal() -> None:
     law = Exponential(0.06, 0.02)
     body = strip(length=LENGTH, height=HEIGHT, adhering_length=LENGTH, law=law)
     problems = [
-        body.changed(drive=MovedSide("top", np.pi / 2), adhesion=replace(body.adhesion, irreversible=kept))
-        for kept in (False, True)
+        body.changed(
+            drive=MovedSide("top", np.pi / 2), adhesion=replace(body.adhesion, irreversible=irreversible)
+        )
+        for irreversible in (False, True)
     ]
     settings = NewtonSettings(path_control="continuation")
     ours, theirs = (list(trace(problem, SPACE, PULL, settings)) for problem in problems)
@@ -198,7 +200,7 @@ def test_a_path_continues_bit_for_bit_from_each_step_that_resumes(path_control: 
     steps, states = [], []
     for step in trace(block(), SPACE, PULL, settings):
         steps.append(step)
-        states.append(step.state)  # which has the solver's memory as long as the path is there
+        states.append(step.state)  # which has the solver state as long as the path exists
     resuming = [k for k, step in enumerate(steps) if step.resumes]
     assert 0 < len(resuming) < len(steps)
     assert resuming[-1] == len(steps) - 1

@@ -35,8 +35,8 @@ def test_the_path_continues_where_plain_newton_ends(path: list[Step]) -> None:
     with pytest.raises(ConvergenceError, match=r"no equilibrium at 1\.20"):
         plain.extend(iter(lambda: next(steps), None))
     # with the steps that were cut between, and the jumps that these have located
-    asked = set(ANGLES.tolist())
-    assert [step.parameter for step in path if step.parameter in asked] == ANGLES.tolist()
+    requested = set(ANGLES.tolist())
+    assert [step.parameter for step in path if step.parameter in requested] == ANGLES.tolist()
     assert np.degrees(plain[-1].parameter) == pytest.approx(68.9, abs=0.05)
     # the two are one path up to the first step that is cut: plain Newton has passed a snap-back there, whose
     # limit point is at 65.485 degrees by the continued curve

@@ -48,8 +48,10 @@ def both(drive: Drive) -> Problem:
     return Problem("both", (ONE, OTHER), (JOINT, MIRRORED), ENDS, drive)
 
 
-def path(problem: Problem, places: FloatArray, control: str = "newton", *, plain: bool = False) -> list[Step]:
-    settings = NewtonSettings(path_control=control, plain=plain)  # type: ignore[arg-type]
+def path(
+    problem: Problem, places: FloatArray, path_control: str = "newton", *, plain: bool = False
+) -> list[Step]:
+    settings = NewtonSettings(path_control=path_control, plain=plain)  # type: ignore[arg-type]
     spaces = {body.name: SPACE for body in problem.bodies}
     return list(trace(problem, spaces, places, settings))
 
@@ -63,16 +65,16 @@ MIRROR_DRIVES: dict[str, tuple[RotatedSide | MovedSide | PulledSide, float]] = {
 }
 
 
-@pytest.mark.parametrize("control", ["newton", "auto"])
+@pytest.mark.parametrize("path_control", ["newton", "auto"])
 @pytest.mark.parametrize("name", MIRROR_DRIVES)
-def test_opposite_factors_on_mirror_images_give_the_curve_of_one(name: str, control: str) -> None:
+def test_opposite_factors_on_mirror_images_give_the_curve_of_one(name: str, path_control: str) -> None:
     drive, to = MIRROR_DRIVES[name]
     places = np.linspace(0.0, to, 13)
-    expected = np.array([step.reaction for step in path(single(drive), places, control)])
+    expected = np.array([step.reaction for step in path(single(drive), places, path_control)])
     pair = replace(drive, on=((RIGHT, 1.0), (LEFT, -1.0)))
     # the displacement on which a found force works is that of both
     doubled = name == "force"
-    steps = path(both(pair), 2 * places if doubled else places, control)
+    steps = path(both(pair), 2 * places if doubled else places, path_control)
     found = np.array([step.reaction for step in steps])
     each = np.array([step.reactions for step in steps])
     # two bodies in one system, to the tolerance of the solver
@@ -91,19 +93,21 @@ BELOW = Interface(LOWER.side("top", 0.0, 0.75), LAW, Flat(0.0, -np.pi / 2), slid
 ARMS = (ONE.side("right"), 1.0), (LOWER.side("right"), -1.0)
 
 
-@pytest.mark.parametrize("control", ["newton", "auto"])
+@pytest.mark.parametrize("path_control", ["newton", "auto"])
 @pytest.mark.parametrize(
     "drive", [MovedSide(RIGHT, np.pi / 2), PulledSide(RIGHT, np.pi / 2)], ids=["moved", "pulled"]
 )
-def test_a_double_cantilever_has_the_forces_of_its_half(drive: MovedSide | PulledSide, control: str) -> None:
+def test_a_double_cantilever_has_the_forces_of_its_half(
+    drive: MovedSide | PulledSide, path_control: str
+) -> None:
     places = np.linspace(0.0, 3.0, 31)
-    half = path(single(drive), places, control)
+    half = path(single(drive), places, path_control)
     expected = np.array([step.reaction for step in half])
     supports = (ENDS[0], Support(LOWER.side("left"), (0,)))
     whole = Problem("double", (ONE, LOWER), (JOINT, BELOW), supports, replace(drive, on=ARMS))
     is_pulled = isinstance(drive, PulledSide)
     # a force that is found works on the opening, a motion of both arms is that of each
-    steps = path(whole, 2 * places if is_pulled else places, control)
+    steps = path(whole, 2 * places if is_pulled else places, path_control)
     found, each = (np.array([getattr(step, name) for step in steps]) for name in ("reaction", "reactions"))
     # two bodies in one system, to the tolerance of the solver
     allowed = 1e-8 * np.abs(expected).max()

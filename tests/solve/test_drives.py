@@ -200,7 +200,7 @@ def test_a_path_continues_from_the_last_states_bit_for_bit(name: str) -> None:
     steps, states = [], []
     for step in trace(problem(drive, 0.3), SPACE, np.linspace(0.0, to, 24)):
         steps.append(step)
-        states.append(step.state)  # which has the solver's memory as long as the path is there
+        states.append(step.state)  # which has the solver state as long as the path exists
     later = [s.parameter for s in steps[14:]]
     again = list(trace(problem(drive, 0.3), SPACE, later, start=[states[13]]))
     for one, other in zip(again, steps[14:], strict=True):

@@ -58,7 +58,7 @@ MESH = (60, 2)
 
 @dataclass(frozen=True)
 class Peeling:
-    """A problem, how far its drive goes, whether it comes half of the way back, and its mesh."""
+    """A problem, how far its drive goes, whether it returns by half of that, and its mesh."""
 
     problem: Problem
     to: float
@@ -116,7 +116,7 @@ def alike(law: Any) -> AdhesionLaw:
     return made
 
 
-WAYS: dict[str, Callable[[AdhesionLaw], Peeling]] = {
+VARIANTS: dict[str, Callable[[AdhesionLaw], Peeling]] = {
     "reversible": lambda law: peeling(law=law),
     "irreversible": lambda law: peeling(law=law, irreversible=True),
     "holding": lambda law: peeling(law=law, sliding_length=0.5),
@@ -124,8 +124,8 @@ WAYS: dict[str, Callable[[AdhesionLaw], Peeling]] = {
 }
 
 
-def with_law(way: str, law: Any, _: Path) -> Peeling:
-    return WAYS[way](alike(law))
+def with_law(variant: str, law: Any, _: Path) -> Peeling:
+    return VARIANTS[variant](alike(law))
 
 
 def with_material(stretch: float | None, kind: Any, _: Path) -> Peeling:
@@ -180,7 +180,11 @@ SHAPES: dict[str, Callable[[Path], Peeling]] = {
 }
 
 CASES: dict[str, Callable[[Path], Peeling]] = {
-    **{f"law {name}, {way}": partial(with_law, way, law) for name, law in LAWS.items() for way in WAYS},
+    **{
+        f"law {name}, {variant}": partial(with_law, variant, law)
+        for name, law in LAWS.items()
+        for variant in VARIANTS
+    },
     **{
         f"material {name}{', prestretched' if stretch else ''}": partial(with_material, stretch, material)
         for name, material in MATERIALS.items()
@@ -238,7 +242,7 @@ def test_work_of_the_drive_is_what_the_energies_take(peeled: Peeled) -> None:
 
 
 def test_newton_converges_quadratically(peeled: Peeled) -> None:
-    """In steps of up to an eighth of the way, and up to round-off."""
+    """In steps of up to an eighth of the path, and up to round-off."""
     space = peeled.peeling.space
     # nothing is known before the first step, which is taken with care
     places = peeled.peeling.to * np.array([0, 1 / 64, 1 / 16, *np.arange(1, 9) / 8])
@@ -255,7 +259,7 @@ def test_newton_converges_quadratically(peeled: Peeled) -> None:
 
 def test_a_path_continues_from_its_file_bit_for_bit(peeled: Peeled, tmp_path: Path) -> None:
     problem, space = peeled.peeling.problem, peeled.peeling.space
-    cut = 4 * len(peeled.steps) // 5  # on the way back where there is one
+    cut = 4 * len(peeled.steps) // 5  # during the return, if there is one
     attributes = run_attributes(problem, space, Provenance({}, "", "", "", ""))
     with RunWriter(tmp_path / "run.h5", problem.drive, "", attributes) as file:
         for step in trace(problem, space, [s.parameter for s in peeled.steps[:cut]]):

@@ -76,7 +76,7 @@ def test_work_is_stored_adhesive_and_dissipated_energy_there_and_back() -> None:
     dissipated = np.array([step.dissipated_energy for step in steps])
     assert np.all(np.diff(dissipated) >= -1e-15)
     assert dissipated[-1] > 0.1 * work.max()
-    # no damage on the way back but for round-off
+    # no damage during closing, except round-off
     back = (ends > 40) & (np.arange(len(ends)) > 35) & (np.arange(len(ends)) <= 50)
     assert np.ptp(dissipated[::5][back]) < 1e-6 * dissipated[-1]
 

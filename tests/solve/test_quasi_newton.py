@@ -39,12 +39,12 @@ def path(space: str, plain: bool) -> list[Step]:
 
 @pytest.mark.parametrize("space", ["L1", "L2", "N3", "N2.1", "L1+N2.1"])
 def test_the_path_is_that_of_plain_newton(space: str, tangents: list[float]) -> None:
-    kept = path(space, plain=False)
+    chord = path(space, plain=False)
     few = len(tangents)
     plain = path(space, plain=True)
     # to the tolerance: energies within 1e-20 per unknown, and moments of second order in what is left
-    np.testing.assert_allclose([s.reaction for s in kept], [s.reaction for s in plain], rtol=0, atol=1e-8)
-    last = np.abs(kept[-1].displacement - plain[-1].displacement).max()
+    np.testing.assert_allclose([s.reaction for s in chord], [s.reaction for s in plain], rtol=0, atol=1e-8)
+    last = np.abs(chord[-1].displacement - plain[-1].displacement).max()
     assert last < 1e-6 * np.abs(plain[-1].displacement).max()
     assert 2 * few < len(tangents) - few
 
@@ -75,7 +75,7 @@ def test_product_is_that_of_the_updates_one_by_one() -> None:
     for _ in range(4):
         s = rng.standard_normal((n,))
         pairs = pairs.followed_by(s, K @ s + 0.1 * s)
-        s, change = (kept[-1].astype(np.float64) for kept in (pairs.corrections, pairs.changes))
+        s, change = (vectors[-1].astype(np.float64) for vectors in (pairs.corrections, pairs.changes))
         rho = 1 / (s @ change)
         V = np.eye(n) - rho * np.outer(change, s)
         H = V.T @ H @ V + rho * np.outer(s, s)
@@ -98,7 +98,7 @@ def test_pairs_are_the_last_ones_and_positive() -> None:
         expected = numbers[max(k - MOST_PAIRS, 0) : k]
         np.testing.assert_array_equal(then.corrections[:, 0], expected)
         np.testing.assert_array_equal(then.changes[:, 0], 2 * expected)
-    # a copy goes its own way
+    # a copy changes independently
     other = seen[4].copy().followed_by(np.array([7.0]), np.array([7.0]))
     assert other.corrections[-1] == 7
     np.testing.assert_array_equal(seen[5].corrections[:, 0], numbers[:6])
@@ -136,7 +136,7 @@ def test_it_finishes_the_iteration_of_newtons_method(tangents: list[float]) -> N
     assert ended.exact
     largest = np.abs(exact.unknown_values).max()
     np.testing.assert_allclose(ended.unknown_values, exact.unknown_values, rtol=0, atol=1e-11 * largest)
-    # its last tangent is kept
+    # its last tangent is the chord tangent
     made = len(tangents)
     assert method.solver_state is not None
     assert method.equilibrium(ended.unknown_values, 0.1) is not None
@@ -232,12 +232,12 @@ def test_a_poorly_predicted_step_ends_at_a_thousandth_of_the_tolerance() -> None
 
 
 @pytest.mark.chord_tangent
-def test_the_last_step_alone_keeps_the_solver_state() -> None:
+def test_only_the_last_step_has_the_solver_state() -> None:
     steps = trace(strip(), row_space("N2", (20, 2)), np.radians([0.0, 0.1, 0.2]))
     first, second = next(steps), next(steps)
     assert first.state.solver_state is None
-    kept = second.state
-    assert kept.solver_state is not None
-    served = kept.solver_state.steps
+    state = second.state
+    assert state.solver_state is not None
+    served = state.solver_state.steps
     next(steps)
-    assert kept.solver_state.steps == served  # a state that was taken in time keeps its own
+    assert state.solver_state.steps == served  # a state that was read before the next step does not change

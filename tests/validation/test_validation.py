@@ -100,7 +100,7 @@ def test_half_space_forces_are_those_over_cylindrical_coordinates() -> None:
 
     for gap, power in ((1.0, 6), (1.7, 12)):
         volume = dblquad(axial, 0, np.inf, 0, np.inf, epsabs=0, epsrel=1e-9)[0]
-        # as the quadrature was asked for
+        # the tolerance of the quadrature
         assert curvature.half_space(gap, power) == pytest.approx(volume, rel=1e-8)
 
 
