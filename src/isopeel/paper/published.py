@@ -127,7 +127,7 @@ MISPRINTS = (
         "fall",
         -0.0992,
         -0.992,
-        "its decimal point is probably misplaced. All other figures become smaller on finer meshes, but "
+        "its decimal point is probably misplaced. All other values become smaller on finer meshes, but "
         "this one would grow to -0.3519 on m2. And if the moment rises by dM = 0.2944 at 0.3188 per degree "
         "at most, it must fall by 0.69 per degree or more in the rest of the period of 1.35 degrees",
     ),
@@ -142,7 +142,7 @@ MISPRINTS = (
 
 
 def meant(row: Published) -> Figures | None:
-    """Return the figures of a row with its misprints corrected."""
+    """Return the values of a row with its misprints corrected."""
     if row.figures is None:
         return None
     corrected = {

@@ -24,9 +24,9 @@ WINDOW: Window = (98.0, 101.4)
 class Reading(Enum):
     """How the drift of the plateau is removed before dM and the slopes are read."""
 
-    MEAN = "drift of the mean over one period taken out"
-    LINE = "line through the window taken out of dM"
-    RAW = "nothing taken out"
+    MEAN = "drift of the running mean subtracted"
+    LINE = "line in the window subtracted from dM"
+    RAW = "nothing subtracted"
 
 
 class Rows(Enum):

@@ -7,7 +7,7 @@ from isopeel.post.style import space_style
 from isopeel.splines.names import parse_space_name
 
 AMPLITUDE = r"amplitude $\Delta M$ / $E_0 L_0^3$"
-_ALL, _CONTACT, _OTHER = "all rows alike", "contact row alone, over L1", "elevated in the contact row"
+_ALL, _CONTACT, _OTHER = "all rows", "contact row only, over L1", "elevated in the contact row"
 
 
 def in_table_order(spaces: Iterable[str]) -> list[str]:

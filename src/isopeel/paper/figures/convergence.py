@@ -98,8 +98,8 @@ def convergence_figure(entries: Sequence[Amplitude]) -> Figure:
         ours = space_style("L1")
         handles = [
             Line2D([], [], **ours.marked, label="ours, all rows"),
-            Line2D([], [], **replace(ours, hollow=True).marked, label="ours, contact row alone, over L1"),
-            Line2D([], [], **_ELEVATED, label="ours, elevated in the contact row alone"),
+            Line2D([], [], **replace(ours, hollow=True).marked, label="ours, contact row only, over L1"),
+            Line2D([], [], **_ELEVATED, label="ours, elevated in the contact row only"),
             Line2D([], [], **_PUBLISHED, label="published"),
         ]
         add_legend(figure, handles)

@@ -27,15 +27,15 @@ def blocks(results: Results, meshes: Sequence[str]) -> Iterator[Block]:
     panel_mesh = "m2" if "m2" in meshes else meshes[0]
     finest = Run("L4", meshes[-1])
     yield Text(
-        "A beam that peels off by bending alone has the constant moment M = sqrt(2 E' I W) = "
-        f"{closed_form.moment:.4f} from {closed_form.onset_deg:.1f} degrees on, with a radius of "
-        f"{closed_form.radius:.1f} nm. The mean of {finest.name} in the window is "
-        f"{digits(plateau_mean(results.records[finest]), 7)}. On the plateau the moment oscillates once "
-        "while the front passes an element: {periods}."
+        "In beam theory, the moment is constant from the onset at "
+        f"{closed_form.onset_deg:.1f} degrees on: M = sqrt(2 E' I W) = {closed_form.moment:.4f}. The peeled "
+        f"part then has the radius {closed_form.radius:.1f} nm. The mean moment of {finest.name} in the "
+        f"window is {digits(plateau_mean(results.records[finest]), 7)}. On the plateau the moment oscillates "
+        "once while the front passes an element: {periods}."
     )
     yield Table(
         "periods",
-        "Rotation in which the front passes one element, by the closed form.",
+        "Rotation during which the front passes one element, by the closed form.",
         ("mesh", "period / degree"),
         tuple((mesh, f"{period_deg(mesh):.4f}") for mesh in meshes),
     )

@@ -36,14 +36,14 @@ def blocks(results: Results, meshes: Sequence[str]) -> Iterator[Block]:
     assert layer is not None  # it is a strip
     assert beam is not None
     yield Text(
-        f"The attraction exceeds half its peak over {finest.process_zone:.2f} nm, which is "
+        f"The attraction exceeds half of its peak over {finest.process_zone:.2f} nm, which is "
         f"{finest.process_zone / _SIZE:.1f} elements of {_MESH}: {{front}}. A coarse space approximates this "
         "peak with an error that depends on the place of the front in its element. So the moment rises and "
-        "falls once while the front passes an element. {front-lengths} shows that spaces whose traction is "
-        f"closer to that of the finest one, {_SHOWN[-1]}, mostly oscillate less. Behind the front the "
-        f"traction changes its sign every {finest.half_wave:.1f} nm. This agrees with an elastic layer on "
-        f"springs ({layer.wavelength / 2:.1f} nm); for a beam on springs it would be every "
-        f"{beam.wavelength / 2:.1f} nm."
+        "falls once while the front passes an element. {front-lengths} shows that most spaces oscillate less "
+        f"if their traction is closer to that of the finest space, {_SHOWN[-1]}. In the part that still "
+        f"adheres, the traction changes its sign every {finest.half_wave:.1f} nm. This agrees with an "
+        f"elastic layer on springs ({layer.wavelength / 2:.1f} nm), but not with a beam on springs "
+        f"({beam.wavelength / 2:.1f} nm)."
     )
     rows = []
     for space, front in fronts.items():
@@ -63,10 +63,10 @@ def blocks(results: Results, meshes: Sequence[str]) -> Iterator[Block]:
         )
     yield Table(
         "front-lengths",
-        f"At {FRONT_DEG:g} degrees on {_MESH}: the length over which the attraction exceeds half its peak; "
-        f"the largest difference of the adhesive traction from that of {_SHOWN[-1]}; the largest jump of the "
-        "body's traction between elements; and dM.",
-        ("space", "process zone / nm", "traction off / MPa", "jump / MPa", "dM x 1e3"),
+        f"At {FRONT_DEG:g} degrees on {_MESH}: the length over which the attraction exceeds half of its "
+        f"peak; the largest difference of the adhesive traction from that of {_SHOWN[-1]}; the largest jump "
+        "of the traction in the body between elements; and dM.",
+        ("space", "process zone / nm", "difference / MPa", "jump / MPa", "dM x 1e3"),
         tuple(rows),
     )
 

@@ -43,16 +43,16 @@ def runs(meshes: Sequence[str]) -> list[Run]:
 def blocks(results: Results, meshes: Sequence[str]) -> Iterator[Block]:
     """Yield a table of the schemes, a table of costs, and a picture of both."""
     yield Text(
-        "Every enrichment is a choice of one spline space per row of control points. The published figures "
+        "Every enrichment is a choice of one spline space per row of control points. The published values "
         "of Q1N2.1 are the smallest ones of this scheme, which the study quotes from Corbett and Sauer "
-        "(2014). The percentages are our deviations from them."
+        "(2014). The percentages in brackets are our deviations from them."
     )
     yield _schemes(results, meshes)
     yield Text(
-        "A user needs a given accuracy at the least cost. The table has the median time and the mean number "
-        "of corrections of 20 steps on the plateau. The runs were made one after the other, on one core. A "
-        "space is marked if no other space on these meshes has both a smaller dM and fewer DOFs, or both a "
-        "smaller dM and a shorter time."
+        "A user needs a given accuracy at the lowest cost. The table has the median time and the mean number "
+        "of corrections of 20 steps on the plateau. These steps were computed one run after the other, on "
+        "one core. A space is best for its DOFs if no other space on these meshes has both a smaller dM and "
+        "fewer DOFs. It is best for its time if no other has both a smaller dM and a shorter time."
     )
     costs = _costs(results, meshes)
     yield _cost_table(results, costs)
@@ -78,7 +78,7 @@ def _schemes(results: Results, meshes: Sequence[str]) -> Table:
     headings = [f"{mesh}: {what}" for mesh in meshes for what in ("DOFs", "dM x 1e3", "published")]
     return Table(
         "literature",
-        "Enriched, varying-order and hybrid discretizations: dM in 1e-3 E0 L0^3.",
+        "Enriched, varying-order and hybrid discretizations: dM, times 1e3, in E0 L0^3.",
         ("space", "scheme", *headings),
         tuple(rows),
         endings(results.records[Run(space, mesh)] for mesh in meshes for space in _SCHEMES),
@@ -118,7 +118,7 @@ def _cost_table(results: Results, costs: Sequence[Cost]) -> Table:
         )
     return Table(
         "cost",
-        "Accuracy and effort, the most accurate first.",
+        "Accuracy and cost, the most accurate space first.",
         (
             "space, mesh",
             "dM x 1e3",

@@ -17,11 +17,12 @@ REFERENCES_TITLE = "References"
 ABSTRACT = (
     "In a study in Sadhana 46:3 (2021), a moment peels a strip of 200 nm x 10 nm off a flat surface to which "
     "it adheres by van der Waals forces. The study compares the oscillation of the moment for nine "
-    "discretizations on three meshes. This report repeats its runs, and shows its tables beside ours. It "
-    "adds the enriched contact elements of the literature, and examines what the published figures depend "
-    "on. In short: the figures of L1 and of the smooth spaces N2 to N8 are reproduced. The published figures "
-    "of L2, L4, N2.1 and N4.1 are not those of spaces elevated in all rows of control points: these "
-    "oscillate far less. The published figures are consistent with an elevation in the contact row only."
+    "discretizations on three meshes. This report repeats its runs, and compares our tables with the "
+    "published ones. It adds the enriched contact elements of the literature, and examines what the "
+    "published values depend on. In short: the values of L1 and of the smooth spaces N2 to N8 are "
+    "reproduced. The published values of L2, L4, N2.1 and N4.1 are not those of spaces that are elevated in "
+    "all rows of control points, because such spaces oscillate far less. They are consistent with an "
+    "elevation in the contact row only."
 )
 REFERENCES = """\
 - Sadhana 46:3 (2021): the study, by Agrawal and Gautam.
@@ -32,7 +33,7 @@ REFERENCES = """\
 
 
 def blocks() -> Iterator[Block]:
-    """Yield the model, the method, and the definition of the figures."""
+    """Yield the model, the method, and the definition of the values."""
     case = Run("L1", "m2").case
     problem = case.problem()
     settings = NewtonSettings()
@@ -42,30 +43,31 @@ def blocks() -> Iterator[Block]:
         f"The body is a strip of {case.body.length:g} nm x {case.body.height:g} nm in plane strain. Its "
         f"material is compressible neo-Hooke. The lower face adheres from its left end to {law.length:g} nm "
         "to a flat rigid substrate, by van der Waals forces. The left face has u_x = 0. The right face "
-        "stays straight and is rotated about its own centre. The centre is free, so that the only reaction "
+        "remains straight and is rotated about its own centre. The centre is free, so that the only reaction "
         f"is a moment. In units of E0 = 2 GPa and L0 = 1 nm the material has {_constants(stiffness)}; the "
         f"adhesion has {_constants(law)}. At the start the lower face is at the equilibrium gap of "
         f"{problem.adhesion.law.equilibrium_gap:.5f}. The adhesive force acts per reference area, unless a "
         "table states the projected area."
     )
     yield Text(
-        f"Steps are of {STEP:g} degree. Each step starts from an extrapolation: a polynomial through up to "
-        f"{MOST_STATES} states, in the angle or in the adhesive energy, or the state one element before, "
-        "translated by one element. The predictor with the smallest errors in the last steps is selected. A "
-        "chord tangent (modified Newton) serves many steps, with L-BFGS updates from the residuals. Where "
-        "this does not converge well, plain Newton's method is used. It starts from the parabola through the "
-        f"last {PARABOLA_POINTS} states and has no line search. It ends when |R . dz|/n is below "
-        f"{settings.tolerance:g} E A, where A is the area of the strip, or after {settings.iteration_limit} "
-        "corrections. Forces have one more Gauss point than the highest degree along the strip, and two "
-        "across it."
+        f"The step is {STEP:g} degree. Each step starts from a prediction: a polynomial through up to "
+        f"{MOST_STATES} states, in the angle or in the adhesive energy, or the state of the front one "
+        "element earlier, translated by one element. The predictor with the smallest errors in the last "
+        "steps is selected. A chord tangent (modified Newton) serves many steps, with L-BFGS updates from "
+        "the residuals. If this does not converge well, plain Newton's method is used. It starts from the "
+        f"parabola through the last {PARABOLA_POINTS} states and has no line search. It ends when |R . dz|/n "
+        f"is below {settings.tolerance:g} E A, where A is the area of the strip, or after "
+        f"{settings.iteration_limit} corrections. The number of Gauss points of the forces is the highest "
+        "degree plus one along the strip, and two across it."
     )
     yield Text(
         "dM is the peak-to-peak amplitude of the oscillation of the moment on its plateau. The slopes are "
-        "the steepest difference quotients from one step to the next, per degree. Tables show both times "
-        f"1e3, in {UNIT}. Unless a table states another window, they are read between {WINDOW[0]:g} and "
-        f"{WINDOW[1]:g} degrees, with the {Reading.MEAN.value}: a parabola is fitted to the running mean "
-        "over the passage of one element, and subtracted. The study does not state its window and "
-        "definition. A run that finds no equilibrium ends there; this is its result."
+        "the steepest difference quotients from one step to the next, per degree. Tables have both "
+        f"multiplied by 1e3, in {UNIT}. Unless a table states another window, they are read between "
+        f"{WINDOW[0]:g} and {WINDOW[1]:g} degrees, with the {Reading.MEAN.value}: a parabola is fitted to "
+        "the running mean over one period, in which the front passes one element, and subtracted. The study "
+        "does not state its window and its definition. A run that finds no equilibrium ends there; its last "
+        "angle is then its result."
     )
 
 

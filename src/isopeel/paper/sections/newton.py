@@ -1,4 +1,4 @@
-"""Newton's method on coarse and fine meshes: where it converges, and where not."""
+"""Newton's method on coarse and fine meshes: the angles up to which it converges."""
 
 from collections.abc import Iterator, Sequence
 
@@ -25,16 +25,16 @@ def blocks(results: Results, meshes: Sequence[str]) -> Iterator[Block]:
     """Yield how far plain Newton's method converges, and energy residuals of steps that converge or not."""
     shown = [run for run in runs(meshes) if run in results.records]
     yield Text(
-        "The published study makes a new tangent for every correction. The runs of this section do the same, "
-        f"from {runs(meshes)[0].range_deg[0]:g} degrees on. The convergence measure is the energy residual "
-        "per unknown, |R . dz|/n, in E0 L0^3 for a width of L0. On a coarse mesh the moment drops within one "
-        "or two steps while the front passes an element. Then Newton's method starts far from the next "
-        "equilibrium, the more so as it starts from the parabola through the last three states. Beyond a "
-        "limit point, where the path turns back, there may be no equilibrium nearby. So the angle at which a "
-        "run ends depends on the mesh, the step and the predictor together; where the run meets a jump by "
-        "chance, it depends on round-off too. One column shows whether the failed step converges from the "
-        "last state alone. The last column shows where the runs of the tables end: these extrapolate more "
-        "states and use chord tangents."
+        "The published study computes a new tangent for every correction. The runs of this section do the "
+        f"same, from {runs(meshes)[0].range_deg[0]:g} degrees on. The convergence measure is the energy "
+        "residual per unknown, |R . dz|/n, in E0 L0^3 for a width of L0. On a coarse mesh the moment drops "
+        "within one or two steps while the front passes an element. Then Newton's method starts far from the "
+        "next equilibrium, because the parabola through the last three states does not predict the drop. "
+        "Beyond a limit point, where the path turns back, there may be no equilibrium nearby. So the angle "
+        "at which a run ends depends on the mesh, the step and the predictor together. If a step ends near "
+        "a jump, this angle also depends on round-off. One column shows whether the failed step converges if "
+        "it starts from the last state. The last column shows where the runs of the other sections end: "
+        "they extrapolate more states and use chord tangents."
     )
     yield Table(
         "newton",
@@ -53,8 +53,8 @@ def blocks(results: Results, meshes: Sequence[str]) -> Iterator[Block]:
     drawn = [run for run in shown if run.mesh == meshes[0]]
     yield Picture(
         "residuals-of-newton",
-        f"Energy residual of each correction on {meshes[0]}: the last step that converged and the one that "
-        "did not. If all steps converged: the step with the most corrections.",
+        f"Energy residual of each correction on {meshes[0]}: the last step that converged, and the step that "
+        "did not converge. If all steps converged: the step with the most corrections.",
         lambda: newton_figure([history for run in drawn for history in _histories(results, run)]),
     )
 

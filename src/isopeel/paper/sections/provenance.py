@@ -1,4 +1,4 @@
-"""The origin of each number."""
+"""The runs and the software that gave each number."""
 
 from collections.abc import Iterator
 
@@ -20,11 +20,13 @@ def blocks(results: Results) -> Iterator[Block]:
     ]
     yield Text("Computed by\n\n" + "\n".join(items))
     yield Text(
-        "Dates are in UTC. Times are those of all steps of a run, on a machine that other runs shared."
+        "Dates are in UTC. Times are sums over all steps of a run, on a machine that ran other runs at the "
+        "same time."
     )
     yield Table(
         "runs",
-        "The runs, in steps of 0.1 degree. Variants, timed and plain runs start from the usual run.",
+        "The runs, in steps of 0.1 degree. Variants, timed runs and plain runs start from a state of the run "
+        "with the same space and mesh.",
         ("run", "from / degree", "to / degree", "corrections", "seconds", "started", "by", "ending"),
         tuple(
             (

@@ -1,4 +1,4 @@
-"""How the figures depend on what the study does not state: the window, the force, its Gauss points."""
+"""How the values depend on what the study does not state: the window, the force, its Gauss points."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
@@ -36,7 +36,7 @@ from isopeel.paper.wording import deviations, endings, triple
 from isopeel.report.document import Block, Picture, Table, Text
 from isopeel.report.wording import ABSENT, digits, listed
 
-TITLE = "How the figures depend on the reading"
+TITLE = "What the values depend on"
 _LENGTH = WINDOW[1] - WINDOW[0]
 #: Entries with a larger relative deviation are listed one by one.
 _FAR = 0.2
@@ -96,9 +96,9 @@ def _window(results: Results) -> Iterator[Block]:
 
 def _traction(results: Results) -> Iterator[Block]:
     yield Text(
-        "Eq. (19) of the study, the contact force, has the factor n . F^-T N: it is a force on the projected "
-        "area. But Eq. (27), its tangent, is that of a force on the reference area. All other sections use "
-        "the force on the reference area."
+        "The contact force of the study, Eq. (19), has the factor n . F^-T N, so it is a force on the "
+        "projected area. But the tangent of the study, Eq. (27), is that of a force on the reference area. "
+        "All other sections use the force on the reference area."
     )
     rows = []
     for space in VARIED_SPACES:
@@ -174,7 +174,7 @@ def _variants(results: Results) -> Table:
         rows.append((enriched.value, *(ABSENT if fit is None else _deviation(fit) for fit in fitted)))
     return Table(
         "variants",
-        f"Deviation of the figures from the published ones on {VARIANT_MESH}: mean of "
+        f"Deviation of our values from the published ones on {VARIANT_MESH}: mean of "
         f"|ln(ours/published)|, window {WINDOW[0]:g} to {WINDOW[1]:g} degrees.",
         ("enriched", *columns),
         tuple(rows),
@@ -208,10 +208,10 @@ def _recipes(results: Results, meshes: Sequence[str]) -> Iterator[Block]:
         )
     chosen = found[0]
     yield Text(
-        "A recipe is a choice of the enriched rows, the treatment of the drift, and the window. "
-        f"{len(recipes)} recipes are compared with {len(chosen.ratios) + chosen.unread} published entries "
-        f"each, on {listed(list(meshes))}. {{recipes}} shows the closest recipe of each kind, and "
-        "{residuals} all entries of the closest one. Misprints do not count."
+        "A *recipe* is a choice of the enriched rows, the treatment of the drift, and the window. "
+        f"Each of {len(recipes)} recipes is compared with {len(chosen.ratios) + chosen.unread} published "
+        f"entries on {listed(list(meshes))}, without the misprints. {{recipes}} shows the closest recipe of "
+        "each kind, and {residuals} all entries of the closest recipe."
     )
     yield Table(
         "recipes",
@@ -244,11 +244,11 @@ def _residuals(fit: Fit, meshes: Sequence[str]) -> Table:
     start, end = fit.recipe.window
     return Table(
         "residuals",
-        "Deviations of the closest recipe: ours over published in percent, minus 100; "
+        "Deviations of our dM / rise / fall from the published ones in percent, by the closest recipe: "
         f"{fit.recipe.rows.value}; {fit.recipe.reading.value}; {start:.1f} to {end:.2f} degrees.",
         ("space", *meshes),
         tuple(rows),
-        ("An empty cell: not converging in the study. A dash: a misprint, or not comparable.",),
+        ("Empty cell: not converging in the study. Dash: a misprint, or not comparable.",),
     )
 
 

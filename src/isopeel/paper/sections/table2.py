@@ -13,11 +13,11 @@ from isopeel.report.document import Block, Picture, Table, Text
 from isopeel.report.wording import deviation, digits, listed, number
 
 TITLE = "Oscillation and slopes: the published Table 2"
-#: Spaces whose figures should agree with the published ones, those without elevation; and the largest
+#: Spaces whose values should agree with the published ones, those without elevation; and the largest
 #: relative deviation that counts as agreement.
 SMOOTH = ("L1", "N2", "N4", "N6", "N8")
 AGREEMENT = 0.15
-_MISPRINTED = "* misprinted: the table has the figure that was probably meant, see the list of misprints."
+_MISPRINTED = "* misprinted: the table has the value that was probably meant, see the list of misprints."
 
 
 def runs(meshes: Sequence[str]) -> list[Run]:
@@ -28,9 +28,10 @@ def runs(meshes: Sequence[str]) -> list[Run]:
 def blocks(results: Results, meshes: Sequence[str]) -> Iterator[Block]:
     """Yield two tables for each mesh, the conclusion, the agreement, the misprints, and dM over meshes."""
     yield Text(
-        "Three figures in a cell are dM / steepest rise / steepest fall, times 1e3. Ours are given for three "
-        "meanings of a published name: its space in all rows; its space in the contact row only, over L1; "
-        "and elevated in the contact row only. L2 and L4 are elevations of L1, N2.1 of N2, and N4.1 of N4."
+        "Three values in a cell are dM / steepest rise / steepest fall, times 1e3. Our values are given for "
+        "three meanings of a published name: the space in all rows; the space in the contact row only, over "
+        "L1; and the elevation in the contact row only. L2 and L4 are elevations of L1, N2.1 of N2, and N4.1 "
+        "of N4."
     )
     for mesh in meshes:
         yield _figures(results, mesh)
@@ -76,7 +77,7 @@ def _figures(results: Results, mesh: str) -> Table:
 
 
 def _other(results: Results, rows: Rows, space: str, mesh: str) -> str:
-    """Return the figures of a space with these rows enriched, or a reference to those of all rows."""
+    """Return the values of a space with these rows enriched, or a reference to those of all rows."""
     enriched = rows.enriched(space)
     return "as all rows" if enriched == space else triple(results.figures(Run(enriched, mesh)))
 
@@ -98,7 +99,7 @@ def _deviations(results: Results, mesh: str) -> Table:
     return Table(
         f"table2-{mesh}-deviation",
         f"Mesh {mesh}: deviations of our dM / rise / fall from the published ones in percent; DOFs of the "
-        "spaces; and the mean moment of the plateau, all rows.",
+        "spaces; and the mean moment of the plateau for all rows.",
         ("space", *(meaning.value for meaning in Rows), "DOFs, published", "DOFs, ours", "plateau mean"),
         tuple(rows),
         ("Our DOFs: all rows / contact row only / elevated, where they differ; * misprinted.",),
@@ -106,7 +107,7 @@ def _deviations(results: Results, mesh: str) -> Table:
 
 
 def _finding(results: Results, meshes: Sequence[str]) -> Iterator[Block]:
-    """Yield the meaning of the names that is closest to the published figures, by space."""
+    """Yield the meaning of the names that is closest to the published values, by space."""
     distances = {
         meaning: {space: _distance(results, meshes, meaning, space) for space in SPACES} for meaning in Rows
     }
@@ -121,20 +122,23 @@ def _finding(results: Results, meshes: Sequence[str]) -> Iterator[Block]:
     )
     yield Table(
         "meanings",
-        "Deviation of our figures from the published ones under each meaning of a name: mean of "
+        "Deviation of our values from the published ones for each meaning of a name: mean of "
         f"|ln(ours/published)| of dM, rise and fall on {listed(list(meshes))}.",
         ("space", *(meaning.value for meaning in Rows), "closest"),
         (*rows, ("mean", *(number(total.get(meaning)) for meaning in Rows), "")),
-        ("No closest meaning is named where two are one space, or differ by less than 0.02.",),
+        (
+            "If two meanings are the same space, or if their deviations differ by less than 0.02, the last "
+            "column is empty.",
+        ),
     )
     counts = [f"{_within(results, meshes, meaning)} with {meaning.value}" for meaning in Rows]
     yield Text(
-        f"**Which spaces the published figures are of.** Our dM are within {100 * AGREEMENT:.0f} % of the "
+        f"**The spaces of the published values.** Our dM are within {100 * AGREEMENT:.0f} % of the "
         f"published ones for {listed(counts)}. With all rows elevated, L2, L4, N2.1 and N4.1 oscillate far "
-        "less than published. The published figures of these four are consistent with an elevation in the "
-        "contact row only, although the published DOFs are those of all rows. The figures of N4.1 show "
-        "that the other rows are N4: with L1 there, they deviate far more. Not all rows are as clear, and "
-        "not all are closest to the same meaning: see {meanings}."
+        "less than published. The published values of these four spaces are consistent with an elevation in "
+        "the contact row only, although the published DOFs are those of all rows. The values of N4.1 show "
+        "that the rows above the contact are N4: with L1 in these rows, the deviation is far larger. For "
+        "some spaces the result is less clear, and not all are closest to the same meaning: see {meanings}."
     )
 
 
@@ -192,13 +196,16 @@ def _agreement(results: Results, meshes: Sequence[str]) -> Iterator[Block]:
             )
     yield Table(
         "agreement",
-        "Do L1 and the smooth spaces, in all rows, agree with the published dM within "
-        f"{100 * AGREEMENT:.0f} %?",
+        "Agreement of L1 and the smooth spaces, in all rows, with the published dM within "
+        f"{100 * AGREEMENT:.0f} %.",
         ("space, mesh", "published dM x 1e3", "ours", "deviation", "within"),
         tuple(rows),
     )
     if outside:
-        yield Text(f"Outside are {listed(outside)}. The tables above show the effect of other rows on them.")
+        yield Text(
+            f"These entries are not within this range: {listed(outside)}. The tables above show the effect of"
+            " other rows on them."
+        )
 
 
 def _misprints() -> Text:
@@ -207,7 +214,7 @@ def _misprints() -> Text:
         f"meant {m.meant:g}; {m.reason}."
         for m in MISPRINTS
     )
-    return Text("Misprints of the published tables, and the evidence for them:\n\n" + "\n".join(items))
+    return Text("Misprints in the published tables, and the evidence for them:\n\n" + "\n".join(items))
 
 
 def _amplitudes(results: Results, meshes: Sequence[str]) -> list[Amplitude]:

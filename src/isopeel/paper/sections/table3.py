@@ -1,4 +1,4 @@
-"""Table 3: the same figures on m2, relative to those of L1."""
+"""Table 3: the same values on m2, relative to those of L1."""
 
 from collections.abc import Iterator, Sequence
 
@@ -32,7 +32,7 @@ def blocks(results: Results, meshes: Sequence[str]) -> Iterator[Block]:
             (space, _cell(theirs[space]), *map(_cell, ours), *(_points(o, theirs[space]) for o in ours))
         )
     meanings = [meaning.value for meaning in Rows]
-    yield Text("Deviations are in percentage points. The published figures follow from those of its Table 2.")
+    yield Text("Deviations are in percentage points. The published values follow from the published Table 2.")
     yield Table(
         "table3",
         "Mesh m2: dM / steepest rise / steepest fall, in percent of those of L1.",
