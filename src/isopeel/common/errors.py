@@ -21,9 +21,9 @@ def visible(text: str) -> str:
 
 
 class InputError(ValueError):
-    """A value that the user gave and that cannot be used.
+    """A value that the user gave and that cannot be used, or a missing value, which is None.
 
-    The message is one line that names the field, the value and what is allowed.
+    The message is one line that names the field, the value if there is one, and what is allowed.
     """
 
     def __init__(self, field: str, value: object, allowed: str) -> None:
@@ -31,7 +31,8 @@ class InputError(ValueError):
         self.value = value
         self.allowed = allowed
         shown = field if len(field) <= _LONGEST else f"{field[:_LONGEST]}..."
-        super().__init__(one_line(f"{shown}: {_REPR.repr(value)} cannot be used; {allowed}"))
+        refused = "" if value is None else f"{_REPR.repr(value)} cannot be used; "
+        super().__init__(one_line(f"{shown}: {refused}{allowed}"))
 
     def __reduce__(self) -> tuple[type["InputError"], tuple[str, object, str]]:
         """Pickle the error with its arguments."""

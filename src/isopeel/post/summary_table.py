@@ -69,7 +69,7 @@ def summary_rows(summary: Mapping[str, Any], curve: Curve, found: Findings) -> l
     for change in summary["finer_mesh"]:
         relative = change["relative_change"]
         name = curve.reaction_column.name
-        finer = "no equilibrium nearby" if relative is None else f"{name} changes by {relative:.2%}"
+        finer = "no equilibrium nearby" if relative is None else f"{name} changes by {100 * relative:.2f} %"
         at_which = laboratory.parameter(parameter, change[parameter.name])
         rows.append(Row("half of the element length", f"{finer}, at {at_which}"))
     per_step = summary["corrections_per_step"]
