@@ -61,7 +61,7 @@ def test_a_series_along_the_parameter(run: Path, capsys: pytest.CaptureFixture[s
     assert main(["export", "out"]) == 0
     shown = capsys.readouterr()
     assert (shown.out, shown.err) == (
-        "4 states, to 25 degree: out/paraview/body.pvd and adhesive-side.pvd\n",
+        "4 states, to 25 deg: out/paraview/body.pvd and adhesive-side.pvd\n",
         "",
     )
     stored = isopeel.read_run(run / "run.h5")
@@ -169,7 +169,7 @@ def test_a_run_that_did_not_end_is_written_as_far_as_it_got(
         file.attrs["ending"] = ending
     assert main(["export", "out"]) == 0
     message = capsys.readouterr().out
-    assert message.startswith("4 states, to 25 degree (the run ")
+    assert message.startswith("4 states, to 25 deg (the run ")
     assert len(series(run / "paraview" / "body.pvd")) == 4
 
 

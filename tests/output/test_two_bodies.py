@@ -90,7 +90,7 @@ def test_the_grids_of_both_bodies_are_read_back(
     folder: Path, stage: StoredStage, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert main(["export", str(folder), "--out", str(tmp_path), "--linear", "2"]) == 0
-    assert "4 states, to 150 degree" in capsys.readouterr().out
+    assert "4 states, to 150 deg" in capsys.readouterr().out
     last = stage.run.states[-1]
     for name, cells in (("upper", 160), ("lower", 40)):
         read = ReadGrid(tmp_path / f"body-{name}-0003.vtu")

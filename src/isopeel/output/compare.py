@@ -51,7 +51,7 @@ def compare_runs(
         save(comparison_figure(runs), part)
     console.print(_table(rows, runs[0].run.curve))
     console.print(stages[0].laboratory.note(), soft_wrap=True)
-    console.print(f"drawn in {path}, beside compare.csv and differences.csv", soft_wrap=True)
+    console.print(f"drawn in {path}; the tables are compare.csv and differences.csv", soft_wrap=True)
 
 
 def _shown(name: str, stage: StoredStage) -> Compared:

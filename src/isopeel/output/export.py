@@ -45,9 +45,9 @@ def export_run(
             known = [path for path in place.glob("*") if EXPORTED.fullmatch(path.name)]
             check_overwritten("--out", known, force)
             removed = _export(stage, place, linear)
-            unit = run.curve.parameter_column.unit
+            last = stage.laboratory.parameter(run.curve.parameter_column, run.states[-1].parameter)
             suffix = "" if run.ending == "completed" else f" (the run {_ENDINGS[run.ending]})"
-            states = f"{len(run.states)} states, to {run.states[-1].parameter:g} {unit}{suffix}"
+            states = f"{len(run.states)} states, to {last}{suffix}"
             side = f" and {_SIDE}.pvd" if stage.stage.problem.interfaces else ""
             console.print(f"{states}: {place / _BODY}.pvd{side}", soft_wrap=True)
             if removed:
