@@ -76,7 +76,7 @@ def _no_translation() -> None:
 
 def _fixed_polynomial(states: int) -> Callable[[], None]:
     def switch_off() -> None:
-        from isopeel.solve.extrapolation import lagrange
+        from isopeel.solve.polynomials import lagrange
 
         def fixed(parameters: FloatArray, *others: Any) -> tuple[FloatArray, bool]:
             n, target = len(parameters), others[-1]
@@ -93,7 +93,7 @@ def _fixed_polynomial(states: int) -> Callable[[], None]:
 
 
 def _no_energy_measure() -> None:
-    from isopeel.solve.extrapolation import select_predictor
+    from isopeel.solve.predictor_selection import select_predictor
 
     def by_parameter(parameters: Any, ahead: Any, _energies: Any, *others: Any) -> Any:
         # the same measure twice: the second one is never better
@@ -104,7 +104,7 @@ def _no_energy_measure() -> None:
 
 
 def _no_stored_errors() -> None:
-    from isopeel.solve.extrapolation import select_predictor
+    from isopeel.solve.predictor_selection import select_predictor
 
     def forgetful(*arguments: Any) -> Any:
         errors = arguments[4]
@@ -219,7 +219,13 @@ METHODS = (
     ),
     Method(
         "all predictors but one",
-        ("isopeel.solve.translation_predictor", "isopeel.solve.extrapolation"),
+        (
+            "isopeel.solve.translation_predictor",
+            "isopeel.solve.predictor_selection",
+            "isopeel.solve.extrapolation",
+            "isopeel.solve.period",
+            "isopeel.solve.polynomials",
+        ),
         _fixed_polynomial(4),
         "the cubic through four states",
     ),
@@ -227,15 +233,14 @@ METHODS = (
         "translation predictor",
         (
             "isopeel.solve.translation_predictor",
-            "isopeel.solve.extrapolation:_period",
-            "isopeel.solve.extrapolation:_square",
-            "isopeel.solve.extrapolation:_before",
-            "isopeel.solve.extrapolation:_around",
-            "isopeel.solve.extrapolation:_jumps",
+            "isopeel.solve.period",
+            "isopeel.solve.polynomials:interpolate",
+            "isopeel.solve.polynomials:nearest_nodes",
+            "isopeel.solve.predictor_selection:_jumps",
         ),
         _no_translation,
         "polynomials alone",
-        extra_lines=30,  # in `_extrapolate` and `select_predictor`
+        extra_lines=30,  # in `set_weights` and `select_predictor`
     ),
     Method(
         "energy as path measure",

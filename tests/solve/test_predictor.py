@@ -5,9 +5,11 @@ import pytest
 
 from isopeel.assembly.system import System
 from isopeel.problem import strip
-from isopeel.solve.extrapolation import MOST_STATES, select_predictor, slope
+from isopeel.solve.extrapolation import MOST_STATES
 from isopeel.solve.newton import NewtonSettings
+from isopeel.solve.polynomials import slope
 from isopeel.solve.predictor import Predictor
+from isopeel.solve.predictor_selection import select_predictor
 from isopeel.solve.step import AcceptedState
 from isopeel.solve.trace import trace
 from isopeel.solve.translation_predictor import TranslationPredictor

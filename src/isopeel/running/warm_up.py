@@ -22,9 +22,9 @@ from isopeel.common.interrupts import cleared_up
 from isopeel.common.processes import cores
 from isopeel.matrix.band import entry_place
 from isopeel.problem import strip
-from isopeel.solve.extrapolation import select_predictor
 from isopeel.solve.newton import NewtonSettings
 from isopeel.solve.path import Path as SolverPath
+from isopeel.solve.predictor_selection import select_predictor
 from isopeel.splines.rows import row_space
 
 #: Stiffness of the springs: ten times Young's modulus.

@@ -15,7 +15,9 @@ from scipy.linalg.blas import daxpy, ddot
 from isopeel.assembly.system import System
 from isopeel.common.arrays import FloatArray, IntArray
 from isopeel.common.compilation import compiled
-from isopeel.solve.extrapolation import MOST_STATES, lagrange, select_predictor, slope
+from isopeel.solve.extrapolation import MOST_STATES
+from isopeel.solve.polynomials import lagrange, slope
+from isopeel.solve.predictor_selection import select_predictor
 from isopeel.solve.step import AcceptedState
 from isopeel.solve.translation_predictor import TranslationPredictor
 
