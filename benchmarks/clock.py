@@ -10,12 +10,13 @@ from unittest.mock import patch
 
 from isopeel.assembly.system import System
 from isopeel.solve import quasi_newton
+from isopeel.solve.corrections import corrected
 from isopeel.solve.predictor import Predictor
 
 #: The parts of a load step. Corrections are one compiled loop of forces, solutions and updates.
 PARTS = ("corrections", "tangent", "factor", "guess")
 #: Places of the loop's arguments, by name.
-_PLACES = {name: k for k, name in enumerate(signature(quasi_newton.corrected).parameters)}
+_PLACES = {name: k for k, name in enumerate(signature(corrected).parameters)}
 
 
 class Clock:

@@ -163,7 +163,7 @@ def _no_pairs() -> None:
     def none(_rows: Any, _products: Any, first: int, _end: int, _correction: Any, _change: Any) -> Any:
         return first, first
 
-    _set("isopeel.solve.quasi_newton", "follow", none)
+    _set("isopeel.solve.corrections", "follow", none)
 
 
 def _plain_newton() -> None:
@@ -202,6 +202,7 @@ METHODS = (
         "chord tangent with L-BFGS",
         (
             "isopeel.solve.quasi_newton",
+            "isopeel.solve.corrections",
             "isopeel.solve.lbfgs",
             "isopeel.matrix.mixed_precision",
             "isopeel.matrix.cholesky",

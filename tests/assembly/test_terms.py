@@ -22,6 +22,7 @@ from isopeel.physics.substrates import RigidSubstrate, substrate
 from isopeel.problem import HeldLoad, Problem, PulledSide, Support, strip
 from isopeel.solve.newton import NewtonSettings
 from isopeel.solve.path import Path
+from isopeel.solve.step import Found
 from isopeel.splines.rows import row_space
 
 
@@ -111,7 +112,7 @@ def test_no_solver_function_is_compiled_anew_for_other_terms() -> None:
     def go(problem: Problem, spaces: SpaceOfBodies) -> None:
         path = Path(System(problem, spaces), NewtonSettings(), ())
         for degrees in (0.0, 0.1, 0.2, 0.3):
-            path.step(path.equilibrium(np.radians(degrees)), 0.0)
+            path.accept(Found(path.solver.equilibrium(np.radians(degrees))), 0.0)
         system = path.system
         y, (u, _) = np.zeros(system.count), system.state(np.zeros(system.count), 0.1)
         at = Iterate(y, u, np.zeros(u.shape), np.zeros(system.count))
@@ -124,7 +125,7 @@ def test_no_solver_function_is_compiled_anew_for_other_terms() -> None:
     # if the loops of loads are not cached, the functions that they call are compiled with them, once
     compile_loops(add_load)
     known = signatures()
-    assert known["isopeel.solve.quasi_newton", "corrected"] == 1
+    assert known["isopeel.solve.corrections", "corrected"] == 1
     material, law = SaintVenantKirchhoff(1.0, 0.3), Exponential(0.06, 0.015, 0.25)
     go(strip(material=material, law=law, irreversible=True), row_space("N2.1", (40, 2)))
     assert signatures() == known

@@ -8,9 +8,9 @@ from paths import as_far_as_it_goes, energies, gained, paths, worth
 
 from isopeel.common.path_control import PathControl
 from isopeel.problem import strip
-from isopeel.solve.newton import ConvergenceError, NewtonSettings
-from isopeel.solve.path import Path
-from isopeel.solve.step import Found, Kind, Step
+from isopeel.solve.newton import ConvergenceError, NewtonResult, NewtonSettings
+from isopeel.solve.solver import Solver
+from isopeel.solve.step import Step
 from isopeel.solve.trace import trace
 from isopeel.splines.rows import row_space
 
@@ -128,17 +128,16 @@ def test_a_state_of_more_energy_than_the_work_is_refused(
 ) -> None:
     """As if Newton's method had met another branch, at all steps but the first few."""
     worth, space = 0.015 * 150, row_space("N2", (20, 2))
-    found = Path.equilibrium
+    found = Solver.equilibrium
 
-    def elsewhere(path: Path, parameter: float, kind: Kind = "requested", *, soon: bool = False) -> Found:
-        one = found(path, parameter, kind, soon=soon)
+    def elsewhere(solver: Solver, parameter: float, *, soon: bool = False) -> NewtonResult:
+        one = found(solver, parameter, soon=soon)
         if parameter < 0.01:
             return one
-        more = one.result.equilibrium.stored_energy + 1e-4 * worth
-        at = replace(one.result.equilibrium, stored_energy=more)
-        return one._replace(result=replace(one.result, equilibrium=at))
+        more = one.equilibrium.stored_energy + 1e-4 * worth
+        return replace(one, equilibrium=replace(one.equilibrium, stored_energy=more))
 
-    monkeypatch.setattr(Path, "equilibrium", elsewhere)
+    monkeypatch.setattr(Solver, "equilibrium", elsewhere)
     steps: list[Step] = []
     going = trace(strip(), space, np.linspace(0, 0.02, 5), NewtonSettings(path_control=path_control))
     if path_control == "newton":

@@ -3,7 +3,7 @@
 import pytest
 from paths import as_far_as_it_goes, gained, paths, worth
 
-from isopeel.solve import path as path_module
+from isopeel.solve import jumps
 from isopeel.solve.descent import Descent
 from isopeel.solve.newton import HINTS
 from isopeel.solve.path import Path
@@ -80,7 +80,7 @@ def test_a_descent_stops_where_the_joint_is_half_open(monkeypatch: pytest.Monkey
     def come_off(_path: Path, _descent: Descent, parameter: float) -> None:
         looked.append(parameter)
 
-    monkeypatch.setattr(Path, "_come_off", come_off)
+    monkeypatch.setattr(jumps, "_come_off", come_off)
     (steps,) = paths(text)
     (jump,) = [step for step in steps if step.kind == "jump"]
     assert jump.reaction > 5.0
@@ -103,15 +103,13 @@ def test_a_fine_mesh_comes_to_rest_by_itself(
     def come_off(_path: Path, _descent: Descent, _parameter: float) -> None:
         raise AssertionError("the fall has not come to rest")
 
-    monkeypatch.setattr(Path, "_come_off", come_off)
+    monkeypatch.setattr(jumps, "_come_off", come_off)
     (steps,) = paths(stamp(**values))
     assert steps[-1].adhesive_energy == pytest.approx(0.0, abs=1e-9)
 
 
 def test_a_descent_that_does_not_converge_is_reported(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(
-        path_module, "descend", lambda _system, start, *_rest: Descent(start, is_unfinished=True)
-    )
+    monkeypatch.setattr(jumps, "descend", lambda _system, start, *_rest: Descent(start, is_unfinished=True))
     steps, error = as_far_as_it_goes(stamp())
     assert steps[-1].reaction > 30.0
     assert error is not None

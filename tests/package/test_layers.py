@@ -3,6 +3,7 @@
 import ast
 import re
 from collections.abc import Iterator
+from graphlib import TopologicalSorter
 from pathlib import Path
 
 import pytest
@@ -17,6 +18,8 @@ MODULES = [
 ]
 #: What any layer may import from the package itself: its folder, and its version.
 OF_THE_PACKAGE = {"__file__", "__version__"}
+#: The import against the order inside a folder: `Case.parse` chooses one of the subclasses of `Case`.
+OF_A_SUBCLASS = ("isopeel.case.case", "isopeel.case.forms")
 #: The name of a module, as `discover` and `import_module` take it.
 NAME = re.compile(r"isopeel(?:\.\w+)+")
 
@@ -52,6 +55,20 @@ def test_every_module_imports_only_from_layers_to_its_left() -> None:
         if (names := against_the_flow((PACKAGE.parent / module).read_text("utf-8"), module))
     }
     assert found == {}
+
+
+@pytest.mark.parametrize("layer", LAYERS)
+def test_modules_of_a_folder_import_each_other_one_way(layer: str) -> None:
+    """Raises CycleError where two modules import each other, also for type checkers only."""
+    own = {".".join(path.with_suffix("").parts): path for path in MODULES if path.parts[1] == layer}
+    left: dict[str, set[str]] = {}
+    for module, path in own.items():
+        source = (PACKAGE.parent / path).read_text("utf-8")
+        for name in imported(source, ".".join(path.parts[:-1])):
+            for other in {name, name.rpartition(".")[0]} & own.keys() - {module}:
+                if (module, other) != OF_A_SUBCLASS:
+                    left.setdefault(module, set()).add(other)
+    TopologicalSorter(left).prepare()
 
 
 @pytest.mark.parametrize(

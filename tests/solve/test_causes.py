@@ -9,8 +9,8 @@ from isopeel.assembly.system import System
 from isopeel.matrix.factor import SingularError
 from isopeel.physics.adhesion.formula import FormulaAdhesion
 from isopeel.problem import MovedSide, Problem, PulledSide, strip
+from isopeel.solve import continuation_control, jumps, stability
 from isopeel.solve import newton as newton_module
-from isopeel.solve import path as path_module
 from isopeel.solve.descent import Descent
 from isopeel.solve.newton import HINTS, ConvergenceError, NewtonSettings, newton
 from isopeel.solve.path import Path
@@ -79,15 +79,28 @@ def test_a_singular_tangent_is_reported(monkeypatch: pytest.MonkeyPatch) -> None
     assert "pivot 7" in found.reason
 
 
+def test_a_curve_that_begins_at_a_singular_tangent_is_reported(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The factor of an indefinite tangent may be refused too: it escaped as an error of the matrix."""
+
+    def singular(_matrix: object) -> None:
+        raise SingularError("pivot 7 is zero")
+
+    monkeypatch.setattr(continuation_control, "_regular", lambda *_: None)
+    monkeypatch.setattr(stability, "factorize", singular)
+    found = failure(strip(), [0.0, 0.1], NewtonSettings(path_control="continuation"))
+    assert found.cause == "singular tangent"
+    assert "pivot 7" in found.reason
+
+
 def test_a_failed_line_search_is_reported(monkeypatch: pytest.MonkeyPatch) -> None:
     """Round-off ends a search: it is handed such an end here, far from any equilibrium."""
     system = System(strip(), SPACE)
     path = Path(system, NewtonSettings(iteration_limit=1, path_control="auto"), ())
     monkeypatch.setattr(
-        path_module, "descend", lambda _system, start, *_rest: Descent(start, line_search_failed=True)
+        jumps, "descend", lambda _system, start, *_rest: Descent(start, line_search_failed=True)
     )
     with pytest.raises(ConvergenceError) as caught:
-        path.jump_from([np.zeros(system.count)], 0.02)
+        jumps.jump_from(path, [np.zeros(system.count)], 0.02)
     assert caught.value.cause == "line search"
     assert "the line search of the descent failed" in caught.value.reason
 

@@ -18,11 +18,11 @@ from isopeel.assembly.spaces import SpaceOfBodies, part_of_body, spaces_by_name
 from isopeel.assembly.system import System
 from isopeel.common.arrays import FloatArray
 from isopeel.common.errors import InputError
-from isopeel.matrix.factor import SingularError
 from isopeel.post.resolution import elements_are_tall
 from isopeel.problem import Problem
 from isopeel.results.fields import StoredState
 from isopeel.results.run_file import StoredRun
+from isopeel.solve.jumps import jump_from
 from isopeel.solve.newton import ConvergenceError, NewtonResult, NewtonSettings
 from isopeel.solve.path import Path
 from isopeel.solve.path_control import follow_path
@@ -175,7 +175,7 @@ def _change_of_largest(
                 # the joint has come off
                 break
             largest = max(largest, step.reaction, key=abs)
-    except (ConvergenceError, SingularError):
+    except ConvergenceError:
         # the path ends there on the finer space
         pass
     if largest == 0.0:
@@ -188,11 +188,11 @@ def _equilibrium(system: System, start: State) -> NewtonResult | None:
     """Return the equilibrium near a start, or the one that a descent of the energy reaches; else None."""
     path = Path(system, NewtonSettings(), [start])
     try:
-        return path.equilibrium(start.parameter).result
-    except (ConvergenceError, SingularError):
-        if not path.has_energy:
+        return path.solver.equilibrium(start.parameter)
+    except ConvergenceError:
+        if not system.has_potential:
             return None
     try:
-        return path.jump_from(path.guesses(start.parameter), start.parameter).result
-    except (ConvergenceError, SingularError):
+        return jump_from(path, path.solver.starts(start.parameter), start.parameter).result
+    except ConvergenceError:
         return None

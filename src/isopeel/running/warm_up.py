@@ -25,6 +25,7 @@ from isopeel.problem import strip
 from isopeel.solve.newton import NewtonSettings
 from isopeel.solve.path import Path as SolverPath
 from isopeel.solve.predictor_selection import select_predictor
+from isopeel.solve.step import Found
 from isopeel.splines.rows import row_space
 
 #: Stiffness of the springs: ten times Young's modulus.
@@ -60,7 +61,7 @@ def warm_up() -> None:
     select_predictor(one, one, one, np.ones((1, 2, 1)), np.ones((1, 2, 1)), 2.0)
     path = SolverPath(_OnSprings(strip(), row_space("L1", (40, 1))), NewtonSettings(), ())
     for degrees in (0.0, 0.1, 0.2):
-        path.step(path.equilibrium(radians(degrees)), perf_counter())
+        path.accept(Found(path.solver.equilibrium(radians(degrees))), perf_counter())
 
 
 def _springs(

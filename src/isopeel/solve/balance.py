@@ -68,6 +68,27 @@ def simpson_misfits(one: AcceptedState, half: AcceptedState, other: AcceptedStat
     return half.energy - one.energy - before, other.energy - half.energy - beyond
 
 
+def on_one_branch(one: AcceptedState, other: AcceptedState) -> bool:
+    """Return whether the energy between two near states comes from the work, without any allowance."""
+    step = other.parameter - one.parameter
+    change = abs(other.rate - one.rate) * abs(step) / 6
+    round_off = ROUND_OFF * max(abs(one.energy), abs(other.energy))
+    return abs(released(one, other)) <= change + round_off + MISFIT * abs(one.rate * step)
+
+
+def can_be_joined(one: AcceptedState, other: AcceptedState, step: float, allowed: float) -> bool:
+    """Return whether a curve can join two states, by their energies.
+
+    `step` is a usual step of the parameter, and `allowed` the energy that it may gain.
+    """
+    misfits = released(one, other)
+    most = MISFIT * max(abs(one.rate), abs(other.rate)) * abs(step)
+    # next to a limit point, where the rate goes with the root of the parameter, the error of the trapezoidal
+    # rule is half of this
+    change = abs((other.rate - one.rate) * (other.parameter - one.parameter)) / 3
+    return abs(misfits) <= most and -misfits <= allowed + change
+
+
 def gain_allowed(system: System) -> float:
     """Return the energy that any step of a system may gain without work: a share of the joint's energy."""
     worth = sum(

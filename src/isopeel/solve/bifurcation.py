@@ -11,9 +11,13 @@ from typing import NamedTuple
 
 import numpy as np
 
+from isopeel.assembly.start import extent
+from isopeel.assembly.system import System
 from isopeel.common.arrays import FloatArray
-from isopeel.solve.balance import MISFIT, released
+from isopeel.physics.batch import evaluate_substrate
+from isopeel.solve.balance import MISFIT, on_one_branch, released
 from isopeel.solve.descent import potential_energy
+from isopeel.solve.jumps import jump_from
 from isopeel.solve.newton import ConvergenceError, newton
 from isopeel.solve.path import Path
 from isopeel.solve.stability import critical_motion, stability
@@ -56,9 +60,9 @@ def change_branch(path: Path, found: Found) -> Iterator[Found]:
     before, the bifurcation is yielded first. If the unstable equilibrium is not on the branch of the path, a
     stable state of this branch is yielded instead. Raises ConvergenceError if no stable branch is found.
     """
-    path.forget()
+    path.solver.drop_tangent()
     if not path.history or path.history[-1].parameter == found.parameter:
-        yield _stable(path, found, found.parameter)._replace(kind="jump", is_elsewhere=True)
+        yield _stable(path, found.result.unknown_values, found.parameter)
         return
     bracket = _located(path, found)
     if bracket.stable is not None:
@@ -75,18 +79,18 @@ def change_branch(path: Path, found: Found) -> Iterator[Found]:
     while True:
         at = end.parameter if abs(offset) >= abs(rest) else begin.parameter + offset
         try:
-            jump_result = _stable(path, _unstable(path, start, end, at), at)
+            jumped = _stable(path, _unstable(path, start, end, at), at)
             break
         except ConvergenceError:
             if at == end.parameter:
                 raise
             offset *= 2
-    state = path.accepted_state_of(jump_result.result, at)
+    state = path.accepted_state(jumped.result)
     work = max(abs(begin.rate), abs(state.rate)) * abs(at - begin.parameter)
     # on the branch that begins at the bifurcation the energy comes from the work; else it is a jump
     smooth = released(begin, state) <= path.gain_allowed + MISFIT * work
     kind = found.kind if at == end.parameter else "between"
-    yield jump_result._replace(kind=kind if smooth else "jump", is_elsewhere=True)
+    yield jumped._replace(kind=kind if smooth else "jump", is_elsewhere=True)
 
 
 def _located(path: Path, found: Found) -> Bracket:
@@ -104,7 +108,7 @@ def _located(path: Path, found: Found) -> Bracket:
         if middle is None:
             break
         if is_stable:
-            low, stable = path.accepted_state_of(middle.result, parameter), middle
+            low, stable = path.accepted_state(middle.result), middle
         else:
             high = middle
     n = path.system.constraints.count
@@ -116,7 +120,7 @@ def _located(path: Path, found: Found) -> Bracket:
         # stability is lost at the last step
         try:
             result = newton(path.system, low.exact, low.parameter, path.settings)
-            stable = Found(low.parameter, result, "bifurcation")
+            stable = Found(result)
         except ConvergenceError:
             pass
     if stable is not None:
@@ -137,7 +141,7 @@ def _sides(path: Path, found: Found) -> tuple[AcceptedState | None, Found]:
             result = newton(path.system, state.exact, state.parameter, path.settings)
         except ConvergenceError:
             break
-        high = Found(state.parameter, result, "between", resumes=False)
+        high = Found(result, "between", resumes=False)
     return None, high
 
 
@@ -150,7 +154,7 @@ def _between(
         share = (parameter - low.parameter) / (low.parameter - begin.parameter)
         starts = [low.unknown_values + share * (low.unknown_values - begin.unknown_values)]
     else:
-        starts = path.guesses(parameter)[:1]
+        starts = [path.solver.parabola(parameter)]
     share = (parameter - low.parameter) / (high.parameter - low.parameter)
     chord = low.unknown_values + share * (high.result.unknown_values - low.unknown_values)
     starts += [low.unknown_values, chord]
@@ -160,35 +164,34 @@ def _between(
             result = newton(path.system, start, parameter, path.settings)
         except ConvergenceError:
             continue
-        found = Found(parameter, result, "between", 0, resumes=False)
+        found = Found(result, "between", 0, resumes=False)
         first = first or found
-        state = path.accepted_state_of(found.result, parameter)
         # the energy of a neighbouring branch differs by a share of the work
-        if path.on_one_branch(low, state):
-            return found, path.negative_eigenvalues(found, always=True) == 0
+        if on_one_branch(low, path.accepted_state(result)):
+            return found, path.solver.negative_eigenvalues(result, always=True) == 0
     return first, False
 
 
-def _unstable(path: Path, start: Found, end: Found, parameter: float) -> Found:
-    for known in (start, end):
-        if parameter == known.parameter:
-            return known
+def _unstable(path: Path, start: Found, end: Found, parameter: float) -> FloatArray:
+    """Return the unknowns (count,) of an unstable state between two others, or of the first of these."""
     one, other = start.result.unknown_values, end.result.unknown_values
+    for known, y in ((start, one), (end, other)):
+        if parameter == known.parameter:
+            return y
     share = (parameter - start.parameter) / (end.parameter - start.parameter)
     for y in (one + share * (other - one), one):
         try:
-            return Found(parameter, newton(path.system, y, parameter, path.settings), "between")
+            return newton(path.system, y, parameter, path.settings).unknown_values
         except ConvergenceError:
             continue
-    return start._replace(parameter=parameter)
+    return one
 
 
-def _stable(path: Path, unstable: Found, parameter: float) -> Found:
-    """Return the stable equilibrium that a descent of the energy reaches from an unstable one.
+def _stable(path: Path, y: FloatArray, parameter: float) -> Found:
+    """Return the stable equilibrium that a descent of the energy reaches from an unstable one, y (count,).
 
     Raises ConvergenceError.
     """
-    y = unstable.result.unknown_values
     for _ in range(_MOST_ROUNDS):
         known = stability(path.system, y, parameter)
         if known is None or known.negative == 0:
@@ -199,17 +202,17 @@ def _stable(path: Path, unstable: Found, parameter: float) -> Found:
         for sign in (1.0, -1.0):
             start = _disturbed(path, y, sign * motion, parameter)
             try:
-                jump_result = path.jump_from([start], parameter)
+                jumped = jump_from(path, [start], parameter)
             except ConvergenceError:
                 continue
-            tried.append((path.accepted_state_of(jump_result.result, parameter).energy, jump_result))
+            tried.append((path.accepted_state(jumped.result).energy, jumped))
         tried = [one for one in tried if one[0] < energy or not np.isfinite(energy)]
         if not tried:
             raise ConvergenceError(
                 "it is unstable, and no stable equilibrium is found near it", (), parameter, "instability"
             )
         best = _preferred(path, tried, energy)
-        if path.negative_eigenvalues(best, always=True) == 0:
+        if path.solver.negative_eigenvalues(best.result, always=True) == 0:
             return best._replace(negative=0)
         y = best.result.unknown_values
     raise ConvergenceError(
@@ -222,7 +225,7 @@ def _stable(path: Path, unstable: Found, parameter: float) -> Found:
 
 def _disturbed(path: Path, y: FloatArray, motion: FloatArray, parameter: float) -> FloatArray:
     """Return the unknowns (count,) moved along a motion as far as the energy decreases."""
-    size = _DISTURBANCE * path.extent
+    size = _DISTURBANCE * extent(path.system.problem)
     best = potential_energy(path.system, y + size * motion, parameter)
     for _ in range(_MOST_DOUBLINGS):
         further = potential_energy(path.system, y + 2 * size * motion, parameter)
@@ -237,10 +240,21 @@ def _preferred(path: Path, tried: list[tuple[float, Found]], energy: float) -> F
     if len(tried) == 1:
         return tried[0][1]
     (one, first), (other, second) = tried
-    depths = [path.depth(found.result.displacement) for _, found in tried]
-    if abs(depths[0] - depths[1]) > _DISTURBANCE * path.extent:
+    gaps = [_gaps(path.system, found.result.displacement) for _, found in tried]
+    depths = [-min(float(one_side.min()), 0.0) for one_side in gaps]
+    if abs(depths[0] - depths[1]) > _DISTURBANCE * extent(path.system.problem):
         return first if depths[0] < depths[1] else second
     if abs(one - other) > _ALIKE * (energy - min(one, other)):
         return first if one < other else second
-    gaps = [float(path.gaps(found.result.displacement).sum()) for _, found in tried]
-    return first if gaps[0] > gaps[1] else second
+    return first if float(gaps[0].sum()) > float(gaps[1].sum()) else second
+
+
+def _gaps(system: System, displacement: FloatArray) -> FloatArray:
+    """Return the gaps (size,) of all control points to the nearest substrate, for u (size, 2)."""
+    gaps, points = np.full(len(displacement), np.inf), system.spaces.control_points()
+    for interface in system.problem.interfaces:
+        place, substrate = system.spaces.places[interface.boundary.body], interface.substrate
+        position = points[place] + displacement[place]
+        gap = evaluate_substrate(substrate.kernel, substrate.parameters, position)[0]
+        gaps[place] = np.minimum(gaps[place], gap)
+    return gaps

@@ -1,18 +1,15 @@
 """The branch of equilibria inside a step, and where it ends."""
 
-from dataclasses import replace
 from itertools import pairwise
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from isopeel.solve.balance import CUBIC, MISFIT, ROUND_OFF, Misfit, misfit, simpson_misfits
-from isopeel.solve.newton import ConvergenceError, NewtonResult, NewtonSettings, newton
+from isopeel.solve.newton import ConvergenceError, NewtonResult, newton
+from isopeel.solve.path import Path
 from isopeel.solve.predictor import extrapolate
 from isopeel.solve.step import PARABOLA_POINTS, AcceptedState, Found
-
-if TYPE_CHECKING:
-    from isopeel.solve.path import Path
 
 #: Two states lie on different branches where they differ by more than this share of the change of the
 #: unknowns in the step. The same states, found by one step and by many, differed by up to 1.2e-6 in 96 steps
@@ -24,10 +21,6 @@ LEAST_REST = 1e-9
 _DEEPEST = 6
 #: Most bisections of a step to find a smooth branch inside it: a step over two or three elements takes all.
 _BISECTIONS = 3
-#: Most corrections of Newton's method where a shorter step can be taken instead: where it converges it takes
-#: about six. Past a limit point each correction costs a pivoted factor: with the full number of corrections
-#: they took nine tenths of the time.
-SOON = 10
 
 
 class End(NamedTuple):
@@ -38,57 +31,47 @@ class End(NamedTuple):
 
 
 class Branch:
-    """The branch that a path is on, inside its next step.
+    """The branch of the last accepted state of a path, inside the next step.
 
-    Its results are dropped at each requested parameter, so that a path that continues from there has the same
-    results.
+    Its results serve that step alone. Where the branch ends is kept by the caller for the next one, up to the
+    next requested parameter: so a path that continues from there has the same results.
     """
 
-    def __init__(self, path: "Path") -> None:
+    def __init__(self, path: Path, end: End | None = None) -> None:
+        #: Where the branch ends, if that is known.
+        self.end: End | None = end
         self._path = path
-        limit = min(SOON, path.settings.iteration_limit)
-        self._settings: NewtonSettings = replace(path.settings, iteration_limit=limit)
-        self._end: End | None = None
         self._continues = False
-        self._followed: tuple[float, float, bool, list[Found]] | None = None
-
-    def step(self) -> None:
-        """Drop the results of one step, before the next step of the path."""
-        self._continues, self._followed = False, None
-
-    def forget(self) -> None:
-        """Drop the known end of the branch, where another branch or another requested parameter begins."""
-        self._end = None
+        self._followed: tuple[float, bool, list[Found]] | None = None
 
     def assume_continues(self) -> None:
-        """Assume, until the next step, that the branch continues beyond its known end."""
-        self._end, self._continues = None, True
+        """Assume in this step that the branch continues beyond its known end."""
+        self.end, self._continues = None, True
 
     def end_before(self, parameter: float) -> End | None:
         """Return the end of the branch where it is known to lie before a parameter, else None."""
-        end, history = self._end, self._path.history
+        end, history = self.end, self._path.history
         if end is None or not history:
             return None
         forwards = np.sign(end.beyond - end.last)
         ahead = (end.last - history[-1].parameter) * forwards >= 0
         return end if ahead and (parameter - end.beyond) * forwards >= 0 else None
 
-    def verified(self, found: Found, *, by_order: bool = False) -> tuple[Misfit, list[Found]]:
+    def verified(self, found: Found, whole: Misfit, *, by_order: bool) -> tuple[Misfit, list[Found]]:
         """Return the misfit of a step, and the smaller steps along its branch where they were computed.
 
-        Where the ends of the step do not suffice to judge it, the branch is followed by smaller steps as far
-        as it goes. If it reaches the same state, the step is right. If it ends earlier, the body has jumped
-        from there, with the work of the drive up to there.
+        The misfit of its ends, `whole`, is too large. So the branch is followed by smaller steps as far as it
+        goes. If it reaches the same state, the step is right. If it ends earlier, the body has jumped from
+        there, with the work of the drive up to there.
         """
         path = self._path
-        whole = path.misfit(found)
-        if whole.fits or not path.history or path.history[-1].parameter == found.parameter:
+        if not path.history or path.history[-1].parameter == found.parameter:
             return whole, []
-        one, other = path.history[-1], path.accepted_state_of(found.result, found.parameter)
+        one, other = path.history[-1], path.accepted_state(found.result)
         if whole.is_slight and self._is_smooth(one, other, abs(whole.gained)):
             return whole._replace(gains=False, releases=False), []
         inside = self.followed(other.parameter, by_order=by_order, whole=whole)
-        last = path.accepted_state_of(inside[-1].result, inside[-1].parameter) if inside else one
+        last = path.accepted_state(inside[-1].result) if inside else one
         rest = other.parameter - last.parameter
         gained = other.energy - last.energy - max(last.rate * rest, other.rate * rest)
         if rest:
@@ -136,8 +119,8 @@ class Branch:
         """
         path = self._path
         begin = path.history[-1].parameter
-        if self._followed is not None and self._followed[:3] == (begin, parameter, by_order):
-            return self._followed[3]
+        if self._followed is not None and self._followed[:2] == (parameter, by_order):
+            return self._followed[2]
         states, found = [*path.history], []
         size = step = parameter - begin
         longer = np.inf  # misfit of a step of twice the size
@@ -157,20 +140,20 @@ class Branch:
             if result is None:
                 size, longer, refused, ends = size / 2, np.inf, at, True
                 continue
-            state = path.accepted_state_of(result, at)
+            state = path.accepted_state(result)
             # several of these make one step, and share what it may gain
             missed = misfit(states, state, path.gain_allowed / 4, path.round_off)
             smooth = by_order and missed.is_slight and abs(missed.gained) <= CUBIC * longer
             if missed.fits or smooth:
                 states.append(state)
-                found.append(Found(at, result, "between"))
+                found.append(Found(result, "between"))
                 longer = np.inf
             else:
                 ends = abs(missed.gained) > CUBIC * longer
                 size, longer = size / 2, abs(missed.gained)
         if rest and ends and not self._continues:
-            self._end = End(states[-1].parameter, states[-1].parameter + 2 * size)
-        self._followed = begin, parameter, by_order, found
+            self.end = End(states[-1].parameter, states[-1].parameter + 2 * size)
+        self._followed = parameter, by_order, found
         return found
 
     def _result_at(
@@ -178,15 +161,16 @@ class Branch:
     ) -> NewtonResult | None:
         """Return the equilibrium at a parameter, from the polynomial through some states, or None.
 
-        With `soon`, Newton's method stops after SOON corrections.
+        With `soon`, Newton's method stops after few corrections.
         """
         path = self._path
         guess = extrapolate({state.parameter: state.exact for state in near}, parameter, path.system.count)
+        settings = path.settings.with_few_corrections() if soon else path.settings
         try:
-            return newton(path.system, guess, parameter, self._settings if soon else path.settings)
+            return newton(path.system, guess, parameter, settings)
         except ConvergenceError:
             return None
 
     def _accepted_state_at(self, parameter: float, near: list[AcceptedState]) -> AcceptedState | None:
         result = self._result_at(parameter, near)
-        return None if result is None else self._path.accepted_state_of(result, parameter)
+        return None if result is None else self._path.accepted_state(result)

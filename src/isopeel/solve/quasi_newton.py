@@ -4,18 +4,15 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from isopeel.assembly.constraints import displace
-from isopeel.assembly.equations import Equations, Iterate, evaluate
-from isopeel.assembly.loops import Energies
+from isopeel.assembly.equations import Iterate
 from isopeel.assembly.start import extent
 from isopeel.assembly.system import Equilibrium, System
-from isopeel.common.arrays import FloatArray, IntArray
-from isopeel.common.compilation import compiled_reordered
+from isopeel.common.arrays import FloatArray
 from isopeel.matrix.band import BandMatrix
-from isopeel.matrix.cholesky import BandCholesky, Floats
 from isopeel.matrix.factor import NotPositiveDefiniteError
-from isopeel.matrix.mixed_precision import approximate
-from isopeel.solve.lbfgs import LbfgsPairs, Singles, correct, follow
+from isopeel.matrix.mixed_precision import Approximate, approximate
+from isopeel.solve.corrections import CONVERGED, POOR, corrected
+from isopeel.solve.lbfgs import LbfgsPairs
 from isopeel.solve.newton import NewtonResult, NewtonSettings
 
 #: Steps that one tangent serves.
@@ -23,23 +20,13 @@ _MOST_STEPS = 40
 #: A step with more corrections than this is the last one of its tangent.
 _SLOW = 6
 _MOST_CORRECTIONS = 12
-#: A guess is well predicted where its first correction is below this share of its distance from the last
-#: state. For other guesses the tolerance is multiplied by _SHARE: the last correction leaves a tenth of the
-#: error, where Newton's method squares it, and the rest appears in reactions unless the slope of the path is
-#: known well. At 1e-3 one step of L4 at 200 x 10 elements missed its moment by 1.4e-8 in one run of several;
-#: at 3e-4 the moments of L1, L2 and L4 are met to 6e-9.
-_WELL_PREDICTED = 3e-4
-_SHARE = 1e-3
-#: Share of the tolerance that the last correction may leave, estimated from the last two corrections. Where
-#: corrections decrease slowly, most of the error is left: a step of L4 whose last two corrections had the
-#: ratio 0.4 missed its moment by 1.1e-8.
-_LEFT = 0.1
 #: Share of the threshold below which the evaluation of the forces after the last correction is skipped.
 #: Energies and reactions are known to second order in that correction, and its L-BFGS pair would gain little.
 _SKIP_SHARE = 1e-2
-#: Share of the tolerance, times _SHARE, where Newton's method has begun: its own last correction would square
-#: the error. The slope of a path that has just snapped on would correct no reaction. It is that of drives on
-#: several boundaries too: with the whole tolerance their reactions missed 1.4e-7 of themselves.
+#: Factor on the tolerance, besides that of guesses that are not well predicted, where Newton's method has
+#: begun the step: its own last correction would square the error, and the slope of a path that has just
+#: snapped on would correct no reaction. It is that of drives on several boundaries too: with the whole
+#: tolerance their reactions missed 1.4e-7 of themselves.
 _EXACT = 1e-3
 #: Number of steps after which the stiffness of the softest motion of a tangent is evaluated again. If nine
 #: tenths of it remain after a tenth of the steps that a tangent serves, and it decreases evenly, it does not
@@ -52,33 +39,25 @@ _SOFT = 1 / 4
 #: times as long as high, its strain, which is of second order, is smaller than its bending. The residual
 #: forces after the corrections are a few hundredths of the forces of this bending.
 _SMALL_MOTION = 3e-5
-#: A correction is poor if more than this share of the energy residual remains. The second poor correction
-#: ends the use of a tangent.
-_POOR = 0.5
-
-# outcomes of the corrections
-_CONVERGED, _POORLY, _NOWHERE = range(3)
 
 
 @dataclass(frozen=True, eq=False)
 class SolverState:
-    """What the solver keeps from step to step: the state of its chord tangent, and the L-BFGS pairs since.
+    """The state at which the chord tangent was made, and the L-BFGS pairs since.
 
-    The tangent itself is not stored: it follows from the state that it was made at.
+    The tangent itself is not stored: it follows from the state.
     """
 
     unknown_values: FloatArray  # (count,)
     parameter: float
     maximum_openings: FloatArray  # (E, Q), for irreversible adhesion
     lbfgs_pairs: LbfgsPairs
-    steps: int = 0
-    slow: bool = False  # the last step
+    steps: int = 0  # that the tangent has served
+    slow: bool = False  # the last of them
 
     def followed_by(self, pairs: LbfgsPairs, *, slow: bool) -> "SolverState":
         """Return the solver state after one more step."""
-        return SolverState(
-            self.unknown_values, self.parameter, self.maximum_openings, pairs, self.steps + 1, slow
-        )
+        return replace(self, lbfgs_pairs=pairs, steps=self.steps + 1, slow=slow)
 
 
 class QuasiNewton:
@@ -99,15 +78,14 @@ class QuasiNewton:
         #: The system after the history of the last step.
         self.system = system
         self._settings = settings
-        self._factor: BandCholesky | None = None
         #: The state that a path needs to continue from here bit for bit.
         self.solver_state: SolverState | None = (
             None
             if solver_state is None
             else replace(solver_state, lbfgs_pairs=solver_state.lbfgs_pairs.copy())
         )
-        # a motion close to the softest one of the tangent, and twice its energy there
-        self._softest: tuple[FloatArray, float] | None = None
+        # the factor of the chord tangent, and a motion close to its softest one with twice its energy
+        self._tangent: Approximate | None = None
         # whether that motion was softer at its last evaluation; unknown after a start from a stored state
         self._softens = solver_state is not None
         # whether a tangent was made in this step; it is positive definite then
@@ -118,7 +96,7 @@ class QuasiNewton:
         """Return whether the tangent is symmetric, and positive definite where the body is stable."""
         return system.has_potential and not system.global_unknowns
 
-    def has_softened(self, result: NewtonResult, parameter: float) -> tuple[bool, bool]:
+    def has_softened(self, result: NewtonResult) -> tuple[bool, bool]:
         """Return whether the softest motion of the tangent has softened, and whether its energy may decrease.
 
         A body may lose its stability while the tangent of an earlier stable state still serves. The check
@@ -127,15 +105,15 @@ class QuasiNewton:
         stiffness before and now.
         """
         solver_state = self.solver_state
-        if solver_state is None or self._softest is None or solver_state.slow:
+        if solver_state is None or self._tangent is None or solver_state.slow:
             return False, False
         served = solver_state.steps - 1
         if served != _LOOK and not (self._softens and 0 < served < _LOOK):
             return False, False
-        motion, before = self._softest
+        motion, before = self._tangent.soft, self._tangent.needed
         scale = _SMALL_MOTION * extent(self.system.problem) / float(np.abs(motion).max())
         motion, before = scale * motion, scale**2 * before
-        u, load = self.system.state(result.unknown_values + motion, parameter)
+        u, load = self.system.state(result.unknown_values + motion, result.parameter)
         change = self.system.equilibrium(u, load).residual - result.equilibrium.residual
         now = float(motion @ change)
         if served == _LOOK:
@@ -143,9 +121,9 @@ class QuasiNewton:
             return self._softens, not now > 0
         return False, not now > _SOFT * before
 
-    def forget(self) -> None:
+    def drop_tangent(self) -> None:
         """Drop the chord tangent: the next step makes a new one."""
-        self.solver_state = self._factor = None
+        self.solver_state = self._tangent = None
 
     def equilibrium(
         self, guess: FloatArray, parameter: float, last: FloatArray | None = None
@@ -160,11 +138,11 @@ class QuasiNewton:
         skip_share = 0.0 if first_order else _SKIP_SHARE
         # a tangent made for the last step may mean that it has snapped on: slopes are of the states before
         last = None if self.solver_state is not None and self.solver_state.steps == 1 else last
-        # the error of a reaction is of second order in that of the unknowns, but of its parts of first order
+        # the error of a reaction is of second order in that of the unknowns, that of each boundary of first
         share = _EXACT if len(system.control.factors) > 1 else 1.0
         result = self._solve(guess, parameter, last, share * self._settings.tolerance, skip_share)
         if result is None:
-            self.forget()
+            self.drop_tangent()
         return result
 
     def finish(
@@ -172,17 +150,15 @@ class QuasiNewton:
     ) -> NewtonResult | None:
         """Finish the corrections that Newton's method has begun: see `isopeel.solve.newton.Finish`."""
         try:
-            made = approximate(matrix)
+            self._tangent = approximate(matrix)
         except NotPositiveDefiniteError:
             return None
-        self._factor, self._softest = made.factor, (made.soft, made.needed)
-        self.solver_state = SolverState(
-            made_at, parameter, self.system.maximum_openings, LbfgsPairs.none(len(start))
-        )
+        self.solver_state = self._state_at(made_at, parameter)
         result = self._solve(start, parameter, None, _EXACT * self._settings.tolerance, 0.0)
         if result is None:
-            self.forget()
-        return None if result is None else replace(result, exact=True, definite=True)
+            self.drop_tangent()
+            return None
+        return replace(result, exact=True, definite=True)
 
     def _solve(
         self,
@@ -194,7 +170,7 @@ class QuasiNewton:
     ) -> NewtonResult | None:
         self._is_new = False
         try:
-            factor, solver_state = self._chord_tangent(guess, parameter)
+            tangent, solver_state = self._chord_tangent(guess, parameter)
         except NotPositiveDefiniteError:
             return None
         system, count = self.system, len(guess)
@@ -202,7 +178,7 @@ class QuasiNewton:
         moved, scalars = system.constraints.moved(parameter), np.array([load])
         u, forces = np.empty((2, *system.constraints.unknowns.shape))
         at = Iterate(guess.copy(), u, forces, np.empty(count))
-        # read-only as those of a step: loops would be compiled anew for writable arrays
+        # read-only as those of a step: the corrections would be compiled anew for writable arrays
         last = (guess if last is None else last).view()
         last.setflags(write=False)
         measures = np.empty(_MOST_CORRECTIONS)
@@ -214,8 +190,8 @@ class QuasiNewton:
                 system.maximum_openings.ravel(),
                 moved,
                 scalars,
-                factor.values,
-                factor.starts,
+                tangent.factor.values,
+                tangent.factor.starts,
                 pairs.rows,
                 pairs.products,
                 pairs.first,
@@ -227,126 +203,43 @@ class QuasiNewton:
                 threshold,
                 skip_share,
             )
-            if outcome == _POORLY and solver_state.steps > 0:
+            if outcome == POOR and solver_state.steps > 0:
                 # the tangent is of an earlier step: a new one may converge
                 try:
-                    factor, solver_state = self._new_tangent(at.unknown_values.copy(), parameter)
+                    tangent, solver_state = self._new_tangent(at.unknown_values.copy(), parameter)
                 except NotPositiveDefiniteError:
                     return None
-            elif outcome == _CONVERGED and energies[3] > 0:
+            elif outcome == CONVERGED and energies[3] > 0:
                 pairs = LbfgsPairs(pairs.rows, pairs.products, first, end)
                 self.solver_state = solver_state.followed_by(pairs, slow=made > _SLOW)
                 equilibrium = Equilibrium(*energies, at.forces, at.residual)
                 iterations = tuple(measures[:made].tolist())
                 definite = True if self._is_new else None
-                return NewtonResult(at.unknown_values, u, load, equilibrium, iterations, False, definite)
+                return NewtonResult(
+                    parameter, at.unknown_values, u, load, equilibrium, iterations, False, definite
+                )
             else:
                 return None
 
-    def _chord_tangent(self, guess: FloatArray, parameter: float) -> tuple[BandCholesky, SolverState]:
-        """Return the factor and solver state of the chord tangent, or of a new one where it served enough."""
+    def _chord_tangent(self, guess: FloatArray, parameter: float) -> tuple[Approximate, SolverState]:
+        """Return the chord tangent and its state, or a new one where it has served enough."""
         solver_state = self.solver_state
         if solver_state is None or solver_state.slow or solver_state.steps >= _MOST_STEPS:
             return self._new_tangent(guess, parameter)
-        if self._factor is None:
-            self._factor = self._made(solver_state)
-        return self._factor, solver_state
+        if self._tangent is None:
+            self._tangent = self._made(solver_state)
+        return self._tangent, solver_state
 
-    def _new_tangent(self, y: FloatArray, parameter: float) -> tuple[BandCholesky, SolverState]:
-        solver_state = SolverState(y, parameter, self.system.maximum_openings, LbfgsPairs.none(len(y)))
-        self._factor = self._made(solver_state)
+    def _new_tangent(self, y: FloatArray, parameter: float) -> tuple[Approximate, SolverState]:
+        solver_state = self._state_at(y, parameter)
+        self._tangent = self._made(solver_state)
         self._is_new = True
-        return self._factor, solver_state
+        return self._tangent, solver_state
 
-    def _made(self, solver_state: SolverState) -> BandCholesky:
+    def _state_at(self, y: FloatArray, parameter: float) -> SolverState:
+        return SolverState(y, parameter, self.system.maximum_openings, LbfgsPairs.none(len(y)))
+
+    def _made(self, solver_state: SolverState) -> Approximate:
         u, load = self.system.state(solver_state.unknown_values, solver_state.parameter)
         system = self.system.after(solver_state.maximum_openings)
-        made = approximate(system.linearize(u, "symmetric", load)[1])
-        self._softest = made.soft, made.needed
-        return made.factor
-
-
-@compiled_reordered
-def corrected(
-    equations: Equations,
-    history: FloatArray,
-    moved: FloatArray,
-    scalars: FloatArray,
-    values: Floats,
-    starts: IntArray,
-    rows: Singles,
-    products: FloatArray,
-    first: int,
-    end: int,
-    at: Iterate,
-    last: FloatArray,
-    measures: FloatArray,
-    made: int,
-    threshold: float,
-    skip_share: float,
-) -> tuple[int, int, int, int, float, Energies]:
-    """Correct unknowns until they converge, a second correction is poor, or all corrections have been made.
-
-    The arguments are those of the equations at the parameter (see `evaluate`), the factor, the L-BFGS pairs,
-    the unknowns of the last step, and the number `made` of corrections with an earlier tangent, whose energy
-    residuals are the first of `measures`. Returns the outcome, the number of corrections, first and end of
-    the pairs, the threshold, which the first correction may tighten, and the energies.
-
-    Where the last correction is at most `skip_share` of the threshold, the forces are not evaluated after it:
-    energies, forces and residual are those before it.
-    """
-    y, residual = at.unknown_values, at.residual
-    count = len(y)
-    correction, change = np.empty(count), np.empty(count)
-    energies = (0.0, 0.0, 0.0, 0.0)
-    if made == 0:
-        energies = evaluate(equations, history, moved, scalars, at)
-    poor, before = 0, made
-    while made < len(measures):
-        correct(values, starts, rows, products, first, end, residual, correction)
-        measure = abs(_product(residual, correction)) / count
-        if made == 0 and not _is_well_predicted(y, correction, last):
-            threshold *= _SHARE
-        if not np.isfinite(measure):
-            break
-        if made > before and not measure < max(_POOR * measures[made - 1], threshold):
-            poor += 1
-            if poor > 1:
-                return _POORLY, made, first, end, threshold, energies
-        measures[made] = measure
-        made += 1
-        for i in range(count):
-            y[i] += correction[i]
-            change[i] = -residual[i]
-        # after a change of the tangent the first correction starts from forces at another state
-        if measure <= skip_share * threshold and (before == 0 or made > before + 1):
-            displace(equations.unknowns, y, equations.offset, equations.driven, moved, at.displacement)
-            return _CONVERGED, made, first, end, threshold, energies
-        energies = evaluate(equations, history, moved, scalars, at)
-        finite = True
-        for i in range(count):
-            change[i] += residual[i]
-            finite &= np.isfinite(residual[i])
-        first, end = follow(rows, products, first, end, correction, change)
-        slow = made > before + 1 and measure * measure > _LEFT * threshold * measures[made - 2]
-        if measure <= threshold and not slow:
-            return (_CONVERGED if finite else _NOWHERE), made, first, end, threshold, energies
-    return _NOWHERE, made, first, end, threshold, energies
-
-
-@compiled_reordered
-def _product(one: FloatArray, other: FloatArray) -> float:
-    total = 0.0
-    for i in range(len(one)):
-        total += one[i] * other[i]
-    return total
-
-
-@compiled_reordered
-def _is_well_predicted(guess: FloatArray, correction: FloatArray, last: FloatArray) -> bool:
-    """Return whether the first correction of a guess (count,) is small against its distance from `last`."""
-    largest, distance = 0.0, 0.0
-    for i in range(len(guess)):
-        largest = max(largest, abs(correction[i]))
-        distance = max(distance, abs(guess[i] - last[i]))
-    return largest < _WELL_PREDICTED * distance
+        return approximate(system.linearize(u, "symmetric", load)[1])

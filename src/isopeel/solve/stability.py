@@ -21,34 +21,44 @@ _ITERATIONS = 6
 class Stability(NamedTuple):
     """Number of negative eigenvalues of the constrained tangent, and its factor."""
 
-    negative: int
+    negative: int | None  # None without a potential
     factor: Factor
 
 
 def stability(system: System, y: FloatArray, parameter: float) -> Stability | None:
     """Count the negative eigenvalues of K at an equilibrium y (count,) of forces with a potential.
 
-    By Sylvester's law of inertia. With an unknown load, the displacement along one direction c is prescribed:
-    on the motions that do not change it, K has one negative eigenvalue less if c . K^-1 c < 0 (Haynsworth's
-    additivity of the inertia, Linear Algebra Appl. 1, 1968). Returns None if the tangent is singular.
+    Returns None if the tangent is singular.
     """
     u, load = system.state(y, parameter)
     _, matrix = system.linearize(u, "symmetric", load)
     try:
-        negative, factor = _inertia(matrix)
-        if not system.global_unknowns:
-            return Stability(negative, factor)
-        _, column, row = system.control.equation(u, parameter)
-        bordered = Bordered.of(factor, Border(column, row))
+        return inertia(system, matrix, u, parameter)
     except SingularError:
         return None
-    return Stability(negative - (float(row @ bordered.eliminated) < 0), bordered)
 
 
-def _inertia(matrix: BandMatrix) -> tuple[int, Factor]:
+def inertia(system: System, matrix: BandMatrix, u: FloatArray, parameter: float) -> Stability:
+    """Factorize a tangent at coefficients u (size, 2), and count its negative eigenvalues.
+
+    By Sylvester's law of inertia. With an unknown load, the displacement along one direction c is prescribed:
+    on the motions that do not change it, K has one negative eigenvalue less if c . K^-1 c < 0 (Haynsworth's
+    additivity of the inertia, Linear Algebra Appl. 1, 1968). Raises SingularError.
+    """
+    negative, factor = _inertia(matrix)
+    if not system.global_unknowns:
+        return Stability(negative, factor)
+    _, column, row = system.control.equation(u, parameter)
+    bordered = Bordered.of(factor, Border(column, row))
+    if negative is not None and float(row @ bordered.eliminated) < 0:
+        negative -= 1  # the prescribed displacement holds this direction
+    return Stability(negative, bordered)
+
+
+def _inertia(matrix: BandMatrix) -> tuple[int | None, Factor]:
     """Return the number of negative eigenvalues and a factor, the faster Cholesky factor where it is zero."""
     try:
-        return 0, factorize(matrix)
+        return 0 if matrix.storage == "symmetric" else None, factorize(matrix)
     except NotPositiveDefiniteError:
         factor = BandLDL.of(matrix)
         return factor.negative, factor

@@ -1,9 +1,10 @@
 """The data of a path: its steps, and the states that a path can continue from."""
 
 from dataclasses import dataclass
-from typing import Literal, NamedTuple, get_args
+from typing import Literal, NamedTuple, Self, get_args
 from weakref import ReferenceType
 
+from isopeel.assembly.system import System
 from isopeel.common.arrays import FloatArray
 from isopeel.solve.newton import NewtonResult
 from isopeel.solve.quasi_newton import SolverState
@@ -21,6 +22,14 @@ class AcceptedState(NamedTuple):
     rate: float  # derivative of the energy by the parameter
     adhesive_energy: float  # plus the dissipated energy
     fully_converged: FloatArray | None = None  # unknowns (count,) to round-off, where they were computed
+
+    @classmethod
+    def of(cls, system: System, result: NewtonResult) -> Self:
+        """Return the accepted state of an equilibrium."""
+        at = result.equilibrium
+        energy, rate = system.potential(at, result.displacement, result.load, result.parameter)
+        adhesive_energy = at.adhesive_energy + at.dissipated_energy
+        return cls(result.parameter, result.unknown_values, energy, rate, adhesive_energy)
 
     @property
     def exact(self) -> FloatArray:
@@ -106,10 +115,19 @@ class Step:
 class Found(NamedTuple):
     """An equilibrium, the kind of its step, and its negative eigenvalues where they were counted."""
 
-    parameter: float
     result: NewtonResult
-    kind: Kind
+    kind: Kind = "requested"
     negative: int | None = None
     resumes: bool = True
-    is_elsewhere: bool = False  # on another branch than the states before, which must not be extrapolated
+    is_elsewhere: bool = False  # on another branch than the states before, without a jump
     is_balanced: bool = False  # energy gained = work of the drive, to the error of the trapezoidal rule
+
+    @property
+    def parameter(self) -> float:
+        """Parameter of the equilibrium."""
+        return self.result.parameter
+
+    @property
+    def leaves_branch(self) -> bool:
+        """Whether the states before are of another branch, so that they must not be extrapolated."""
+        return self.is_elsewhere or self.kind == "jump"
