@@ -1,5 +1,8 @@
 """The traced path: reference values, energy balance, quadratic convergence, closed form, failures."""
 
+from dataclasses import replace
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -222,6 +225,36 @@ def test_a_path_continues_from_stored_states() -> None:
 def test_a_start_of_another_space_is_refused() -> None:
     with pytest.raises(InputError, match="start"):
         trace(strip(), row_space("N2", (20, 2)), [0.1], start=[State(0.0, np.zeros((5, 2)))])
+
+
+@pytest.mark.chord_tangent
+def test_a_start_with_the_history_of_another_joint_is_refused() -> None:
+    """Compiled loops would read beyond its end."""
+    space = row_space("N2", (20, 2))
+    path = trace(strip(), space, np.radians([0.0, 0.1, 0.2]))
+    state = [next(path), next(path)][-1].state
+    assert state.solver_state is not None
+    solver_state = replace(state.solver_state, maximum_openings=np.zeros((1, 1)))
+    with pytest.raises(InputError, match=r"start: \(1, 1\) cannot be used"):
+        trace(strip(), space, [0.004], start=[state._replace(solver_state=solver_state)])
+
+
+@pytest.mark.parametrize(
+    ("values", "message"),
+    [
+        ({"tolerance": 0.0}, r"settings\.tolerance: 0\.0 cannot be used; it must be positive"),
+        ({"tolerance": np.nan}, r"settings\.tolerance: nan cannot be used; it must be positive"),
+        ({"iteration_limit": 0}, r"settings\.iteration_limit: 0 cannot be used; it must be at least 1"),
+        (
+            {"path_control": "newtn"},
+            r"settings\.path_control: 'newtn' cannot be used; it is one of newton, auto",
+        ),
+    ],
+)
+def test_settings_are_checked(values: dict[str, Any], message: str) -> None:
+    """An unknown path control was taken for continuation."""
+    with pytest.raises(InputError, match=message):
+        NewtonSettings(**values)
 
 
 def test_constraints_map_there_and_back() -> None:

@@ -2,12 +2,14 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Literal, TypeAlias
+from math import inf
+from typing import Literal, TypeAlias, get_args
 
 import numpy as np
 
 from isopeel.assembly.system import Equilibrium, System
 from isopeel.common.arrays import FloatArray
+from isopeel.common.errors import InputError
 from isopeel.common.interrupts import check
 from isopeel.common.path_control import PathControl
 from isopeel.matrix.band import BandMatrix
@@ -78,12 +80,24 @@ class NewtonSettings:
     converges well. Its last correction leaves about a tenth of the error, where that of Newton's method
     squares it; reactions are corrected for the rest, to first order. Where the chord tangent does not
     converge quickly, Newton's method is used, and its last tangent becomes the next chord tangent.
+
+    Raises InputError where a value is not allowed.
     """
 
     tolerance: float = 1e-20
     iteration_limit: int = 25
     path_control: PathControl = "newton"
     plain: bool = False
+
+    def __post_init__(self) -> None:
+        """Check all values."""
+        if not 0 < self.tolerance < inf:
+            raise InputError("settings.tolerance", self.tolerance, "it must be positive")
+        if self.iteration_limit < 1:
+            raise InputError("settings.iteration_limit", self.iteration_limit, "it must be at least 1")
+        kinds = get_args(PathControl)
+        if self.path_control not in kinds:
+            raise InputError("settings.path_control", self.path_control, f"it is one of {', '.join(kinds)}")
 
     def with_few_corrections(self) -> "NewtonSettings":
         """Return the settings with so few corrections as suffice where a shorter step can be taken."""

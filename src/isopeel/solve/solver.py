@@ -167,6 +167,7 @@ def _solver_state(system: System, start: Sequence[State]) -> SolverState | None:
     solver_state = start[-1].solver_state if start else None
     if solver_state is not None:
         _check_shape(solver_state.unknown_values, (system.count,))
+        _check_shape(solver_state.maximum_openings, system.maximum_openings.shape)
     return solver_state
 
 
