@@ -6,7 +6,7 @@ from math import cos, radians, sqrt
 from pathlib import Path
 
 import pytest
-from paths import paths
+from paths import as_far_as_it_goes, paths
 
 from isopeel.cli import main
 from isopeel.common.path_control import PathControl
@@ -81,7 +81,7 @@ def largest(error: ConvergenceError) -> float:
     assert error.cause == "limit load"
     assert "smaller steps" not in error.hint
     words = error.reason.split()
-    return float(words[words.index("above") + 1])
+    return float(words[words.index("beyond") + 1])
 
 
 def kendall(angle: float) -> float:
@@ -106,6 +106,18 @@ def test_the_cause_does_not_depend_on_the_path_control(path_control: PathControl
         paths(BLOCK.replace("[drive]", f'[drive]\npath_control = "{path_control}"'))
     # the whole block comes off at once, at its strength times its length
     assert largest(caught.value) == pytest.approx(0.05 * 2, rel=1e-4)
+
+
+def test_continuation_ends_where_the_body_has_come_off() -> None:
+    """Its load stayed zero to round-off, whose equal values ended the search for a crossing with an error."""
+    steps, error = as_far_as_it_goes(BLOCK, "continuation")
+    assert error is not None
+    assert error.cause == "limit load"
+    # the first requested load without an equilibrium
+    assert error.parameter == pytest.approx(0.12)
+    # the largest load is the strength times the length; the force of the joint decays exponentially
+    assert max(step.parameter for step in steps) == pytest.approx(0.05 * 2, rel=1e-4)
+    assert abs(steps[-1].parameter) < 1e-12
 
 
 def test_below_the_largest_load_all_states_are_stable() -> None:
@@ -138,14 +150,14 @@ def test_the_largest_load_is_in_the_units_of_the_readings(
     page = page[: page.index("[material]")]
     for text in (capsys.readouterr().err, summary["failure"]["reason"], page):
         assert "E0 L0," not in text
-        (value,) = re.findall(rf"above ([\d.]+) {shown[1]},", text)
+        (value,) = re.findall(rf"beyond ([\d.]+) {shown[1]},", text)
         assert float(value) == pytest.approx(shown[0], rel=1e-4)
 
 
 @pytest.mark.parametrize(
     ("internal", "shown"),
     [
-        ("near above 0.0998532 E0 L0, a limit", "near above 0.199706 N/m, a limit"),
+        ("beyond 0.0998532 E0 L0, a limit", "beyond 0.199706 N/m, a limit"),
         ("turns back at 12.5 L0; x", "turns back at 12.5 nm; x"),
         ("turns back at -54.3 degree; x", "turns back at -54.3 deg; x"),
         ("grows by 1.2e-05 E0 L0^3 without", "grows by 2.4e-14 J/m without"),

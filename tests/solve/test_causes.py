@@ -110,4 +110,4 @@ def test_a_force_beyond_the_joints_strength_finds_no_equilibrium() -> None:
     problem = replace(strip(), drive=PulledSide("top", np.pi / 2, control="force"))
     found = failure(problem, [0.0, 0.1, 100.0], NewtonSettings(path_control="auto"))
     assert found.cause == "limit load"
-    assert "no equilibrium is near above 0.214788 E0 L0" in found.reason
+    assert "no equilibrium was found beyond 0.214788 E0 L0" in found.reason

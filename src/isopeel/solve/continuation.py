@@ -9,7 +9,7 @@ import numpy as np
 from isopeel.matrix.factor import SingularError
 from isopeel.solve.arc_length import Curve, Point
 from isopeel.solve.balance import can_be_joined
-from isopeel.solve.curve_search import at_parameter, limit_point
+from isopeel.solve.curve_search import TURNED, at_parameter, limit_point
 from isopeel.solve.newton import ConvergenceError
 from isopeel.solve.path import Path
 
@@ -21,6 +21,8 @@ LEAST_COSINE = 0.8
 CALM_COSINE = 0.95
 #: Least radius, as a share of the first radius.
 SHORTEST = 2.0**-20
+#: Change of the parameter that is round-off, as a share of the largest requested value.
+_ROUND_OFF = 1e-14
 
 
 class Crossing(NamedTuple):
@@ -97,7 +99,10 @@ def _can_be_joined(path: Path, point: Point, new: Point, step: float) -> bool:
 
 
 def _crossings(curve: Curve, point: Point, new: Point, values: Sequence[float]) -> list[Crossing]:
-    limit = limit_point(curve, point, new) if (new.turning > 0) != (point.turning > 0) else None
+    turns = (new.turning > 0) != (point.turning > 0)
+    # a load that has vanished stays zero to round-off, whose sign means nothing
+    stays = max(abs(curve.share(point)), abs(curve.share(new))) <= TURNED
+    limit = limit_point(curve, point, new) if turns and not stays else None
     ends = [point, new] if limit is None else [point, limit, new]
     found: list[Crossing] = []
     for one, other in pairwise(ends):
@@ -110,6 +115,8 @@ def _crossings(curve: Curve, point: Point, new: Point, values: Sequence[float]) 
 
 def _passed(values: Sequence[float], one: float, other: float) -> list[int]:
     """Return the indices of the values beyond one parameter, up to another, in the order of passing."""
+    if abs(other - one) <= _ROUND_OFF * np.abs(values).max():
+        return []
     found = [
         k for k, value in enumerate(values) if 0 < (value - one) * np.sign(other - one) <= abs(other - one)
     ]

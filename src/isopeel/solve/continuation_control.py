@@ -5,9 +5,11 @@ from itertools import islice
 
 import numpy as np
 
+from isopeel.assembly.start import extent
 from isopeel.solve.arc_length import Curve, Point
 from isopeel.solve.balance import can_be_joined
 from isopeel.solve.continuation import curve_from, follow_curve
+from isopeel.solve.descent import AWAY
 from isopeel.solve.jumps import jump_from
 from isopeel.solve.newton import ConvergenceError, NewtonResult, newton
 from isopeel.solve.path import Path
@@ -87,7 +89,7 @@ def _stretch(path: Path, values: Sequence[float], index: int, *, jumps: bool) ->
     curve = curve_from(path, values[index])
     first, end = _leg(values, index, step)
     forwards = np.sign(step)
-    point = curve.start
+    point, far = curve.start, AWAY * extent(path.system.problem)
     for one in islice(follow_curve(path, curve, step, values[first:end]), _MOST_POINTS):
         for at, k in one.crossings:
             if k is None:
@@ -105,6 +107,9 @@ def _stretch(path: Path, values: Sequence[float], index: int, *, jumps: bool) ->
             if ends:
                 return first + k + 1
         point = one.end
+        if path.system.control.raises_load and np.abs(point.result.displacement).max() > far:
+            reason = "the body comes off and moves away: no larger load has an equilibrium"
+            raise ConvergenceError(reason, (), values[index], "limit load")
         if point.parameter not in values[first:end]:
             yield Found(point.result, "between", point.negative, resumes=False)
     reason = f"{_MOST_POINTS} points of the curve do not reach the next value"

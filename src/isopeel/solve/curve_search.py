@@ -9,7 +9,7 @@ from isopeel.solve.arc_length import Curve, Point
 from isopeel.solve.newton import ConvergenceError
 
 #: Largest share of the parameter in the tangent at a limit point; the error in the parameter is its square.
-_TURNED = 1e-6
+TURNED = 1e-6
 #: Share of the parameter's change in a step to which a value is approached before Newton's method finishes
 #: it.
 _MET = 1e-10
@@ -56,7 +56,7 @@ def limit_point(curve: Curve, one: Point, other: Point) -> Point:
     length = curve.distance(one, other)
     ends = [0.0, length], [one.parameter, other.parameter], [one.turning, other.turning]
     turns = [float(at) for at in CubicHermiteSpline(*ends).derivative().roots() if 0 < at < length]
-    return _between(curve, one, other, curve.share, _TURNED, turns[0] if turns else None)
+    return _between(curve, one, other, curve.share, TURNED, turns[0] if turns else None)
 
 
 def _between(
@@ -81,7 +81,9 @@ def _between(
     for _ in range(_MOST_TRIALS):
         tried = sorted(tried, key=lambda trial: abs(trial[0]))[:_INTERPOLATED]
         values, places, points = zip(*tried, strict=True)
-        at, guess = guess or float(krogh_interpolate(values, places, 0.0)), None
+        # values that are equal, as of a load that has vanished to round-off, cannot be interpolated
+        known = guess if guess or len(set(values)) < len(values) else krogh_interpolate(values, places, 0.0)
+        at, guess = (low + high) / 2 if known is None else float(known), None
         if slow or not low < at < high:
             at = (low + high) / 2
         found = curve.beyond(points[0], (at - places[0]) / curve.cosine(one, points[0]))

@@ -25,7 +25,7 @@ _ROUND_OFF = 1e-12  # of the displacement
 _FLAT = 1e-13  # of the energy: a decrease below it is round-off
 #: A body that moves by more than this multiple of its size, under a prescribed force, is taken to move away
 #: for ever. A body that folds over moves by two of its sizes at most.
-_AWAY = 10.0
+AWAY = 10.0
 
 
 class Descent(NamedTuple):
@@ -47,7 +47,7 @@ def descend(system: System, start: FloatArray, parameter: float, most: int = _MO
     """
     y = start
     shift = 0.0
-    far = _AWAY * extent(system.problem)
+    far = AWAY * extent(system.problem)
     begun, _ = system.state(start, parameter)
     energy = potential_energy(system, y, parameter)
     for _ in range(most):

@@ -35,7 +35,7 @@ def _at_limit(path: Path, error: ConvergenceError, parameter: float, limit: floa
     column = path.system.problem.drive.parameter_column
     at = f"{column.shown(limit):.6g} {column.unit}"
     if path.system.control.raises_load:
-        reason = f"the largest load is reached: no equilibrium is near above {at}, a limit point of the load"
+        reason = f"the largest load is reached: no equilibrium was found beyond {at}, a limit point"
         return ConvergenceError(reason, error.iterations, parameter, "limit load")
     reason = f"the path turns back at {at}; {error.reason}"
     turned = ConvergenceError(reason, error.iterations, parameter, "limit point")
