@@ -1,12 +1,19 @@
 """Where an equilibrium loses its stability the path locates the bifurcation and takes the stable branch."""
 
+from dataclasses import replace
 from math import cos, pi, sqrt
 
 import numpy as np
 import pytest
 from paths import gained, paths, worth
 
-from isopeel.solve.step import Step
+from isopeel.assembly.system import System
+from isopeel.problem import Support, strip
+from isopeel.solve.bifurcation import _preferred
+from isopeel.solve.newton import NewtonResult, NewtonSettings
+from isopeel.solve.path import Path
+from isopeel.solve.step import Found, Step
+from isopeel.splines.rows import row_space
 
 TAPE = """
 name = "tape-180"
@@ -243,3 +250,19 @@ def test_newton_stays_on_it_where_nothing_is_gained() -> None:
     assert all(step.negative_eigenvalues is None for step in steps)
     shortening, force = euler(4 * pi**2)
     assert steps[-1].reaction == pytest.approx(force * 0.02 / shortening, rel=0.02)
+
+
+def test_the_branch_away_from_the_substrate_is_taken_beside_a_body_without_an_interface() -> None:
+    """Its infinite gaps made all sums equal, so that the last branch was taken."""
+    one = strip()
+    beside = replace(one.body, name="beside")
+    held = Support(beside.side("left"), (0, 1))
+    problem = replace(one, bodies=(one.body, beside), supports=(*one.supports, held))
+    space = row_space("N2", (4, 1))
+    path = Path(System(problem, {one.body.name: space, "beside": space}), NewtonSettings(), ())
+    y, rest = np.zeros(path.system.count), np.zeros((2 * space.size, 2))
+    at = path.system.equilibrium(rest)
+    near, far = (Found(NewtonResult(0.0, y, rest + rise, 0.0, at, ())) for rise in (0.1, 0.2))
+    # mirror images: both have the same energy, and no point is inside the substrate
+    for tried in ([(1.0, near), (1.0, far)], [(1.0, far), (1.0, near)]):
+        assert _preferred(path, tried, 2.0) is far

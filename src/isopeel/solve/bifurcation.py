@@ -241,7 +241,7 @@ def _preferred(path: Path, tried: list[tuple[float, Found]], energy: float) -> F
         return tried[0][1]
     (one, first), (other, second) = tried
     gaps = [_gaps(path.system, found.result.displacement) for _, found in tried]
-    depths = [-min(float(one_side.min()), 0.0) for one_side in gaps]
+    depths = [-float(one_side.min(initial=0.0)) for one_side in gaps]
     if abs(depths[0] - depths[1]) > _DISTURBANCE * extent(path.system.problem):
         return first if depths[0] < depths[1] else second
     if abs(one - other) > _ALIKE * (energy - min(one, other)):
@@ -250,11 +250,14 @@ def _preferred(path: Path, tried: list[tuple[float, Found]], energy: float) -> F
 
 
 def _gaps(system: System, displacement: FloatArray) -> FloatArray:
-    """Return the gaps (size,) of all control points to the nearest substrate, for u (size, 2)."""
+    """Return the gaps (n,) of the control points to the nearest substrate, for u (size, 2).
+
+    Bodies without an interface have none.
+    """
     gaps, points = np.full(len(displacement), np.inf), system.spaces.control_points()
     for interface in system.problem.interfaces:
         place, substrate = system.spaces.places[interface.boundary.body], interface.substrate
         position = points[place] + displacement[place]
         gap = evaluate_substrate(substrate.kernel, substrate.parameters, position)[0]
         gaps[place] = np.minimum(gaps[place], gap)
-    return gaps
+    return gaps[gaps < np.inf]
