@@ -16,10 +16,11 @@ from isopeel.html_report.packing import packed, packed_positions, packed_stress
 from isopeel.html_report.region import substrate_region
 from isopeel.post.fields import SampledFields
 from isopeel.post.figures.reaction import is_reached, unstable_pieces, widest_turn
-from isopeel.post.findings import Findings, Shown, in_laboratory
+from isopeel.post.findings import Findings
 from isopeel.post.front import FrontProfile, front_profile
 from isopeel.post.laboratory import Laboratory
 from isopeel.post.law import law_character
+from isopeel.post.shown import Shown, in_laboratory
 from isopeel.post.states import (
     SMOOTH,
     DrawnState,

@@ -15,8 +15,8 @@ from isopeel.common.errors import InputError
 from isopeel.output.selection import shown_stage
 from isopeel.post.comparison import Compared, comparison, difference
 from isopeel.post.figures import comparison_figure, save
-from isopeel.post.findings import in_laboratory
 from isopeel.post.laboratory import short_unit
+from isopeel.post.shown import in_laboratory
 from isopeel.post.style import check_format
 from isopeel.results.curve import Curve
 from isopeel.results.files import replacing

@@ -19,9 +19,10 @@ from isopeel.post.figures import (
     tractions_figure,
 )
 from isopeel.post.figures.shapes import MOST_SHAPES, spread
-from isopeel.post.findings import Findings, Shown, in_laboratory
+from isopeel.post.findings import Findings
 from isopeel.post.laboratory import Laboratory
 from isopeel.post.plateau import unreadable
+from isopeel.post.shown import Shown, in_laboratory
 from isopeel.post.style import check_format
 from isopeel.results.fields import StoredState
 from isopeel.results.files import replacing

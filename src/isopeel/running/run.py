@@ -18,11 +18,12 @@ from isopeel.case import Case, Stage, load_case, shipped_cases
 from isopeel.common.errors import InputError
 from isopeel.common.interrupts import check, deferred, leave_time
 from isopeel.post.figures import reaction_figure, save, shapes_figure
-from isopeel.post.findings import Findings, find, in_laboratory
+from isopeel.post.findings import Findings, find
 from isopeel.post.laboratory import Laboratory
 from isopeel.post.locking import locking_notes
 from isopeel.post.mesh_error import mesh_changes
 from isopeel.post.resolution_notes import estimate_notes
+from isopeel.post.shown import in_laboratory
 from isopeel.post.summary import summarize
 from isopeel.post.summary_table import summary_rows
 from isopeel.post.table import write_curve
