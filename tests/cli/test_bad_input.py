@@ -123,7 +123,7 @@ def test_what_would_fill_memory_or_terminal_ends_with_2_and_one_line(
     class Memory:
         available = 200 * 2**20
 
-    monkeypatch.setattr("isopeel.running.run.virtual_memory", lambda: Memory)
+    monkeypatch.setattr("isopeel.running.checks.virtual_memory", lambda: Memory)
     file = tmp_path / "bad.toml"
     file.write_text(text)
     assert main(["run", str(file), "--out", str(tmp_path / "out")]) == 2

@@ -239,7 +239,7 @@ def fail_at(number: int, monkeypatch: pytest.MonkeyPatch, error: BaseException) 
         yield from islice(isopeel.trace(*arguments, **options), number)
         raise error
 
-    monkeypatch.setattr("isopeel.running.run.trace", failing)
+    monkeypatch.setattr("isopeel.running.stage_steps.trace", failing)
 
 
 @pytest.mark.parametrize("error", [KeyboardInterrupt(), ZeroDivisionError()])

@@ -81,7 +81,9 @@ def test_a_run_of_any_text_continues(about: str, tmp_path: Path, capsys: pytest.
     file.write_text(f'name = "text"\nabout = "{escaped}"\n{BODY}', encoding="utf-8")
     with pytest.MonkeyPatch.context() as patch:
         # marked as the figures of isopeel are, or the next command would not replace them
-        patch.setattr("isopeel.running.run.save", lambda _, path: path.write_bytes(b"Creator\0isopeel"))
+        patch.setattr(
+            "isopeel.running.stage_results.save", lambda _, path: path.write_bytes(b"Creator\0isopeel")
+        )
         assert main(["run", str(file), "--out", out]) == 0
         assert main(["resume", out]) == 0
     assert "\x1b[2J" not in capsys.readouterr().out

@@ -32,7 +32,7 @@ def the_error(capsys: pytest.CaptureFixture[str]) -> str:
 
 @pytest.mark.parametrize("code", [errno.ENOSPC, errno.EMFILE, errno.EDQUOT, errno.EIO])
 @pytest.mark.parametrize(
-    "where", ["isopeel.case.load_case", "isopeel.running.run.run_case", "isopeel.running.run.places"]
+    "where", ["isopeel.case.load_case", "isopeel.running.run.run_case", "isopeel.running.stage_run.places"]
 )
 def test_an_error_that_comes_early_is_reported(
     code: int, where: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]

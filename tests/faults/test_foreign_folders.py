@@ -18,7 +18,9 @@ OUT = Path("out/strip")
 def _in_a_folder_of_its_own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     # pictures take most of the time, and what they show is of no matter here
-    monkeypatch.setattr("isopeel.running.run.save", lambda _, path: path.write_bytes(b"Creator\0isopeel"))
+    monkeypatch.setattr(
+        "isopeel.running.stage_results.save", lambda _, path: path.write_bytes(b"Creator\0isopeel")
+    )
 
 
 def contents(folder: Path) -> dict[str, bytes]:
@@ -191,7 +193,7 @@ def test_a_finished_run_is_kept_until_another_one_has_finished(
     assert main(["run", "strip", *SMALL, "3"]) == 0
     finished = (OUT / "run.h5").read_bytes()
     with monkeypatch.context() as patch:
-        patch.setattr("isopeel.running.run.check", _interrupting(2))
+        patch.setattr("isopeel.running.stage_steps.check", _interrupting(2))
         assert main(["run", "strip", *SMALL, "3"]) == 130
     aside = OUT / "run.earlier.h5"
     assert f"the finished run that was there before is kept: {aside}" in capsys.readouterr().out
@@ -208,7 +210,7 @@ def test_nothing_is_kept_of_a_run_that_was_not_replaced(
     assert main(["run", "strip", *SMALL, "2"]) == 0
     before = contents(OUT)
     with monkeypatch.context() as patch:
-        patch.setattr("isopeel.running.run.RunWriter.append", lambda *_: _interrupting(1)())
+        patch.setattr("isopeel.running.stage_steps.RunWriter.append", lambda *_: _interrupting(1)())
         assert main(["run", "strip", *SMALL, "2"]) == 130
     assert contents(OUT) == before
 
@@ -234,7 +236,7 @@ def test_an_unfinished_run_is_not_replaced_unless_forced(
 ) -> None:
     with monkeypatch.context() as patch:
         if ending == "interrupted":
-            patch.setattr("isopeel.running.run.check", _interrupting(2))
+            patch.setattr("isopeel.running.stage_steps.check", _interrupting(2))
             assert main(["run", "strip", *SMALL, "3"]) == 130
         else:
             patch.setattr("isopeel.results.run_writer.RunWriter.end", lambda *_: None)
@@ -282,7 +284,7 @@ def test_resuming_replaces_no_file_that_isopeel_did_not_write(
     name: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     with monkeypatch.context() as patch:
-        patch.setattr("isopeel.running.run.check", _interrupting(2))
+        patch.setattr("isopeel.running.stage_steps.check", _interrupting(2))
         assert main(["run", "strip", *SMALL, "3"]) == 130
     (OUT / name).write_text("my own work with isopeel")
     before = contents(OUT)

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 import isopeel
-import isopeel.running.run
+import isopeel.running.stage_results
 from isopeel.cli import main
 from isopeel.common.interrupts import check, deferred, ending_this_process
 
@@ -44,7 +44,7 @@ def interrupted_fork(arguments: tuple[str, ...], figures: bool, *seconds: float)
             signal.signal(signal.SIGINT, signal.default_int_handler)
             sys.argv = ["isopeel", *arguments]
             if not figures:
-                vars(isopeel.running.run)["save"] = lambda _, path: path.write_bytes(b"")
+                vars(isopeel.running.stage_results)["save"] = lambda _, path: path.write_bytes(b"")
             with ending_this_process():
                 os.write(write_end, b"!")
                 code = main()

@@ -6,7 +6,8 @@ import pytest
 
 from isopeel.cli import main
 from isopeel.common.errors import InputError
-from isopeel.running.folder import LOCK, alone_in
+from isopeel.running.folder import LOCK
+from isopeel.running.lock import alone_in
 
 SMALL = ("--mesh", "10x1", "--space", "L1", "--to", "1", "--step", "1")
 

@@ -47,7 +47,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     home = tmp_path_factory.mktemp("micro")
     (home / "case.toml").write_text(CASE)
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("isopeel.running.run.save", lambda _, path: path.touch())
+        patch.setattr("isopeel.running.stage_results.save", lambda _, path: path.touch())
         assert main(["run", str(home / "case.toml"), "--out", str(home / "out")]) == 0
     return home / "out"
 

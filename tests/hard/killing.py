@@ -52,9 +52,11 @@ def in_a_fork(
             _report_to(os.open(reports, os.O_WRONLY | os.O_CREAT | os.O_TRUNC | os.O_APPEND))
             run_writer._SAVE_SECONDS = save_seconds
             if not figures:
-                import isopeel.running.run
+                import isopeel.running.stage_results
 
-                vars(isopeel.running.run)["save"] = lambda _, path: path.write_bytes(b"Creator\0isopeel")
+                vars(isopeel.running.stage_results)["save"] = lambda _, path: path.write_bytes(
+                    b"Creator\0isopeel"
+                )
             code = main(arguments)
             sys.stdout.flush()
         finally:

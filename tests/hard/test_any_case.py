@@ -15,7 +15,7 @@ from cases import AROUND, BODIES, LAWS, MATERIALS, OPTIONS, SUBSTRATES, document
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-import isopeel.running.run
+import isopeel.running.stage_results
 from isopeel.cli import main
 
 # figures that Ctrl-C interrupts leave their files to be closed later
@@ -62,7 +62,7 @@ def outcome(text: str, options: list[str], figures: bool) -> tuple[int, str]:
     began = perf_counter()
     with tempfile.TemporaryDirectory() as folder, pytest.MonkeyPatch.context() as patch:
         if not figures:
-            patch.setattr(isopeel.running.run, "save", lambda _, path: path.touch())
+            patch.setattr(isopeel.running.stage_results, "save", lambda _, path: path.touch())
         Path(folder, "case.toml").write_text(text, encoding="utf-8")
         lay_files(Path(folder))
         signal.setitimer(signal.ITIMER_REAL, PATIENCE, LIMIT - PATIENCE)

@@ -20,7 +20,8 @@ import isopeel
 from isopeel.cli import main
 from isopeel.results.run_file import read_run
 from isopeel.results.run_writer import RunWriter
-from isopeel.running.folder import FILES, alone_in
+from isopeel.running.folder import FILES
+from isopeel.running.lock import alone_in
 
 SMALL = ("--mesh", "20x2", "--space", "L1", "--to", "6", "--step", "1")
 OUT = Path("out/strip")
@@ -39,7 +40,7 @@ def interrupt_at(number: int, monkeypatch: pytest.MonkeyPatch) -> None:
         for _ in range(2):
             signal.raise_signal(signal.SIGINT)
 
-    monkeypatch.setattr("isopeel.running.run.trace", interrupted)
+    monkeypatch.setattr("isopeel.running.stage_steps.trace", interrupted)
 
 
 def rows(folder: Path = OUT) -> list[str]:

@@ -148,17 +148,13 @@ def resume(
 
 def _ended(result: "Result", folder: Path) -> int:
     """Print how a run ended, and return the exit code for it."""
-    from isopeel.running.run import failure_message
-    from isopeel.running.run_reader import read_stages
+    from isopeel.running.failure import failure_message
 
     run, stage_folder = result
     if run.ending == "interrupted":
         return fail(INTERRUPTED, f"interrupted; {interrupted_message(folder)}")
     if run.failure is not None:
-        (stored,) = read_stages(stage_folder)
-        at = stored.laboratory.parameter(run.curve.parameter_column, run.failure.parameter)
-        failure = run.failure._replace(reason=stored.laboratory.sentence(run.failure.reason))
-        return fail(NOT_CONVERGED, failure_message(failure, at, stage_folder, folder))
+        return fail(NOT_CONVERGED, failure_message(run.failure, stage_folder, folder))
     return COMPLETED
 
 

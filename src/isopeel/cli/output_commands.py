@@ -147,7 +147,7 @@ def view(
 @command
 def cases() -> int:
     """List the shipped cases."""
-    from isopeel.running.run import cases_table
+    from isopeel.output.cases import cases_table
 
     console().print(cases_table())
     return COMPLETED

@@ -1,23 +1,15 @@
-"""The folder of a run: the names of its files, and the lock by which only one process writes to it."""
+"""The folder of a run: the names of its files, and what may be written there."""
 
 import os
 import re
-from collections.abc import Iterable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from tempfile import TemporaryFile
 from typing import NamedTuple
 
-from filelock import FileLock, Timeout
-
 from isopeel.common.errors import InputError
 from isopeel.results.files import is_written_by_isopeel, kind_of, part_of
 from isopeel.results.journal import journal_path
-
-try:
-    import fcntl
-except ImportError:  # on Windows, where stages are locked by the lock of their run alone
-    fcntl = None  # type: ignore[assignment]
 
 #: Files that a run leaves in its folder.
 FILES = ("run.h5", "curve.csv", "summary.json", "curve.png", "shapes.png")
@@ -36,8 +28,6 @@ LOCK, STAGE_FOLDER = ".lock", re.compile(r"\d{1,9}(?=-)")
 _OF_NOBODY = (".DS_Store", "Thumbs.db", "desktop.ini")
 _PART = re.compile(r"\.[^.].*\.part\.[a-z0-9]+")
 _MOST_NAMES = 3  # in one line
-# a pipe in place of a file would block
-_NO_LINK = getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0)
 
 
 class Place(NamedTuple):
@@ -140,7 +130,7 @@ def check_folder(out: Path) -> None:
     """
     make_folder(out)
     for name in (*FILES, journal_path(out / FILES[0]).name, LOCK):
-        _check_kind("--out", out, out / name)
+        check_is_no_other("--out", out, out / name)
 
 
 def clear_parts(out: Path) -> None:
@@ -195,7 +185,7 @@ def first_names(names: Sequence[str]) -> str:
     return listed + (f" and {len(names) - _MOST_NAMES} more" if len(names) > _MOST_NAMES else "")
 
 
-def _check_kind(field: str, folder: Path, path: Path) -> None:
+def check_is_no_other(field: str, folder: Path, path: Path) -> None:
     """Raise InputError where a path in a folder exists and is not a file."""
     try:
         kind = kind_of(path.lstat().st_mode)
@@ -203,50 +193,3 @@ def _check_kind(field: str, folder: Path, path: Path) -> None:
         return
     if kind:
         raise InputError(field, str(folder), f"{path.name} in it must be a file, but it is {kind}")
-
-
-@contextmanager
-def alone_in(folder: Path, field: str) -> Iterator[None]:
-    """Lock a folder, and the folders of its stages, against other processes while the context is open.
-
-    Raises InputError for a field where another process runs in it, in a folder above it, or in that of a
-    stage. Each process takes its own lock first and then looks for others: of two that begin at the same
-    time, at least one sees the other.
-    """
-    path = folder / LOCK
-    _check_kind(field, folder, path)
-    lock = FileLock(path)
-    try:
-        lock.acquire(blocking=False)
-    except Timeout as error:
-        raise InputError(field, str(folder), "another process runs in it; wait for it, or end it") from error
-    try:
-        whole = folder.resolve()
-        above = [whole.parent / LOCK] if STAGE_FOLDER.match(whole.name) else []
-        below = [other for other in folder.glob(f"*-*/{LOCK}") if STAGE_FOLDER.match(other.parent.name)]
-        for other in (*above, *below):
-            if _is_locked(other):
-                allowed = f"another process runs in {other.parent}; wait for it, or end it"
-                raise InputError(field, str(folder), allowed)
-        yield
-    finally:
-        path.unlink(missing_ok=True)
-        lock.release()
-
-
-def _is_locked(path: Path) -> bool:
-    """Return whether another process holds a lock; its file is not changed."""
-    try:
-        number = os.open(path, os.O_RDWR | _NO_LINK)
-    except OSError:
-        return False  # there is no lock, or its file cannot be read
-    try:
-        if fcntl is not None:
-            fcntl.flock(number, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except BlockingIOError:
-        return True
-    except OSError:
-        return False  # on a file system without locks, only the lock of the folder itself is checked
-    finally:
-        os.close(number)
-    return False

@@ -135,14 +135,14 @@ def _has_finished(file: Path) -> bool:
         return False
 
 
-def kept_finished(out: Path) -> list[Path]:
+def kept_runs(out: Path) -> list[Path]:
     """Return the files of a finished run that are kept in a folder."""
     return sorted(file for file in (out / EARLIER, *out.glob(f"*-*/{EARLIER}")) if file.is_file())
 
 
-def let_go(out: Path, *, replaced: bool = True) -> None:
+def remove_kept(out: Path, *, replaced: bool = True) -> None:
     """Remove the kept files in a folder that a finished run has replaced, or that were never replaced."""
-    for file in kept_finished(out):
+    for file in kept_runs(out):
         run = file.with_name(FILES[0])
         if not replaced and not (run.exists() and run.samefile(file)):
             continue

@@ -6,12 +6,14 @@ from pathlib import Path
 import numpy as np
 from rich.console import Console
 
-from isopeel.case import Case, Stage, with_options
+from isopeel.case import Case, with_options
 from isopeel.common.errors import InputError
-from isopeel.post.laboratory import Laboratory
 from isopeel.results.run_file import StoredRun, read_run
-from isopeel.running.folder import FILES, alone_in, check_overwritten, places, run_files
-from isopeel.running.run import Result, check_later_stages, go_through, let_go_when_finished
+from isopeel.running.checks import check_later_stages
+from isopeel.running.folder import FILES, check_overwritten, run_files
+from isopeel.running.lock import alone_in
+from isopeel.running.run import Result, run_stages
+from isopeel.running.stage_run import StageRun, stage_runs
 from isopeel.solve.step import KINDS
 
 
@@ -26,18 +28,19 @@ def resume_case(
     """
     run_files(folder)  # nothing is written to a folder of something else
     with alone_in(folder, "DIR"):
-        case, stored = _found(folder, to, path_control)
-        check_later_stages(case)
-        where = places(case.name, [stage.name for stage in case.stages()], folder)
-        written = [place.folder / name for place in where for name in FILES[1:]]
+        runs, stored = _found(folder, to, path_control)
+        check_later_stages(runs)
+        written = [one.place.folder / name for one in runs for name in FILES[1:]]
         check_overwritten("DIR", written, remedy="move it to another folder")
         if path_control is not None:
             stored = {number: replace(run, failure=None) for number, run in stored.items()}
-        return let_go_when_finished(go_through(case, folder, console, stored), case, folder, console)
+        return run_stages(runs, folder, console, stored)
 
 
-def _found(folder: Path, to: str | None, path_control: str | None) -> tuple[Case, dict[int, StoredRun]]:
-    """Return the case of the run in a folder, and the stored runs of its stages by number."""
+def _found(
+    folder: Path, to: str | None, path_control: str | None
+) -> tuple[list[StageRun], dict[int, StoredRun]]:
+    """Return the stages of the run in a folder, and the stored runs of some of them by number."""
     files = run_files(folder)
     # the newest stage holds the case as it was last requested
     newest = files[-1]
@@ -46,30 +49,28 @@ def _found(folder: Path, to: str | None, path_control: str | None) -> tuple[Case
         case = Case.parse(run.case_text, str(newest))
     except InputError as error:
         raise InputError("DIR", str(folder), f"the case in it cannot be run any more: {error}") from error
-    case = with_options(case, to=to, path_control=path_control)
-    stages = case.stages()
-    where = places(case.name, [stage.name for stage in stages], folder)
+    runs = stage_runs(with_options(case, to=to, path_control=path_control), folder)
     stored = {}
-    for number, (stage, place) in enumerate(zip(stages, where, strict=True)):
-        if place.run_file in files:
+    for number, one in enumerate(runs):
+        if one.place.run_file in files:
             # a later stage continues from the end of this one, even if files of earlier stages are lost
-            stored[number] = read_run(place.run_file, journal=False)
-            _check_steps(case, stored[number], stage, folder, to)
+            stored[number] = read_run(one.place.run_file, journal=False)
+            _check_steps(one, stored[number], folder, to)
         elif stored:
             break
     if not stored:
         raise InputError("DIR", str(folder), f"{newest} is not a stage of the case in this folder")
-    return case, stored
+    return runs, stored
 
 
-def _check_steps(case: Case, run: StoredRun, stage: Stage, folder: Path, to: str | None) -> None:
+def _check_steps(one: StageRun, run: StoredRun, folder: Path, to: str | None) -> None:
     """Raise InputError where the steps of a stored run are not the first steps of a stage."""
     column = run.curve.parameter_column
-    steps = [column.shown(parameter) for parameter in stage.parameters]
+    steps = [column.shown(parameter) for parameter in one.stage.parameters]
     requested = run.curve.parameter[run.curve.kind == KINDS.index("requested")]
     if not np.isin(requested, steps).all():
         field, value = ("DIR", str(folder)) if to is None else ("--to", to)
-        laboratory = Laboratory.of(case.units.system(), stage.problem)
-        reached = f"{len(run.curve)} to {laboratory.parameter(column, float(run.curve.parameter[-1]))}"
+        last = one.laboratory.parameter(column, float(run.curve.parameter[-1]))
+        reached = f"{len(run.curve)} to {last}"
         allowed = f"it does not continue the steps so far, {reached}"
         raise InputError(field, value, allowed)

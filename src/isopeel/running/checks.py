@@ -1,0 +1,57 @@
+"""What is checked before the first step of a run: its later stages, the memory, and the discretization."""
+
+from collections.abc import Sequence
+
+from psutil import virtual_memory
+from rich.console import Console
+
+from isopeel.common.errors import InputError
+from isopeel.post.locking import locking_notes
+from isopeel.post.resolution_notes import estimate_notes
+from isopeel.results.notes import with_one_remedy
+from isopeel.running.stage_run import StageRun
+from isopeel.solve.newton import NewtonSettings
+from isopeel.solve.trace import check_stage
+
+
+def check_later_stages(runs: Sequence[StageRun]) -> None:
+    """Check the stages after the first one, as far as possible before they begin.
+
+    Raises InputError that names the stage; without this check the error could come after hours.
+    """
+    for number, one in enumerate(runs[1:], start=2):
+        stage = one.stage
+        try:
+            check_stage(stage.problem, one.spaces, NewtonSettings(path_control=stage.path_control))
+        except InputError as error:
+            named = one.case.named(error)
+            field = named.field.replace("drive.", f"drive.{number}.", 1)
+            raise InputError(field, error.value, f"in stage {number}, {error.allowed}") from error
+        check_memory(one)
+
+
+def check_memory(one: StageRun) -> None:
+    """Raise InputError where the displacements to store would fill the memory."""
+    stage, column = one.stage, one.stage.problem.drive.parameter_column
+    kept = min(abs(column.shown(stage.parameters[-1])) / stage.fields_every, len(stage.parameters))
+    # they are in memory three times: as they are, in one array, and in the image of the file
+    needed = 3 * 16 * sum(space.size for space in one.spaces.values()) * kept
+    free = virtual_memory().available
+    if needed > free:
+        gib = f"{needed / 2**30:.1f} GiB of memory, and {free / 2**30:.1f} GiB are free"
+        allowed = f"the displacements at its multiples need {gib}"
+        raise InputError("output.fields_every", f"{stage.fields_every:g} {column.unit}", allowed)
+
+
+def print_doubts(runs: Sequence[StageRun], console: Console, *, strict: bool) -> None:
+    """Print the doubts about the discretization; raise InputError for the first one where `strict`."""
+    notes = []
+    for one in runs:
+        problem, laboratory = one.stage.problem, one.laboratory
+        notes += estimate_notes(problem, one.spaces, laboratory)
+        notes += locking_notes(problem, one.spaces, laboratory)
+    for note in with_one_remedy(list(dict.fromkeys(notes))):
+        if strict:
+            mesh = ", ".join("{}x{}".format(*space.elements) for space in runs[0].spaces.values())
+            raise InputError("discretization.mesh", mesh, f"{note.subject}: {note.text}")
+        console.print(f"note: {note.text}", soft_wrap=True)

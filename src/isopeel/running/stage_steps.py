@@ -1,0 +1,127 @@
+"""The steps of one stage: they are computed, written and shown, until the stage ends."""
+
+from collections.abc import Iterable, Mapping
+from dataclasses import replace
+from time import perf_counter
+
+import numpy as np
+from rich.console import Console
+
+from isopeel.common.errors import InputError
+from isopeel.common.interrupts import check, deferred, leave_time
+from isopeel.post.table import write_curve
+from isopeel.results.layout import Layout
+from isopeel.results.provenance import Provenance
+from isopeel.results.run_file import Failure, StoredRun, read_run, run_attributes
+from isopeel.results.run_writer import RunWriter
+from isopeel.running.checks import check_memory
+from isopeel.running.folder import FILES
+from isopeel.running.progress import progress
+from isopeel.running.stage_results import print_results, write_results
+from isopeel.running.stage_run import StageRun
+from isopeel.solve.newton import ConvergenceError, NewtonSettings
+from isopeel.solve.step import Step
+from isopeel.solve.trace import trace
+
+
+def steps_of(one: StageRun) -> Iterable[Step]:
+    """Return the steps of a stage after the stored ones. Raises InputError where they cannot be computed."""
+    stage, last = one.stage, None if one.stored is None else one.stored.last
+    passed, rest = np.split(stage.parameters, [one.met])
+    try:
+        steps = trace(
+            stage.problem,
+            one.spaces,
+            rest,
+            NewtonSettings(path_control=stage.path_control),
+            start=() if last is None else [last],
+            passed=passed.tolist(),
+            base=one.base,
+            contact_points=one.case.discretization.contact_points,
+        )
+    except InputError as error:
+        raise one.case.named(error) from error
+    check_memory(one)
+    return steps
+
+
+def run_stage(one: StageRun, steps: Iterable[Step], console: Console) -> StoredRun:
+    """Compute the steps of a stage, write all its files, and print its results."""
+    began = perf_counter()
+    stage, place, stored = one.stage, one.place, one.stored
+    writer = RunWriter(
+        place.run_file,
+        stage.problem.drive,
+        one.case.text,
+        _attributes(one),
+        stage.fields_every,
+        place.outdated,
+        None if one.base is None else one.base.displacement,
+        stored,
+        0 if stored is None else read_run(place.run_file).journaled,
+        Layout.of(stage.problem, one.spaces, one.case.discretization.contact_points),
+    )
+    with deferred():
+        try:
+            with writer:
+                _follow(one, steps, writer, console)
+        finally:
+            _list_removed(writer, console)
+            # the table must hold the steps of the file, whatever happens in between
+            if writer.saved:
+                write_curve(place.folder / "curve.csv", writer.curve, stage.problem, one.laboratory)
+        run = replace(read_run(place.run_file), ending=writer.ending)
+        try:
+            results = write_results(one, run, perf_counter() - began)
+        except KeyboardInterrupt:
+            return replace(run, ending="interrupted")
+    if run.ending != "interrupted":
+        print_results(one, results, console)
+    return run
+
+
+def complete_stage(one: StageRun, run: StoredRun, console: Console) -> StoredRun:
+    """Print that the run of a stage is complete, and write the files that it lacks."""
+    reached = one.laboratory.parameter(run.curve.parameter_column, float(run.curve.parameter[-1]))
+    console.print(f"{one.place.title} is complete: {len(run.curve)} steps, to {reached}", soft_wrap=True)
+    if not all((one.place.folder / name).exists() for name in FILES):
+        write_results(one, run, float(run.curve.seconds.sum()))
+    return run
+
+
+def _attributes(one: StageRun) -> Mapping[str, str | int]:
+    if one.stored is not None:
+        return one.stored.attributes
+    units = one.case.units
+    stated = {"L0": units.length, "E0": units.stress, "stage": one.stage.name}
+    return {**stated, **run_attributes(one.stage.problem, one.spaces, Provenance.of_this_process())}
+
+
+def _follow(one: StageRun, steps: Iterable[Step], writer: RunWriter, console: Console) -> None:
+    """Pass the steps to their consumers, and set how the run ends."""
+    drive, requested = one.stage.problem.drive, len(one.stage.parameters)
+    try:
+        with progress(console, drive, requested, one.met, one.laboratory.parameter) as show:
+            for step in steps:
+                writer.append(step)
+                show(step)
+                _list_removed(writer, console)
+                if writer.saved:
+                    leave_time()
+                check()
+        check()
+        writer.end("completed")
+    except ConvergenceError as error:
+        parameter = drive.parameter_column.shown(error.parameter)
+        writer.end("not converged", Failure(parameter, error.reason, error.iterations, error.cause))
+    except KeyboardInterrupt:
+        if len(writer.curve) == 0:
+            raise
+        writer.end("interrupted")
+
+
+def _list_removed(writer: RunWriter, console: Console) -> None:
+    """Print which files of an earlier run have been removed since the last call."""
+    if writer.removed:
+        console.print(f"removed {', '.join(map(str, writer.removed))}", soft_wrap=True)
+        writer.removed.clear()
