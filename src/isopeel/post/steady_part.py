@@ -65,8 +65,8 @@ def steady_part(
 ) -> SteadyPart:
     """Return the steady part of a run of one body, with the closed form where that is valid."""
     curve = run.curve
-    said = theory(problem, space)
-    form, unproven = said.form, said.reason
+    expected = theory(problem, space)
+    form, unproven = expected.form, expected.reason
     if form is not None and run.base is not None:
         # a later stage reaches the same steady state by another path; but if the tape slides, the stage
         # before has stretched the part that lies on the substrate

@@ -15,11 +15,13 @@ def failure_message(failure: Failure, stage_folder: Path, folder: Path) -> str:
     (stored,) = read_stages(stage_folder)
     laboratory = stored.laboratory
     at = laboratory.parameter(stored.run.curve.parameter_column, failure.parameter)
+    iterations = [f"{number:9d}  {measure:.3e}" for number, measure in enumerate(failure.iterations, start=1)]
+    if iterations:
+        iterations.insert(0, "iteration  energy residual per unknown")
     lines = [
         f"no equilibrium at {at}: {laboratory.sentence(failure.reason)}",
         f"cause: {failure.cause}; {failure.hint}",
-        *["iteration  energy residual per unknown"][: len(failure.iterations)],
-        *(f"{number:9d}  {measure:.3e}" for number, measure in enumerate(failure.iterations, start=1)),
+        *iterations,
         f"all steps that converged before are in {stage_folder}",
         f"`isopeel resume {quote(str(folder))} --control CONTROL` continues it with another path control",
     ]

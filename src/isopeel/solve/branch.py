@@ -33,8 +33,8 @@ class End(NamedTuple):
 class Branch:
     """The branch of the last accepted state of a path, inside the next step.
 
-    Its results serve that step alone. Where the branch ends is kept by the caller for the next one, up to the
-    next requested parameter: so a path that continues from there has the same results.
+    Its results are for that step only. The caller passes the end of the branch to the next step, but not
+    beyond the next requested parameter: so a path that continues from there has the same results.
     """
 
     def __init__(self, path: Path, end: End | None = None) -> None:

@@ -15,7 +15,7 @@ from isopeel.solve.step import Found
 #: to 170 iterations, the jump of a block that comes off on a fine mesh many hundreds. When this limit was
 #: 200, a stamp of 60 x 10 elements came off as a whole where the full descent ends half open.
 _FAR = 3000
-#: The same under a load that is kept: a longer descent means that the load is too large.
+#: The same under a prescribed load: a longer descent means that the load is too large.
 _FAR_UNDER_LOAD = 700
 
 

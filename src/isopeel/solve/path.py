@@ -91,7 +91,7 @@ class Path:
         )
 
     def accepted_state(self, result: NewtonResult) -> AcceptedState:
-        """Return the accepted state of an equilibrium; that of the last one asked for is cached."""
+        """Return the accepted state of an equilibrium; the last result is cached."""
         if self._judged is None or self._judged[0] is not result:
             self._judged = result, AcceptedState.of(self.system, result)
         return self._judged[1]

@@ -46,9 +46,9 @@ class Solver:
         return self._quasi_newton is not None
 
     def accept(self, found: Found, state: AcceptedState) -> AcceptedState:
-        """Store the accepted state of an equilibrium, and return it with its rate corrected.
+        """Store the accepted state of an equilibrium; return it, its rate corrected for the residual.
 
-        What the equilibrium lacks is known by its residual. The system has the history of it then.
+        The system then has the history after this state.
         """
         result = found.result
         if found.leaves_branch:
