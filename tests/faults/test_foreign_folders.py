@@ -94,7 +94,7 @@ def test_what_is_of_no_run_is_refused_and_stays(
     named, before = plant(Path("mine")), contents(Path("mine"))
     assert main(["run", "strip", *SMALL, "1", "--out", "mine"]) == 2
     error = the_error(capsys)
-    assert f"'mine' cannot be used; it contains {named}" in error or f"{named} in it is no run" in error
+    assert f"'mine' cannot be used; it contains {named}" in error or f"{named} in it is not a run" in error
     assert "--force" in error
     assert contents(Path("mine")) == before
 
@@ -119,7 +119,7 @@ def test_notes_beside_a_run_of_the_case_are_refused_too(capsys: pytest.CaptureFi
         (OUT / name).write_text("mine")
     before = contents(OUT)
     assert main(["run", "strip", *SMALL, "1"]) == 2
-    assert "it contains a.md, b.md, c.md and 1 more, which are of no run" in the_error(capsys)
+    assert "it contains a.md, b.md, c.md and 1 more, which are not part of a run" in the_error(capsys)
     assert contents(OUT) == before
 
 
@@ -196,7 +196,7 @@ def test_a_finished_run_is_kept_until_another_one_has_finished(
         patch.setattr("isopeel.running.stage_steps.check", _interrupting(2))
         assert main(["run", "strip", *SMALL, "3"]) == 130
     aside = OUT / "run.earlier.h5"
-    assert f"the finished run that was there before is kept: {aside}" in capsys.readouterr().out
+    assert f"the earlier finished run is kept: {aside}" in capsys.readouterr().out
     assert isopeel.read_run(OUT / "run.h5").ending == "interrupted"
     assert aside.read_bytes() == finished
     again = ["resume", "out/strip"] if resumed else ["run", "strip", *SMALL, "3", "--force"]

@@ -122,7 +122,7 @@ def a_link_to_a_file(path: Path) -> str:
 
 def a_file(path: Path) -> str:
     path.write_text("mine")
-    return f"{path} is no folder"
+    return f"{path} is not a folder"
 
 
 @pytest.mark.posix

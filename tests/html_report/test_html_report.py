@@ -234,7 +234,7 @@ def test_the_command_refuses_in_one_line(
     folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     cases: list[tuple[list[str], str]] = [
-        ([str(tmp_path / "nowhere")], "it is no folder"),
+        ([str(tmp_path / "nowhere")], "it is not a folder"),
         ([str(tmp_path)], "there is no run.h5 in it"),
         ([str(folder), "--out", str(tmp_path)], "it is a folder, which is never replaced"),
         ([str(folder), "--out", str(tmp_path / "no" / "a.html")], "cannot be written"),

@@ -187,8 +187,8 @@ def test_bad_input_is_one_line(run: Path, capsys: pytest.CaptureFixture[str]) ->
     broken.mkdir()
     (broken / "run.h5").write_bytes(b"nothing")
     for arguments, message in (
-        (["none"], ["DIR", "'none'", "no folder"]),
-        (["file"], ["DIR", "'file'", "no folder"]),
+        (["none"], ["DIR", "'none'", "not a folder"]),
+        (["file"], ["DIR", "'file'", "not a folder"]),
         (["empty"], ["DIR", "'empty'", "no run.h5"]),
         (["broken"], ["broken/run.h5", "the file of a run is needed"]),
         (["out", "--linear", "0"], ["--linear", "0", "1 to 20"]),

@@ -243,7 +243,7 @@ def test_what_cannot_be_viewed(
 def test_what_is_no_run_is_refused(
     command: str, runs: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    assert "it is no folder" in refused(capsys, command, tmp_path / "nowhere")
+    assert "it is not a folder" in refused(capsys, command, tmp_path / "nowhere")
     assert "there is no run.h5 in it" in refused(capsys, command, tmp_path)
     stored = read_run(runs / "L1" / "run.h5")
     last = stored.states[-1]
@@ -317,6 +317,6 @@ def test_a_new_run_removes_the_figures_of_the_old_one(tmp_path: Path) -> None:
     assert main(["plot", str(tmp_path), "--only", "curve", "--format", "pdf"]) == 0
     mine = tmp_path / "figures" / "mine.pdf"
     mine.touch()
-    assert main(run) == 2  # as it holds what is of no run
+    assert main(run) == 2  # as it holds a file that is not part of a run
     assert main([*run, "--force"]) == 0
     assert list((tmp_path / "figures").iterdir()) == [mine]

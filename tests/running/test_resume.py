@@ -98,7 +98,7 @@ def test_a_run_is_extended_to_a_later_end(capsys: pytest.CaptureFixture[str]) ->
     assert isopeel.Case.parse(isopeel.read_run(OUT / "run.h5").case_text).drive[0].to == "9.0 deg"
     capsys.readouterr()
     assert main(["resume", "out/strip", "--to", "4"]) == 2
-    message = "--to: '4' cannot be used; it does not continue the steps so far, 10 to 9 deg"
+    message = "--to: '4' cannot be used; it does not continue the stored steps, 10 to 9 deg"
     assert message in capsys.readouterr().err
 
 
@@ -135,7 +135,7 @@ def test_what_is_no_run_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
     Path("text").mkdir()
     Path("text/run.h5").write_text("no HDF5")
     for folder, message in (
-        ("none", "it is no folder"),
+        ("none", "it is not a folder"),
         ("empty", "there is no run.h5 in it"),
         ("text", "the file of a run is needed"),
     ):

@@ -40,7 +40,7 @@ def test_the_folder_of_a_stage_holds_that_stage(staged: Path) -> None:
 
 
 def test_what_is_no_folder_of_a_run_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="it is no folder"):
+    with pytest.raises(InputError, match="it is not a folder"):
         read_stages(tmp_path / "nowhere")
     with pytest.raises(InputError, match=r"there is no run\.h5 in it"):
         read_stages(tmp_path)
@@ -57,7 +57,7 @@ def test_a_file_that_does_not_fit_to_its_case_is_refused(staged: Path, tmp_path:
     for changed, message in (
         (replace(run, attributes=attributes), "it lacks dofs"),
         (replace(run, attributes={**run.attributes, "stage": "other"}), "of another case"),
-        (replace(run, attributes={**run.attributes, "stage": "press"}), "of another drive"),
+        (replace(run, attributes={**run.attributes, "stage": "press"}), "belongs to another drive"),
         (replace(run, states=other_states, last=None, base=None), "of another case"),
         (replace(run, case_text="no TOML"), "the case in it cannot be read any more"),
     ):

@@ -326,11 +326,11 @@ def cracks(curve: Curve, found: Fronts, of: str = "") -> list[Reading]:
     if not found or max(found) != len(curve) - 1:
         return []
     front = found[max(found)]
-    words = "traction above half its peak"
+    words = "where the traction exceeds half of its peak"
     zone = Reading(f"process zone{of}", front.zone.length, "length", words=words)
     if front.crack_length is None:
         return [zone]
-    words = "loaded end to largest traction"
+    words = "from the loaded end to the largest traction"
     return [Reading(f"crack length{of}", front.crack_length, "length", words=words), zone]
 
 

@@ -85,7 +85,7 @@ def run_files(folder: Path) -> list[Path]:
     Raises InputError where there is none.
     """
     if not folder.is_dir():
-        raise InputError("DIR", str(folder), "the folder of a run is needed, but it is no folder")
+        raise InputError("DIR", str(folder), "the folder of a run is needed, but it is not a folder")
     files = [folder / FILES[0]] if (folder / FILES[0]).exists() else stage_files(folder)
     if not files:
         allowed = f"the folder of a run is needed, but there is no {FILES[0]} in it"
@@ -114,12 +114,12 @@ def make_folder(out: Path, field: str = "--out") -> None:
 
 
 def _obstacle(folder: Path) -> str:
-    """Return what is in the place of a folder, or of one above it, and is no folder; else an empty text."""
+    """Return what is where a folder, or one above it, should be, and is not one; else an empty string."""
     for path in (*reversed(folder.parents), folder):
         if os.path.lexists(path) and not path.is_dir():
             if path.is_symlink():
                 return f"{path} is a link to {path.readlink()}, where there is no folder"
-            return f"{path} is no folder"
+            return f"{path} is not a folder"
     return ""
 
 

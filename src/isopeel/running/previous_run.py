@@ -61,7 +61,7 @@ def check_foreign(out: Path) -> None:
         return
     others = sorted(str(path.relative_to(out)) for path in _foreign(out, stages_too=True))
     if others:
-        what = "which is of no run" if len(others) == 1 else "which are of no run"
+        what = "which is not part of a run" if len(others) == 1 else "which are not part of a run"
         allowed = (
             f"it contains {first_names(others)}, {what}; {_ANOTHER}, which replaces the files of a run in it,"
             " and leaves all others"
@@ -82,7 +82,7 @@ def check_previous(case: Case, stages: Sequence[Stage], out: Path) -> str:
         try:
             runs.append(read_run(file))
         except InputError as error:
-            allowed = f"{file.name} in it is no run that this version reads; {_ANOTHER}"
+            allowed = f"{file.name} in it is not a run that this version can read; {_ANOTHER}"
             raise InputError("--out", str(file.parent), allowed) from error
         document = _document(runs[-1].case_text)
         other = document.get("name")

@@ -72,5 +72,5 @@ def _check_steps(one: StageRun, run: StoredRun, folder: Path, to: str | None) ->
         field, value = ("DIR", str(folder)) if to is None else ("--to", to)
         last = one.laboratory.parameter(column, float(run.curve.parameter[-1]))
         reached = f"{len(run.curve)} to {last}"
-        allowed = f"it does not continue the steps so far, {reached}"
+        allowed = f"it does not continue the stored steps, {reached}"
         raise InputError(field, value, allowed)

@@ -89,7 +89,7 @@ def run_stages(
         remove_kept(out)
     elif kept := kept_runs(out):
         names = ", ".join(map(str, kept))
-        console.print(f"the finished run that was there before is kept: {names}", soft_wrap=True)
+        console.print(f"the earlier finished run is kept: {names}", soft_wrap=True)
     return result
 
 

@@ -73,7 +73,7 @@ def _read_stage(file: Path) -> StoredStage:
     stage = stages[number - 1]
     columns = stage.problem.drive.parameter_column, stage.problem.drive.reaction_column
     if (run.curve.parameter_column, run.curve.reaction_column) != columns:
-        raise InputError("FILE", str(file), "the file of a run is needed: its curve is of another drive")
+        raise InputError("FILE", str(file), "the file of a run is needed: its curve belongs to another drive")
     title = f"{case.name}, stage {number}: {stage.name}" if len(stages) > 1 else case.name
     return StoredStage(title, file.parent, case, stage, spaces, run)
 
