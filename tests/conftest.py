@@ -1,6 +1,7 @@
 """What all tests need of the process that they run in."""
 
 import signal
+from pathlib import Path
 
 import pytest
 
@@ -28,6 +29,12 @@ def pytest_runtest_setup(item: pytest.Item) -> None:
     """Skip tests of the chord tangent where there is none."""
     if item.config.getoption("--plain") and item.get_closest_marker("chord_tangent"):
         pytest.skip("it tests the chord tangent itself")
+
+
+@pytest.fixture
+def in_own_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let the test write into a folder of its own."""
+    monkeypatch.chdir(tmp_path)
 
 
 def let_it_be_interrupted() -> None:
