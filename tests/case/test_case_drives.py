@@ -4,21 +4,9 @@ import numpy as np
 import pytest
 
 from isopeel import Boundary, Case, HeldLoad, InputError, MovedSide, PulledSide, RotatedSide, load_case
+from two_arms import PULLED_APART, TWO_ARMS
 
 ONE = load_case("strip").text
-BODY = """
-[[body]]
-name = "{name}"
-at = ["0 nm", "{at}"]
-shape = "strip"
-length = "20 nm"
-height = "2 nm"
-material = {{ law = "neo-hooke", youngs_modulus = "2 GPa", poissons_ratio = 0.3 }}
-
-[[support]]
-boundary = "{name}.left"
-holds = "xy"
-"""
 PEEL = """
 [[drive]]
 name = "peel"
@@ -26,14 +14,8 @@ kind = "force"
 angle = "90 deg"
 to = "1 nm"
 step = "0.5 nm"
-
-[[drive.on]]
-boundary = "upper.right"
-
-[[drive.on]]
-boundary = "lower.right"
-factor = -1.0
-
+"""
+LIFT = """
 [[drive]]
 kind = "displacement"
 angle = "90 deg"
@@ -52,12 +34,7 @@ end = "10 nm"
 force = "0.02 N/m"
 angle = "-90 deg"
 """
-TWO = (
-    'name = "two"\n[discretization]\nspace = "N2"\nmesh = "10x1"\n'
-    + BODY.format(name="upper", at="0 nm")
-    + BODY.format(name="lower", at="-3 nm")
-    + PEEL
-)
+TWO = TWO_ARMS + PEEL + PULLED_APART + LIFT
 
 
 def test_boundaries_factors_and_loads_are_read() -> None:

@@ -8,37 +8,19 @@ import pytest
 
 from isopeel.cli import main
 from isopeel.running.run_reader import read_stages
+from two_arms import PULLED_APART, TWO_ARMS
 
-ARM = """
-[[body]]
-name = "{name}"
-at = ["0 nm", "{at}"]
-length = "20 nm"
-height = "2 nm"
-material = {{ law = "neo-hooke", youngs_modulus = "2 GPa", poissons_ratio = 0.3 }}
-
-[[support]]
-boundary = "{name}.left"
-holds = "xy"
-"""
 CASE = (
-    'name = "two-arms"\n[discretization]\nspace = "N2"\nmesh = "10x1"\n'
-    + ARM.format(name="upper", at="0 nm")
-    + ARM.format(name="lower", at="-3 nm")
+    TWO_ARMS
     + """
 [drive]
 kind = "force"
 angle = "90 deg"
 to = "1 nm"
 step = "0.25 nm"
-
-[[drive.on]]
-boundary = "upper.right"
-
-[[drive.on]]
-boundary = "lower.right"
-factor = -1.0
-
+"""
+    + PULLED_APART
+    + """
 [[load]]
 boundary = "upper.top"
 start = "10 nm"
