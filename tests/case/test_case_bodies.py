@@ -1,4 +1,4 @@
-"""Case files of several bodies, interfaces and supports: what they mean, and what is refused."""
+"""Case files of several bodies, interfaces and supports: what they mean."""
 
 import pickle
 import re
@@ -6,69 +6,11 @@ from math import pi
 
 import numpy as np
 import pytest
+from tape_texts import TWO, changed
 
 from isopeel import Circle, Flat, InputError, Mirrored, NeoHooke
 from isopeel.case import Case, SeveralBodies, load_case, with_options
 from isopeel.problem import Boundary, Support
-
-TWO = """
-name = "two-tapes"
-
-[[body]]
-name = "upper"
-length = "20 nm"
-height = "2 nm"
-at = ["0 nm", "10 nm"]
-material = { law = "neo-hooke", youngs_modulus = "2 GPa", poissons_ratio = 0.2 }
-space = "L1+N2"
-mesh = "20x2"
-across_degree = 1
-
-[[body]]
-name = "lower"
-length = "30 nm"
-height = "2 nm"
-material = { law = "neo-hooke", youngs_modulus = "1 GPa", poissons_ratio = 0.3, prestretch = 1.1 }
-
-[[interface]]
-boundary = "upper.bottom"
-law = "van-der-waals"
-hamaker_constant = "1e-19 J"
-equilibrium_distance = "0.4 nm"
-length = "15 nm"
-
-[[interface]]
-boundary = "lower.bottom"
-law = "exponential"
-strength = "80 MPa"
-work_of_adhesion = "0.03 J/m^2"
-start = "6 nm"
-end = 0.8
-irreversible = true
-
-[[support]]
-boundary = "upper.left"
-holds = "x"
-
-[[support]]
-boundary = "lower.top"
-length = "3 nm"
-holds = "xy"
-
-[discretization]
-space = "N2"
-mesh = "16x2"
-
-[drive]
-boundary = "upper.right"
-to = "10 deg"
-step = "1 deg"
-"""
-
-
-def changed(old: str, new: str) -> str:
-    assert old in TWO
-    return TWO.replace(old, new, 1)
 
 
 def test_bodies_interfaces_and_supports_are_those_of_the_tables() -> None:
@@ -179,34 +121,6 @@ def test_a_substrate_of_a_kind_lies_where_its_table_says() -> None:
     assert isinstance(Case.parse(mirrored).problem().interfaces[0].law, Mirrored)
 
 
-@pytest.mark.parametrize(
-    ("keys", "part"),
-    [
-        ("", (0.0, 1.0)),
-        ('length = "5 nm"', (0.0, 0.25)),
-        ('length = "5 nm"\nend = 1.0', (0.75, 1.0)),
-        ('length = "5 nm"\nstart = "10 nm"', (0.5, 0.75)),
-        ('length = "5 nm"\nend = "15 nm"', (0.5, 0.75)),
-        ('start = "5 nm"\nend = 0.5', (0.25, 0.5)),
-    ],
-)
-@pytest.mark.parametrize("side", ["bottom", "top"])
-def test_a_part_of_a_side_by_lengths_or_parameters(keys: str, part: tuple[float, float], side: str) -> None:
-    text = changed('length = "15 nm"', keys).replace("upper.bottom", f"upper.{side}")
-    assert Case.parse(text).problem().interfaces[0].boundary == Boundary("upper", side, *part)  # type: ignore[arg-type]
-
-
-def test_a_part_of_an_arc_is_found_by_its_length() -> None:
-    text = changed('length = "20 nm"', 'shape = "curved-strip"\nlength = "20 nm"\nradius = "15 nm"')
-    text = text.replace('length = "15 nm"', 'length = "5 nm"\nend = 1.0\nsubstrate = { kind = "flat" }')
-    problem = Case.parse(text).problem()
-    curve = problem.bodies[0].shape.boundary("bottom")
-    (first, _) = problem.interfaces
-    assert first.boundary.end == 1.0
-    # the root finder's tolerance
-    assert curve.length() - curve.length(first.boundary.start) == pytest.approx(5.0, rel=1e-12)
-
-
 def test_values_are_set_by_the_numbers_of_tables() -> None:
     case = Case.parse(TWO)
     other = case.with_values(
@@ -235,143 +149,3 @@ def test_stages_may_drive_different_bodies() -> None:
     case = Case.parse(TWO.replace("[drive]", "[[drive]]") + "[[drive]]\n" + stage)
     driven = [one.boundary.body for stage in case.stages() for one in stage.problem.driven]
     assert driven == ["upper", "lower"]
-
-
-UPPER_NAME, LOWER_NAME = 'name = "upper"', 'name = "lower"'
-LAW = 'law = "van-der-waals"'
-BAD: list[tuple[str, str, str, str]] = [
-    (LOWER_NAME, UPPER_NAME, "body.2.name", "each body needs a name of its own"),
-    (LOWER_NAME, 'name = "a.b"', "body.2.name", "a name of letters, digits"),
-    (LOWER_NAME, "", "body.2.name", "the key is missing; a name of letters"),
-    ('"lower.bottom"', '"pad.bottom"', "interface.2.boundary", "the bodies are upper, lower"),
-    ('"lower.bottom"', '"lower.front"', "interface.2.boundary", "the sides are left, right, bottom, top"),
-    ('"lower.bottom"', '"lower"', "interface.2.boundary", "BODY.SIDE"),
-    ('"lower.bottom"', "3", "interface.2.boundary", "BODY.SIDE"),
-    ('"lower.top"', '"pad.top"', "support.2.boundary", "the bodies are upper, lower"),
-    ('"upper.right"', '"pad.right"', "drive.boundary", "the bodies are upper, lower"),
-    ('"upper.right"', '"upper.front"', "drive.boundary", "the sides are left, right, bottom, top"),
-    ('boundary = "upper.right"', 'side = "right"', "drive.side", "in place of a side"),
-    ('boundary = "upper.right"', "", "drive.boundary", "the key is missing; a boundary is needed"),
-    ("prestretch = 1.1", "prestretch = '1'", "body.2.material.prestretch", "a number is needed"),
-    ('law = "neo-hooke"', 'law = "steel"', "body.1.material.law", "one of these laws is needed"),
-    ('youngs_modulus = "1 GPa"', 'youngs_modulus = "1 N"', "body.2.material.youngs_modulus", "a stress"),
-    ("poissons_ratio = 0.3", "poissons_ratio = 0.7", "body.2.material.poissons_ratio", ""),
-    (LAW, 'law = "glue"', "interface.1.law", "one of these laws is needed"),
-    (LAW, "", "interface.1.law", "one of these laws is needed"),
-    (LAW, f'{LAW}\ntraction = "shear"', "interface.1.traction", "'reference' or 'projected'"),
-    (LAW, f"{LAW}\nbetween = ['upper.bottom', 'lower.top']", "interface.1.between", "not there yet"),
-    (LAW, f"{LAW}\nsubstrate = {{ kind = 'hill' }}", "interface.1.substrate.kind", "one of these kinds"),
-    (LAW, f"{LAW}\nsubstrate = {{ hight = '1 nm' }}", "interface.1.substrate.hight", "the keys are gap"),
-    (LAW, f"{LAW}\nsubstrate = 'flat'", "interface.1.substrate", "a table is needed"),
-    (LAW, f"{LAW}\nsliding_length = '-1 nm'", "interface.1.sliding_length", "it must be positive"),
-    ('length = "15 nm"', 'length = "25 nm"', "interface.1.length", "at most 20"),
-    ('length = "15 nm"', 'length = "15 nm"\nstart = "6 nm"', "interface.1.length", "which is 20 nm long"),
-    ('length = "15 nm"', 'start = "21 nm"', "interface.1.start", "which is 20 nm long"),
-    ('length = "15 nm"', "end = 1.5", "interface.1.end", "a number is the parameter along the side"),
-    ('length = "15 nm"', "start = 0.5\nend = 0.5", "interface.1.end", "beyond the start"),
-    ('length = "15 nm"', "length = '5 nm'\nstart = 0.1\nend = 0.5", "interface.1.length", "not with both"),
-    ('length = "15 nm"', "start = true", "interface.1.start", "a number from 0 to 1"),
-    ('start = "6 nm"', 'start = "6 N"', "interface.2.start", "a length is needed"),
-    ('holds = "x"', 'holds = "z"', "support.1.holds", "'x', 'y' or 'xy' is needed"),
-    ('holds = "x"', "", "support.1.holds", "the key is missing; 'x', 'y' or 'xy'"),
-    ('at = ["0 nm", "10 nm"]', 'at = ["0 nm"]', "body.1.at", "a list of 2 is needed"),
-    ('at = ["0 nm", "10 nm"]', 'at = ["0 nm", "1 Pa"]', "body.1.at", "a length is needed"),
-    ('at = ["0 nm", "10 nm"]', 'rotated = "10 nm"', "body.1.rotated", "an angle is needed"),
-    ('height = "2 nm"', 'height = "-2 nm"', "body.1.height", "it must be positive"),
-    ('height = "2 nm"', 'hight = "2 nm"', "body.1.hight", "there is no such key"),
-    ('mesh = "20x2"', 'mesh = "20"', "body.1.mesh", "elements along length x height"),
-    ('mesh = "20x2"', 'mesh = "20x20000"', "body.1.mesh", ""),
-    ('space = "L1+N2"', 'space = "Q"', "body.1.space", ""),
-    ('mesh = "16x2"', 'mesh = "16"', "discretization.mesh", "elements along length x height"),
-    ("[discretization]", "[adhesion]\n[discretization]", "adhesion", "each adhesion is an [[interface]]"),
-    ("[discretization]", "[held]\n[discretization]", "held", "is a [[support]]"),
-    ("[discretization]", "[material]\n[discretization]", "material", "a table in its [[body]]"),
-]
-
-
-@pytest.mark.parametrize(("old", "new", "field", "allowed"), BAD)
-def test_bad_values_name_their_key_and_what_is_allowed(old: str, new: str, field: str, allowed: str) -> None:
-    with pytest.raises(InputError) as caught:
-        Case.parse(changed(old, new))
-    assert caught.value.field == field
-    assert allowed in caught.value.allowed
-    assert str(caught.value).count("\n") == 0
-
-
-SHORT = load_case("strip").text
-
-
-@pytest.mark.parametrize(
-    ("text", "field", "allowed"),
-    [
-        ("body = []\n" + TWO[: TWO.index("[[body]]")], "body", "a table [[body]] is needed for each body"),
-        (TWO[: TWO.index("[[body]]")] + "[[support]]\n", "body", "a table [[body]] is needed"),
-        (SHORT + "[[support]]\n", "body", "with [[support]] each body is a [[body]] with a name"),
-        (SHORT.replace("[drive]", "[drive]\nboundary = 'body.right'"), "drive.boundary", "a side in place"),
-        (
-            re.sub(r"\[\[support\]\]\nboundary = \"lower(.*\n)+?\n", "", TWO).replace(
-                "lower.bottom", "upper.top"
-            ),
-            "body.2.name",
-            "nothing holds or drives this body",
-        ),
-    ],
-)
-def test_forms_that_are_mixed_or_empty_are_refused(text: str, field: str, allowed: str) -> None:
-    with pytest.raises(InputError) as caught:
-        Case.parse(text)
-    assert caught.value.field == field
-    assert allowed in caught.value.allowed
-
-
-@pytest.mark.parametrize("table", ["interface", "support"])
-def test_an_empty_list_is_refused(table: str) -> None:
-    text = re.sub(rf"\[\[{table}\]\]\n(.+\n)+", "", TWO)
-    with pytest.raises(InputError) as caught:
-        Case.parse(f"{table} = []\n{text}")
-    assert caught.value.field == table
-    assert f"a table [[{table}]] is needed" in caught.value.allowed
-
-
-def test_widths_of_bodies_must_agree() -> None:
-    wide = changed('length = "30 nm"', 'length = "30 nm"\nwidth = "1 mm"')
-    assert Case.parse(wide).width == 1e6
-    with pytest.raises(InputError, match=r"body\.2\.width: '1 mm' cannot be used; all bodies have one width"):
-        Case.parse(wide.replace('length = "20 nm"', 'length = "20 nm"\nwidth = "2 mm"'))
-
-
-def test_a_plane_does_not_lie_along_an_arc() -> None:
-    text = changed('length = "20 nm"', 'shape = "curved-strip"\nlength = "20 nm"\nradius = "15 nm"')
-    with pytest.raises(InputError, match=r"interface\.1\.substrate: .* along a straight boundary only"):
-        Case.parse(text)
-
-
-SECOND = """
-[[interface]]
-boundary = "upper.bottom"
-law = "exponential"
-strength = "80 MPa"
-work_of_adhesion = "0.03 J/m^2"
-{part}
-"""
-
-
-def test_parts_of_a_side_that_overlap_on_one_substrate_are_refused() -> None:
-    """Their adhesion would add up unnoticed. The first one ends at 15 nm."""
-    with pytest.raises(InputError) as caught:
-        Case.parse(TWO + SECOND.format(part='start = "14.9 nm"'))
-    assert caught.value.field == "interface.3.boundary"
-    assert caught.value.value == "upper.bottom"
-    assert "it overlaps interface.1 on the same substrate" in caught.value.allowed
-    # another substrate attracts it too
-    wall = 'substrate = { kind = "flat", height = "-5 nm" }'
-    assert len(Case.parse(TWO + SECOND.format(part=wall)).problem().interfaces) == 3
-
-
-def test_parts_of_a_side_may_meet() -> None:
-    """At a place that is a sum of lengths: 0.1 + 0.2 is not 0.3."""
-    text = changed('length = "15 nm"', 'start = "0.1 nm"\nlength = "0.2 nm"')
-    problem = Case.parse(text + SECOND.format(part='start = "0.3 nm"')).problem()
-    first, _, last = (one.boundary for one in problem.interfaces)
-    assert first.end > last.start
-    assert not first.overlaps(last)
