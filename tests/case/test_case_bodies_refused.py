@@ -109,3 +109,21 @@ def test_widths_of_bodies_must_agree() -> None:
     assert Case.parse(wide).width == 1e6
     with pytest.raises(InputError, match=r"body\.2\.width: '1 mm' cannot be used; all bodies have one width"):
         Case.parse(wide.replace('length = "20 nm"', 'length = "20 nm"\nwidth = "2 mm"'))
+
+
+@pytest.mark.parametrize(
+    ("table", "field"),
+    [("interface", "interface"), ("support", "support"), ("load", "load"), ("drive.on", "drive.on")],
+)
+def test_a_table_in_place_of_a_list_is_refused_without_its_content(table: str, field: str) -> None:
+    text = re.sub(rf"\[\[{table}\]\]\n(.+\n)+", "", TWO)
+    with pytest.raises(InputError) as caught:
+        Case.parse(f'{text}[{table}]\nboundary = "upper.left"\n')
+    allowed = f"write [[{table}]], as a case may have several of them"
+    assert str(caught.value) == f"{field}: '[{table}]' cannot be used; {allowed}"
+
+
+def test_the_stage_of_such_a_table_is_numbered() -> None:
+    text = TWO.replace("[drive]", "[[drive]]") + '[drive.on]\nboundary = "upper.left"\n'
+    with pytest.raises(InputError, match=r"^drive\.1\.on: '\[drive\.on\]' cannot be used; write \[\[drive"):
+        Case.parse(text)

@@ -30,6 +30,9 @@ def first_error(error: ValidationError, document: Mapping[str, Any], case: type[
             )
         case "value_error":
             return InputError(field, value, str(cause))
+        case "tuple_type" if isinstance(value, Mapping):
+            table = ".".join(part for part in place if isinstance(part, str))
+            return InputError(field, f"[{table}]", f"write [[{table}]], as a case may have several of them")
     needed = (key.description if key else None) or f"a table [{field}] is needed"
     if details["type"] == "missing":
         return InputError(field, None, f"the key is missing; {needed}")
