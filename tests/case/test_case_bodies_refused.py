@@ -6,7 +6,7 @@ import pytest
 from tape_texts import TWO, changed
 
 from isopeel import InputError
-from isopeel.case import Case, load_case
+from isopeel.case import Case, load_case, with_options
 
 UPPER_NAME, LOWER_NAME = 'name = "upper"', 'name = "lower"'
 LAW = 'law = "van-der-waals"'
@@ -127,3 +127,13 @@ def test_the_stage_of_such_a_table_is_numbered() -> None:
     text = TWO.replace("[drive]", "[[drive]]") + '[drive.on]\nboundary = "upper.left"\n'
     with pytest.raises(InputError, match=r"^drive\.1\.on: '\[drive\.on\]' cannot be used; write \[\[drive"):
         Case.parse(text)
+
+
+@pytest.mark.parametrize(("option", "value"), [("space", "N3"), ("mesh", "8x1")])
+def test_an_option_that_each_body_has_as_its_own_key_is_refused(option: str, value: str) -> None:
+    """It would have no effect."""
+    case = Case.parse(TWO).with_values({f"body.2.{option}": value})
+    with pytest.raises(InputError) as caught:
+        with_options(case, **{option: value})  # type: ignore[arg-type]
+    assert (caught.value.field, caught.value.value) == (f"--{option}", value)
+    assert f"each body has its own {option}; set body.1.{option}" in caught.value.allowed

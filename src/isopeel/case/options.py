@@ -3,6 +3,7 @@
 from collections.abc import Mapping, Sequence
 
 from isopeel.case.case import Case
+from isopeel.case.several_bodies import SeveralBodies
 from isopeel.case.values import as_written
 from isopeel.common.errors import InputError
 
@@ -48,6 +49,10 @@ def with_options(
     chosen = {option: value for option, value in given.items() if value is not None}
     if not chosen:
         return case
+    for option in ("space", "mesh"):
+        if option in chosen and isinstance(case, SeveralBodies) and case.each_has(option):
+            allowed = f"each body has its own {option}; set body.1.{option} and so on instead"
+            raise InputError(f"--{option}", chosen[option], allowed)
     keys = {option: _keys(case, option) for option in chosen}
     try:
         return case.with_values({key: chosen[option] for option in chosen for key in keys[option]})

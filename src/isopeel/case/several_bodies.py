@@ -43,6 +43,10 @@ class SeveralBodies(Case):
             for number, table in enumerate(self.body, start=1)
         }
 
+    def each_has(self, key: str) -> bool:
+        """Whether each body has a key of its own, so that the one of `discretization` has no effect."""
+        return all(getattr(table, key) is not None for table in self.body)
+
     def named(self, error: InputError) -> InputError:
         """Return an error of the system with the key of the case in place of its field."""
         for number, (table, space) in enumerate(zip(self.body, self.spaces().values(), strict=True), start=1):
