@@ -9,6 +9,7 @@ import numpy as np
 from isopeel.common.arrays import FloatArray, IntArray
 from isopeel.common.errors import InputError
 from isopeel.problem import Boundary, Problem
+from isopeel.problem.boundary import ROUND_OFF
 from isopeel.splines.nurbs import Side
 from isopeel.splines.rows import RowSpace
 
@@ -78,7 +79,9 @@ class Spaces:
         space, side = self.of[boundary.body], boundary.side
         along = {"bottom": space.rows[0], "top": space.rows[-1]}.get(side, space.across)
         ends = along.breakpoints
-        (elements,) = np.nonzero((ends[1:] > boundary.start) & (ends[:-1] < boundary.end))
+        # an end at a breakpoint meets it to round-off only, and takes no element more
+        start, end = boundary.start + ROUND_OFF, boundary.end - ROUND_OFF
+        (elements,) = np.nonzero((ends[1:] > start) & (ends[:-1] < end))
         first, last = along.first_functions[elements[[0, -1]]]
         return self.side(boundary.body, side)[first : last + along.degree + 1]
 

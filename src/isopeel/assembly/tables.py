@@ -9,6 +9,7 @@ from isopeel.assembly.spaces import Spaces
 from isopeel.common.arrays import BoolArray, FloatArray, IntArray
 from isopeel.common.errors import InputError
 from isopeel.problem import Body, Boundary
+from isopeel.problem.boundary import ROUND_OFF
 from isopeel.splines.nurbs import NurbsSurface, Side
 from isopeel.splines.rows import Basis, RowSpace
 
@@ -244,7 +245,7 @@ def element_ends(space: RowSpace, side: Side, part: tuple[float, float]) -> Floa
     """Return the parameters (E + 1,) of the ends of the elements of a part of a side."""
     start, end = part
     breakpoints = (space.across if side in ("left", "right") else space.rows[0]).breakpoints
-    inside = breakpoints[(breakpoints > start) & (breakpoints < end)]
+    inside = breakpoints[(breakpoints > start + ROUND_OFF) & (breakpoints < end - ROUND_OFF)]
     return np.concatenate([[start], inside, [end]])
 
 

@@ -8,8 +8,8 @@ from typing import NamedTuple, TypeAlias
 from isopeel.common.errors import InputError
 from isopeel.splines.nurbs import Side, check_side
 
-#: Shortest part in common, in the parameter: ends that meet are sums of lengths, to round-off.
-_ROUND_OFF = 1e-12
+#: Shortest part of a side, in the parameter: ends that meet are sums of lengths, to round-off.
+ROUND_OFF = 1e-12
 #: Largest factor, and inverse of the smallest: beyond it one boundary would move by round-off only.
 _LARGEST_FACTOR = 1e6
 
@@ -26,7 +26,7 @@ class Boundary:
     def __post_init__(self) -> None:
         """Check the side and the interval."""
         check_side("boundary.side", self.side)
-        if not 0 <= self.start < self.end <= 1:
+        if not (0 <= self.start < self.end - ROUND_OFF and self.end <= 1):
             raise InputError("boundary", (self.start, self.end), "need 0 <= start < end <= 1 along the side")
 
     @property
@@ -42,7 +42,7 @@ class Boundary:
     def overlaps(self, other: "Boundary") -> bool:
         """Return whether two boundaries have a part of a side in common, not only an end to round-off."""
         same = (self.body, self.side) == (other.body, other.side)
-        return same and min(self.end, other.end) - max(self.start, other.start) > _ROUND_OFF
+        return same and min(self.end, other.end) - max(self.start, other.start) > ROUND_OFF
 
 
 class Driven(NamedTuple):
