@@ -71,3 +71,23 @@ def test_parts_of_a_side_may_meet() -> None:
     first, _, last = (one.boundary for one in problem.interfaces)
     assert first.end > last.start
     assert not first.overlaps(last)
+
+
+HOLDS = '\n[[support]]\nboundary = "{boundary}"\nholds = "{holds}"\n'
+
+
+@pytest.mark.parametrize(
+    ("boundary", "holds", "before"), [("upper.left", "xy", 1), ("lower.top", "y", 2), ("upper.left", "x", 1)]
+)
+def test_supports_that_hold_a_component_twice_are_refused(boundary: str, holds: str, before: int) -> None:
+    with pytest.raises(InputError) as caught:
+        Case.parse(TWO + HOLDS.format(boundary=boundary, holds=holds))
+    assert (caught.value.field, caught.value.value) == ("support.3.boundary", boundary)
+    assert caught.value.allowed == f"support.{before} already holds a part of it; hold each part once"
+
+
+def test_supports_may_hold_other_components_or_meet() -> None:
+    """The lower tape's upper side is held up to 3 nm, and its left side shares the corner."""
+    others = HOLDS.format(boundary="upper.left", holds="y") + HOLDS.format(boundary="lower.left", holds="xy")
+    others += HOLDS.format(boundary="lower.top", holds="xy") + 'start = "3 nm"\nend = "4 nm"\n'
+    assert len(Case.parse(TWO + others).problem().supports) == 5

@@ -1,6 +1,7 @@
 """A peeling problem, as data."""
 
 from dataclasses import dataclass, replace
+from itertools import combinations
 from typing import Literal, TypeVar, get_args
 
 from isopeel.common.errors import InputError
@@ -109,7 +110,8 @@ class Problem:
     A drive that names no body acts on the first one. Any consistent units can be used: results call the unit
     of length L0 and that of stress E0, and are for a width of L0.
 
-    Raises InputError if two bodies have one name, or if a boundary is of no body.
+    Raises InputError if two bodies have one name, if a boundary is of no body, or if two supports hold the
+    same component on a part of a side.
     """
 
     name: str
@@ -120,7 +122,7 @@ class Problem:
     loads: tuple[HeldLoad, ...] = ()
 
     def __post_init__(self) -> None:
-        """Check the names."""
+        """Check the names, and the supports against each other."""
         names = [body.name for body in self.bodies]
         if not names or len(set(names)) < len(names):
             raise InputError("bodies", names, "at least one is needed, and no two may have the same name")
@@ -130,6 +132,11 @@ class Problem:
         for boundary in boundaries:
             if boundary.body not in names:
                 raise InputError("body", boundary.body, f"the bodies are {', '.join(names)}")
+        for (before, one), (number, other) in combinations(enumerate(self.supports, start=1), 2):
+            if one.boundary.overlaps(other.boundary) and {*one.components} & {*other.components}:
+                place = f"{other.boundary.body}.{other.side}"
+                allowed = f"support.{before} already holds a part of it; hold each part once"
+                raise InputError(f"support.{number}.boundary", place, allowed)
 
     @property
     def driven(self) -> tuple[Driven, ...]:
