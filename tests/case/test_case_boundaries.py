@@ -59,6 +59,10 @@ def test_parts_of_a_side_that_overlap_on_one_substrate_are_refused() -> None:
     assert caught.value.field == "interface.3.boundary"
     assert caught.value.value == "upper.bottom"
     assert "it overlaps interface.1 on the same substrate" in caught.value.allowed
+    # the same plane, as a table of its own describes it
+    same = 'substrate = { kind = "flat", height = "10 nm", gap = "1 nm" }'
+    with pytest.raises(InputError, match=r"overlaps interface\.1 on the same substrate"):
+        Case.parse(TWO + SECOND.format(part=same))
     # another substrate attracts it too
     wall = 'substrate = { kind = "flat", height = "-5 nm" }'
     assert len(Case.parse(TWO + SECOND.format(part=wall)).problem().interfaces) == 3

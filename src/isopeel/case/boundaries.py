@@ -1,6 +1,7 @@
 """The tables [[interface]] and [[support]] of a case, and what is common to them: a part of a boundary."""
 
 from collections.abc import Mapping, Sequence
+from itertools import combinations
 from typing import Annotated, Any, Literal, NamedTuple, get_args
 
 import numpy as np
@@ -13,9 +14,10 @@ from isopeel.case.values import LengthKey, Section, read_quantity
 from isopeel.common.errors import InputError
 from isopeel.common.quantities import LENGTH
 from isopeel.common.units import UnitSystem, shown
-from isopeel.physics.substrates import Flat
+from isopeel.physics.substrates import Flat, Substrate
 from isopeel.problem import Boundary, Interface, Support
-from isopeel.problem.shapes.base import ROUND_OFF, parameter_at_length
+from isopeel.problem.boundary import ROUND_OFF
+from isopeel.problem.shapes.base import parameter_at_length
 from isopeel.splines.nurbs import NurbsCurve, Side
 
 _AN_END = (
@@ -26,8 +28,8 @@ _AN_END = (
 _STRAIGHT = 1e-12
 
 
-class Place(NamedTuple):
-    """A place on a side: a length from its start, or its parameter."""
+class End(NamedTuple):
+    """An end of a part of a side: a length from the start of the side, or the parameter."""
 
     value: float
     is_length: bool
@@ -41,23 +43,23 @@ class Place(NamedTuple):
         return _parameter_at(curve, self.value) if self.is_length else self.value
 
 
-def _read_place(written: object) -> Place:
+def _read_end(written: object) -> End:
     if isinstance(written, int | float) and not isinstance(written, bool):
-        return Place(float(written), is_length=False)
+        return End(float(written), is_length=False)
     if not isinstance(written, str):
         raise ValueError(_AN_END)
-    return Place(read_quantity(LENGTH, written), is_length=True)
+    return End(read_quantity(LENGTH, written), is_length=True)
 
 
-PlaceKey = Annotated[Place | None, PlainValidator(_read_place), Field(description=_AN_END)]
+EndKey = Annotated[End | None, PlainValidator(_read_end), Field(description=_AN_END)]
 
 
 class BoundaryTable(Section):
-    """A side of a body, or a part of it: between two places, or by its length from one of them."""
+    """A side of a body, or a part of it: between two ends, or by its length from one of them."""
 
     boundary: Annotated[str, Field(description=A_BOUNDARY)]
-    start: PlaceKey = None
-    end: PlaceKey = None
+    start: EndKey = None
+    end: EndKey = None
     length: LengthKey | None = None
 
     def part(self, key: str, bodies: Mapping[str, PlacedBody], units: UnitSystem) -> Boundary:
@@ -65,39 +67,42 @@ class BoundaryTable(Section):
         name, side = split_boundary(f"{key}.boundary", self.boundary, list(bodies))
         shape, body = bodies[name]
         curve = body.shape.boundary(side)
-        places = {"start": self.start, "end": self.end}
-        allowed = (
-            f"the part must lie on the side, which is {shown(_length_to(curve, 1.0), units, length=1)} long"
-        )
-        for field, place in places.items():
-            if place is not None and not 0 <= place.value <= (
-                _length_to(curve, 1.0) if place.is_length else 1.0
-            ):
-                if not place.is_length:
+        for field, end in (("start", self.start), ("end", self.end)):
+            if end is not None and not 0 <= end.value <= (_length_to(curve, 1.0) if end.is_length else 1.0):
+                allowed = _on_the_side(curve, units)
+                if not end.is_length:
                     allowed = f"a number is the parameter along the side, from 0 to 1; {allowed}"
-                raise InputError(f"{key}.{field}", place.value, allowed)
+                raise InputError(f"{key}.{field}", end.value, allowed)
         if self.length is None:
-            start = 0.0 if self.start is None else self.start.parameter(curve)
-            end = 1.0 if self.end is None else self.end.parameter(curve)
-        elif self.length <= 0 or None not in places.values():
-            allowed = "it must be positive, and stand with the start or the end of the part, not with both"
-            raise InputError(f"{key}.length", self.length, allowed)
-        elif self.start is None and self.end is None and side == "bottom":
+            first = 0.0 if self.start is None else self.start.parameter(curve)
+            last = 1.0 if self.end is None else self.end.parameter(curve)
+        elif self.start is None and self.end is None and side == "bottom" and self.length > 0:
             with named_by({"adhesion": key}):
-                start, end = shape.adhering_part(self.length)
+                first, last = shape.adhering_part(self.length)
         else:
+            first, last = self._by_length(self.length, key, curve, units)
+        if not last - first > ROUND_OFF:
+            raise InputError(f"{key}.end", last, "it must lie beyond the start of the part")
+        return Boundary(name, side, first, last)
+
+    def _by_length(
+        self, length: float, key: str, curve: NurbsCurve, units: UnitSystem
+    ) -> tuple[float, float]:
+        """Return the parameters between which a part of a length lies, from one of its ends."""
+        if length <= 0 or (self.start is not None and self.end is not None):
+            allowed = "it must be positive, and stand with the start or the end of the part, not with both"
+            raise InputError(f"{key}.length", length, allowed)
+        if self.end is None:
             first = 0.0 if self.start is None else self.start.length(curve)
-            last = first + self.length
-            if self.end is not None:
-                last = self.end.length(curve)
-                first = last - self.length
-            total = _length_to(curve, 1.0)
-            if first < -ROUND_OFF * total or last > (1 + ROUND_OFF) * total:
-                raise InputError(f"{key}.length", self.length, allowed)
-            start, end = (_parameter_at(curve, min(max(at, 0.0), total)) for at in (first, last))
-        if not start < end:
-            raise InputError(f"{key}.end", end, "it must lie beyond the start of the part")
-        return Boundary(name, side, start, end)
+            last = first + length
+        else:
+            last = self.end.length(curve)
+            first = last - length
+        total = _length_to(curve, 1.0)
+        if first < -ROUND_OFF * total or last > (1 + ROUND_OFF) * total:
+            raise InputError(f"{key}.length", length, _on_the_side(curve, units))
+        start, end = (_parameter_at(curve, min(max(at, 0.0), total)) for at in (first, last))
+        return start, end
 
 
 class InterfaceTable(BoundaryTable, AdhesionSection):
@@ -117,24 +122,21 @@ class InterfaceTable(BoundaryTable, AdhesionSection):
         )
         raise InputError("adhesion.between", between, allowed)
 
-    @property
-    def faces(self) -> SubstrateSection | None:
-        """The substrate that the table describes; None for the plane along the boundary."""
-        table = self.substrate
-        return None if table is None or table.model_fields_set <= {"gap"} else table
-
     def interface_of(self, key: str, bodies: Mapping[str, PlacedBody], units: UnitSystem) -> Interface:
         """Build the interface. Raises InputError whose field begins with the key of the table."""
         boundary = self.part(key, bodies, units)
         with named_by({"adhesion": key, "substrate": f"{key}.substrate"}):
-            law = self.adhesion_law()
-            table, faces = self.substrate, self.faces
-            if faces is not None:
-                substrate = faces.substrate(law.equilibrium_gap)
-            else:
-                gap = law.equilibrium_gap if table is None or table.gap is None else table.gap
-                substrate = _plane_along(key, bodies[boundary.body], boundary).receded(gap)
-            return self.interface(boundary, law, substrate)
+            law, table = self.adhesion_law(), self.substrate
+            gap = law.equilibrium_gap if table is None or table.gap is None else table.gap
+            surface = self.surface(key, bodies[boundary.body], boundary)
+            return self.interface(boundary, law, surface.receded(gap))
+
+    def surface(self, key: str, body: PlacedBody, boundary: Boundary) -> Substrate:
+        """Build the substrate as it lies before it recedes by the gap. Raises as `interface_of`."""
+        table = self.substrate
+        if table is None or table.model_fields_set <= {"gap"}:
+            return _plane_along(key, body, boundary)
+        return table.surface()
 
 
 class SupportTable(BoundaryTable):
@@ -148,16 +150,30 @@ class SupportTable(BoundaryTable):
         return Support(self.part(key, bodies, units), components)
 
 
-def check_apart(tables: Sequence[InterfaceTable], boundaries: Sequence[Boundary]) -> None:
+def check_apart(
+    tables: Sequence[InterfaceTable], boundaries: Sequence[Boundary], bodies: Mapping[str, PlacedBody]
+) -> None:
     """Raise InputError where two interfaces overlap on one substrate, so that their adhesion would add up."""
-    for number, (table, boundary) in enumerate(zip(tables, boundaries, strict=True)):
-        for before in range(number):
-            if table.faces == tables[before].faces and boundary.overlaps(boundaries[before]):
-                allowed = (
-                    f"it overlaps interface.{before + 1} on the same substrate;"
-                    " let each part adhere by one law"
-                )
-                raise InputError(f"interface.{number + 1}.boundary", table.boundary, allowed)
+    for before, number in combinations(range(len(tables)), 2):
+        if not boundaries[number].overlaps(boundaries[before]):
+            continue
+        one, other = (
+            tables[n].surface(f"interface.{n + 1}", bodies[boundaries[n].body], boundaries[n])
+            for n in (before, number)
+        )
+        if _are_one(one, other):
+            allowed = (
+                f"it overlaps interface.{before + 1} on the same substrate; let each part adhere by one law"
+            )
+            raise InputError(f"interface.{number + 1}.boundary", tables[number].boundary, allowed)
+
+
+def _are_one(one: Substrate, other: Substrate) -> bool:
+    """Return whether two substrates are one; planes may differ by the round-off of their description."""
+    if isinstance(one, Flat) and isinstance(other, Flat):
+        size = max(abs(one.height), abs(other.height), 1.0)
+        return bool(np.abs(one.parameters - other.parameters).max() <= ROUND_OFF * size)
+    return one == other
 
 
 def split_boundary(key: str, written: str, names: Sequence[str]) -> tuple[str, Side]:
@@ -186,6 +202,11 @@ def _plane_along(key: str, body: PlacedBody, boundary: Boundary) -> Flat:
     inwards = 1.0 if boundary.side in ("bottom", "right") else -1.0
     normal = inwards * np.array([-along[1], along[0]])
     return Flat(float(normal @ first), float(np.arctan2(normal[1], normal[0])))
+
+
+def _on_the_side(curve: NurbsCurve, units: UnitSystem) -> str:
+    length = shown(_length_to(curve, 1.0), units, length=1)
+    return f"the part must lie on the side, which is {length} long"
 
 
 def _is_linear(curve: NurbsCurve) -> bool:

@@ -7,7 +7,7 @@ from typing import Annotated, Any, Self
 from pydantic import BeforeValidator, Field, model_validator
 
 from isopeel.case.bodies import PlacedBody
-from isopeel.case.boundaries import BoundaryTable, PlaceKey
+from isopeel.case.boundaries import BoundaryTable, EndKey
 from isopeel.case.errors import named_by
 from isopeel.case.kinds import KindSection
 from isopeel.case.sections import A_BOUNDARY, A_WINDOW
@@ -67,8 +67,8 @@ class DriveSection(KindSection):
     side: Annotated[Side | None, Field(description=_A_SIDE)] = None
     #: BODY.SIDE, in a case of several bodies.
     boundary: Annotated[str | None, Field(description=A_BOUNDARY)] = None
-    start: PlaceKey = None
-    end: PlaceKey = None
+    start: EndKey = None
+    end: EndKey = None
     on: Annotated[tuple[DrivenTable, ...], Field(min_length=1, description=_SEVERAL)] = ()
     to: Any = "120 deg"
     step: Any = "0.1 deg"

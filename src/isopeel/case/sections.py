@@ -116,10 +116,14 @@ class SubstrateSection(KindSection):
 
     gap: LengthKey | None = None
 
+    def surface(self) -> Substrate:
+        """Build the substrate as it lies before it recedes by the gap."""
+        surface: Substrate = self.made()
+        return surface
+
     def substrate(self, equilibrium_gap: float) -> Substrate:
         """Build the substrate."""
-        substrate: Substrate = self.made()
-        return substrate.receded(equilibrium_gap if self.gap is None else self.gap)
+        return self.surface().receded(equilibrium_gap if self.gap is None else self.gap)
 
 
 class UnitsSection(Section):

@@ -79,7 +79,7 @@ class SeveralBodies(Case):
             table.support(f"support.{number}", placed, units)
             for number, table in enumerate(self.support, start=1)
         )
-        check_apart(self.interface, [one.boundary for one in interfaces])
+        check_apart(self.interface, [one.boundary for one in interfaces], placed)
         boundaries = [one.boundary for one in interfaces] + [one.boundary for one in supports]
         boundaries += [one.boundary for drive in self._drives(placed) for one in driven_boundaries(drive.on)]
         check_held(list(placed), {boundary.body for boundary in boundaries})
