@@ -132,7 +132,7 @@ BAD_TABLES = [
     ("discretization", "grading = [1.0, -2.0]", "discretization.grading", "two ratios"),
     ("drive", 'kind = "turn"', "drive.kind", "displacement, force"),
     ("drive", 'side = "front"', "drive.side", "'left'"),
-    ("drive", 'angle = "1 deg"', "drive.angle", "name, side, boundary, start, end, on, to, step"),
+    ("drive", 'angle = "1 deg"', "drive.angle", "name, side, boundary, start, end, length, on, to, step"),
     ("drive", 'name = "a b"', "drive.name", "letters, digits and '-'"),
     ("drive", 'kind = "displacement"\nside = "right"\nangle = 3', "drive.angle", "an angle is needed"),
     ("drive", STAGES[1][0].replace('to = "3 nm"', ""), "drive.to", "missing; a length is needed"),

@@ -95,3 +95,9 @@ def test_supports_may_hold_other_components_or_meet() -> None:
     others = HOLDS.format(boundary="upper.left", holds="y") + HOLDS.format(boundary="lower.left", holds="xy")
     others += HOLDS.format(boundary="lower.top", holds="xy") + 'start = "3 nm"\nend = "4 nm"\n'
     assert len(Case.parse(TWO + others).problem().supports) == 5
+
+
+def test_a_drive_acts_on_a_part_by_the_keys_of_all_boundaries() -> None:
+    text = changed('boundary = "upper.right"', 'boundary = "upper.top"\nlength = "5 nm"\nend = 1.0')
+    ((boundary, _),) = Case.parse(text).problem().driven
+    assert boundary == Boundary("upper", "top", 0.75, 1.0)

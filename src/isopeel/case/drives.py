@@ -12,7 +12,7 @@ from isopeel.case.errors import named_by
 from isopeel.case.kinds import KindSection
 from isopeel.case.sections import A_BOUNDARY, A_WINDOW
 from isopeel.case.stages import Steps, stage_parameters, stage_steps
-from isopeel.case.values import NumberKey, key_of, read_quantity
+from isopeel.case.values import LengthKey, NumberKey, key_of, read_quantity
 from isopeel.common.arrays import FloatArray
 from isopeel.common.errors import InputError
 from isopeel.common.path_control import PathControl
@@ -32,6 +32,8 @@ AngleKey = Annotated[
     BeforeValidator(lambda written: radians(read_quantity(ANGLE, written))),
     Field(description=ANGLE.needed),
 ]
+#: Keys of a part of the driven boundary.
+_PART = ("start", "end", "length")
 _SEVERAL = "a table [[drive.on]] is needed for each boundary, or none"
 
 
@@ -69,6 +71,7 @@ class DriveSection(KindSection):
     boundary: Annotated[str | None, Field(description=A_BOUNDARY)] = None
     start: EndKey = None
     end: EndKey = None
+    length: LengthKey | None = None
     on: Annotated[tuple[DrivenTable, ...], Field(min_length=1, description=_SEVERAL)] = ()
     to: Any = "120 deg"
     step: Any = "0.1 deg"
@@ -100,16 +103,15 @@ class DriveSection(KindSection):
         Raises InputError whose field begins with the key of the table.
         """
         if self.on:
-            for name in ("side", "boundary", "start", "end"):
+            for name in ("side", "boundary", *_PART):
                 if name in self.model_fields_set:
                     value = getattr(self, name)
                     raise InputError(f"{key}.{name}", value, "the boundaries are the tables [[drive.on]]")
             numbered = [(f"{key}.on.{number}", table) for number, table in enumerate(self.on, start=1)]
             return tuple((table.part(name, bodies, units), table.factor) for name, table in numbered)
         # of values that are checked
-        table = BoundaryTable.model_construct(
-            boundary=self._boundary(key, only), start=self.start, end=self.end
-        )
+        part = {name: getattr(self, name) for name in _PART}
+        table = BoundaryTable.model_construct(boundary=self._boundary(key, only), **part)
         found = table.part(key, bodies, units)
         return found.side if only and found.is_whole else found
 
