@@ -236,3 +236,46 @@ def test_a_distance_that_is_prescribed_does_not_hold_two_bodies() -> None:
     ):
         System(problem, {"one": SPACE, "other": SPACE})
     System(replace(problem, supports=(*loose, ENDS[0])), {"one": SPACE, "other": SPACE})
+
+
+def test_boundaries_that_share_points_move_these_once() -> None:
+    """Where its right side and the end of its upper side are moved alike, a body is moved as a whole."""
+    boundaries = ((RIGHT, 1.0), (ONE.side("top", 0.75), 1.0))
+    for order in (boundaries, boundaries[::-1]):
+        drive = MovedSide(order, np.pi / 2, "held")
+        steps = path(Problem("free", (ONE,), (), (), drive), np.array([0.0, 0.5, 1.0]))
+        for step in steps:
+            expected = np.tile([0.0, step.parameter], (SPACE.size, 1))
+            # the tolerance of the solver on a body of the size 24
+            np.testing.assert_allclose(step.displacement, expected, rtol=0, atol=1e-9)
+            assert step.reaction == pytest.approx(0.0, abs=1e-9)
+
+
+def test_shared_points_count_in_one_reaction() -> None:
+    """A clamped strip is bent by two boundaries that meet: whichever comes first, the total is the same."""
+    boundaries = ((RIGHT, 1.0), (ONE.side("top", 0.75), 1.0))
+    clamped = (Support(ONE.side("left"), (0, 1)),)
+    totals = []
+    for order in (boundaries, boundaries[::-1]):
+        steps = path(
+            Problem("bent", (ONE,), (), clamped, MovedSide(order, np.pi / 2, "held")), np.array([0.0, 0.1])
+        )
+        totals.append(steps[-1].reaction)
+        assert sum(steps[-1].reactions) == pytest.approx(totals[-1], rel=1e-12)  # a sum of two
+    assert totals[0] > 0
+    assert totals[0] == pytest.approx(totals[1], rel=1e-9)  # the tolerance of the solver
+
+
+@pytest.mark.parametrize(
+    "drive",
+    [
+        MovedSide(((RIGHT, 1.0), (ONE.side("top", 0.75), 0.5)), np.pi / 2, "held"),
+        RotatedSide(((RIGHT, 1.0), (ONE.side("top", 0.75), 1.0))),
+    ],
+)
+def test_boundaries_that_share_points_must_move_alike(drive: Drive) -> None:
+    """By one factor; and a rotation ties the points of each boundary about a centre of its own."""
+    with pytest.raises(InputError) as caught:
+        System(single(drive), SPACE)
+    assert (caught.value.field, caught.value.value) == ("drive.on", "one.top")
+    assert "shares points with it, by another motion" in caught.value.allowed

@@ -2,11 +2,12 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import Self
 
 import numpy as np
 
 from isopeel.assembly.spaces import Spaces
-from isopeel.common.arrays import FloatArray, IntArray
+from isopeel.common.arrays import BoolArray, FloatArray, IntArray
 from isopeel.common.compilation import compiled
 from isopeel.common.errors import InputError
 from isopeel.problem import Boundary, Constraint, Load
@@ -20,21 +21,36 @@ class Motion:
 
     constraint: Constraint
     boundary: Boundary
-    functions: IntArray
-    points: FloatArray  # their control points in the base state
+    functions: IntArray  # (m,)
+    points: FloatArray  # (m, 2) their control points in the base state
     factor: float
+    own: BoolArray  # (m,) those that no earlier boundary moves
+
+    @property
+    def own_functions(self) -> IntArray:
+        """The functions (n,) that are its own."""
+        return self.functions[self.own]
 
     def moved(self, parameter: float) -> FloatArray:
-        """What the coefficients (n, 2) of the boundary are moved by."""
-        return self.constraint.prescribed(self.points, self.factor * parameter)
+        """What its own coefficients (n, 2) are moved by."""
+        return self.constraint.prescribed(self.points, self.factor * parameter)[self.own]
 
     def rate(self, parameter: float) -> FloatArray:
         """What they change by its own motion: not by the parameter, but by the factor times that."""
-        return self.constraint.rate(self.points, self.factor * parameter)
+        return self.constraint.rate(self.points, self.factor * parameter)[self.own]
+
+    def agrees_with(self, other: Self) -> bool:
+        """Return whether two boundaries with points in common move these alike, and leave none tied."""
+        _, mine, theirs = np.intersect1d(self.functions, other.functions, return_indices=True)
+        one, another = (m.constraint.prescribed(m.points, m.factor) for m in (self, other))
+        is_tied = "tied" in self.constraint.freedoms
+        return not len(mine) or (
+            not is_tied and self.factor == other.factor and np.array_equal(one[mine], another[theirs])
+        )
 
     def reaction(self, forces: FloatArray, parameter: float) -> float:
         """Generalised force that works on this motion, of forces (size, 2)."""
-        return _work(forces, self.functions, np.ascontiguousarray(self.rate(parameter)))
+        return _work(forces, self.own_functions, np.ascontiguousarray(self.rate(parameter)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -157,7 +173,7 @@ def constrain(
     those of the bodies as they are.
 
     Raises InputError where a held component belongs to a boundary that the drive moves along it, where such
-    boundaries meet, or where nothing of the bodies is left to move.
+    boundaries meet and do not move alike, or where nothing of the bodies is left to move.
     """
     problem = spaces.problem
     u0 = np.zeros((spaces.size, 2)) if base is None else base
@@ -196,7 +212,7 @@ def constrain(
         unknowns[place] = np.where(numbers == HELD, HELD, numbers + count)
         count += int(numbers.max()) + 1
     of_load = isinstance(problem.drive, Load) and problem.drive.control == "displacement"
-    driven = np.concatenate([np.empty(0, np.int64), *(motion.functions for motion in motions)])
+    driven = np.concatenate([np.empty(0, np.int64), *(motion.own_functions for motion in motions)])
     return Constraints(unknowns, count, int(of_load), offset, motions, driven)
 
 
@@ -207,14 +223,19 @@ def _motions(spaces: Spaces, points: FloatArray) -> tuple[Motion, ...]:
     if not isinstance(drive, Constraint):
         return ()
     taken = np.empty(0, np.int64)
-    motions = []
+    motions: list[Motion] = []
     for name, (boundary, factor) in zip(problem.driven_names, problem.driven, strict=True):
         functions = spaces.boundary(boundary)
-        if np.isin(functions, taken).any():
-            allowed = "the drive moves another boundary that shares points with it; leave an element between"
+        own = ~np.isin(functions, taken)
+        motion = Motion(drive, boundary, functions, points[functions], factor, own)
+        if not all(motion.agrees_with(other) for other in motions) or not own.any():
+            allowed = (
+                "the drive moves another boundary that shares points with it, by another motion;"
+                " leave an element between"
+            )
             raise InputError("drive.on", name, allowed)
         taken = np.concatenate([taken, functions])
-        motions.append(Motion(drive, boundary, functions, points[functions], factor))
+        motions.append(motion)
     return tuple(motions)
 
 
