@@ -1,5 +1,6 @@
 """Loads that are held while the drive moves: closed forms, the balance of energy, supports, stages."""
 
+import re
 from dataclasses import replace
 from itertools import pairwise
 
@@ -12,6 +13,7 @@ from isopeel import (
     InputError,
     MovedSide,
     NeoHooke,
+    NewtonSettings,
     Problem,
     PulledSide,
     RotatedSide,
@@ -22,8 +24,10 @@ from isopeel import (
     trace,
 )
 from isopeel.assembly.system import System
+from isopeel.common.path_control import PathControl
 from isopeel.physics.adhesion import Exponential
 from isopeel.problem import Drive
+from isopeel.solve.newton import ConvergenceError
 from isopeel.splines.nurbs import rectangle
 
 BAR = Body(rectangle(20.0, 2.0), NeoHooke(3.0, 0.2))
@@ -144,3 +148,43 @@ def test_loads_that_make_no_sense() -> None:
             System(replace(problem, loads=(load,)), space)
     with pytest.raises(InputError, match="body: 'other' cannot be used; the bodies are body"):
         replace(problem, loads=(HeldLoad(replace(BAR, name="other").side("top"), 1.0, 0.0),))
+
+
+#: A cantilever, and a load at its end that bends it by nearly a right angle.
+BEAM = Body(rectangle(40.0, 1.0), NeoHooke(1.0, 0.0))
+HEAVY = 1e-3
+
+
+def test_a_load_that_is_too_large_for_one_step_is_applied_in_parts() -> None:
+    """The end state is that of a force which the drive raises to the same size."""
+    end, clamped = BEAM.side("right"), (Support(BEAM.side("left"), (0, 1)),)
+    space = row_space("N2.1", (20, 1), 2)
+    held = Problem(
+        "held",
+        (BEAM,),
+        (),
+        clamped,
+        PulledSide("top", 0.0, control="force"),
+        (HeldLoad(end, HEAVY, np.pi / 2),),
+    )
+    (first,) = trace(held, space, [0.0])
+    raised = replace(held, drive=PulledSide("right", np.pi / 2, control="force"), loads=())
+    *_, last = trace(raised, space, np.linspace(0.0, HEAVY, 41))
+    # two paths to one equilibrium: to the tolerance of the solver
+    np.testing.assert_allclose(first.displacement, last.displacement, rtol=0, atol=1e-6)
+    assert np.abs(first.displacement).max() > 20
+
+
+@pytest.mark.parametrize("force", [1.3, 10.0, 1e4])
+@pytest.mark.parametrize("control", ["newton", "auto", "jump", "continuation"])
+def test_a_load_beyond_the_largest_is_named_as_that(control: PathControl, force: float) -> None:
+    """The joint bears its strength times its length at most, 0.03 times 40."""
+    made = peeled(MovedSide("right", 0.0))
+    load = HeldLoad(made.body.side("top", 0.0, 2 / 3), force, np.pi / 2)
+    with pytest.raises(ConvergenceError) as caught:
+        list(trace(replace(made, loads=(load,)), SPACE, [0.0], NewtonSettings(path_control=control)))
+    assert caught.value.cause == "held load"
+    assert "make the held loads smaller" in caught.value.hint
+    (share,) = re.findall(r"an equilibrium is found under ([\d.]+) % of the held loads", caught.value.reason)
+    # the load is uniform above the joint, which opens nearly evenly
+    assert 0.97 * 1.2 < float(share) / 100 * force <= 1.2

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from copy import copy
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import ClassVar, Self
 
 import numpy as np
@@ -129,9 +129,21 @@ class System:
             term.body.material.youngs_modulus * term.table.area for term in self.bodies
         )
         self._workspaces: dict[Storage, FloatArray] = {}
+        self.equations = self._equations()
+
+    def _equations(self) -> Equations:
         held = self.constraints
         listed = [(term.loops, term.data(held.unknowns), term.initial().size) for term in self.terms]
-        self.equations = Equations(term_list(listed), held.unknowns, held.offset, held.driven)
+        return Equations(term_list(listed), held.unknowns, held.offset, held.driven)
+
+    def under(self, share: float) -> Self:
+        """The same system under a share of the held loads. It shares the arrays of tangents."""
+        lighter = copy(self)
+        lighter.held = tuple(replace(load, size=share * load.size) for load in self.held)
+        lighter.loads = *self.control.loads, *lighter.held
+        lighter.terms = *self.bodies, *self.interfaces, *lighter.loads
+        lighter.equations = lighter._equations()
+        return lighter
 
     def without_joint(self) -> Self:
         """The same bodies without what a substrate does to them. It shares the arrays of tangents."""

@@ -39,17 +39,25 @@ def along_curve(path: Path, values: Sequence[float], index: int, *, jumps: bool)
         if not path.history or path.history[-1].parameter == parameter:
             try:
                 yield without_gain(path, Found(path.solver.equilibrium(parameter)))
-            except ConvergenceError:
+            except ConvergenceError as error:
                 # a stage that releases what was held begins with a jump, whatever the path control
-                if not path.system.has_potential:
-                    raise
-                yield jump_from(path, path.solver.starts(parameter), parameter)
+                yield _jump_at_first(path, error, parameter)
             index += 1
         elif found := _regular(path, parameter):
             yield found
             index += 1
         else:
             index = yield from _stretch(path, values, index, jumps=jumps)
+
+
+def _jump_at_first(path: Path, error: ConvergenceError, parameter: float) -> Found:
+    """Return the state that a path jumps to where its first step fails; raises ConvergenceError."""
+    if not path.system.has_potential:
+        raise error
+    try:
+        return jump_from(path, path.solver.starts(parameter), parameter)
+    except ConvergenceError as failure:
+        raise (error if error.cause == "held load" else failure) from failure
 
 
 def _regular(path: Path, parameter: float) -> Found | None:

@@ -135,6 +135,8 @@ def _jump_after_failure(path: Path, branch: Branch, error: ConvergenceError, par
     try:
         return jump(path, parameter)
     except ConvergenceError as failure:
+        if error.cause == "held load":
+            raise error from failure
         if inside and failure.cause == "energy without work":
             return inside[0]
         cause = diagnosed(path, error, parameter)

@@ -22,6 +22,7 @@ Cause = Literal[
     "inverted element",
     "limit point",
     "limit load",
+    "held load",
     "energy without work",
     "instability",
     "long fall",
@@ -51,6 +52,7 @@ HINTS: dict[Cause, str] = {
         "use path_control = continuation, or jump if the forces have a potential, or refine the mesh"
     ),
     "limit load": "stay below it, or prescribe the displacement where the load acts (control = displacement)",
+    "held load": "make the held loads smaller, or let the drive raise one (control = force)",
     "energy without work": "take path_control = auto, which looks for the stable branch, or smaller steps",
     "instability": "follow the unstable branch by path_control = continuation, or refine the mesh",
     "long fall": "refine the mesh where the joint opens, or stop before, where the body begins to come off",

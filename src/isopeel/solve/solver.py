@@ -5,6 +5,7 @@ from collections.abc import Iterator, Sequence
 from isopeel.assembly.system import System
 from isopeel.common.arrays import FloatArray
 from isopeel.common.errors import InputError
+from isopeel.solve.held_loads import applied_in_parts
 from isopeel.solve.newton import ConvergenceError, NewtonResult, NewtonSettings, newton
 from isopeel.solve.predictor import Predictor, extrapolate
 from isopeel.solve.quasi_newton import QuasiNewton, SolverState
@@ -67,12 +68,23 @@ class Solver:
     def equilibrium(self, parameter: float, *, soon: bool = False) -> NewtonResult:
         """Return the equilibrium at a parameter, by the chord tangent or by Newton's method.
 
-        With `soon`, Newton's method stops after few corrections, as a shorter step can be taken instead.
-        Raises ConvergenceError.
+        With `soon`, Newton's method stops after few corrections, as a shorter step can be taken instead. If
+        the first step fails under held loads, they are applied in parts. Raises ConvergenceError.
         """
         found = self.by_chord_tangent(parameter)
         if found is not None:
             return found
+        try:
+            return self._by_newton(parameter, soon=soon)
+        except ConvergenceError:
+            if self.states or not self.system.held:
+                raise
+            found = applied_in_parts(self.system, parameter, self.settings)
+            if found is None:
+                raise
+            return found
+
+    def _by_newton(self, parameter: float, *, soon: bool) -> NewtonResult:
         settings = self.settings.with_few_corrections() if soon else self.settings
         finish = None if self._quasi_newton is None else self._quasi_newton.finish
         try:
