@@ -1,6 +1,7 @@
 """A run whose drive acts on two arms while a load is held: its table, its file, and how it is resumed."""
 
 import csv
+import json
 from pathlib import Path
 
 import numpy as np
@@ -58,3 +59,40 @@ def test_reactions_and_works_are_tabulated_stored_and_resumed(tmp_path: Path) ->
     assert main(["run", str(tmp_path / "case.toml"), "--to", "0.5 nm", "--out", str(short)]) == 0
     assert main(["resume", str(short), "--to", "1 nm"]) == 0
     assert table(short) == columns
+
+
+PUSHED = (
+    TWO_ARMS
+    + """
+[drive]
+kind = "force"
+boundary = "upper.right"
+angle = "-90 deg"
+to = "3 nm"
+step = "1 nm"
+"""
+)
+
+
+def test_bodies_that_overlap_are_named(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """The gap between the arms is 1 nm wide, and no contact keeps it open."""
+    case = tmp_path / "case.toml"
+    case.write_text(PUSHED, "utf-8")
+    command = ["run", str(case), "--strict", "--out", str(tmp_path / "out")]
+    assert main(command) == 0
+    said = "note: the bodies upper and lower overlap from 2 nm on, by up to "
+    assert said in capsys.readouterr().out
+    (note,) = (
+        note["text"]
+        for note in json.loads((tmp_path / "out" / "summary.json").read_text("utf-8"))["notes"]
+        if note["subject"] == "penetration"
+    )
+    assert said.removeprefix("note: ") in note
+    # at the start it is a note, and an error where the run is strict
+    moved = ["--set", "body.2.at=['0 nm', '-1 nm']", "--force"]
+    assert main([*command, *moved]) == 2
+    overlap = "the bodies upper and lower overlap at the start, by up to 1 nm: there is no contact"
+    error = capsys.readouterr().err
+    assert f"body: 'upper, lower' cannot be used; penetration: {overlap}" in error
+    assert main(["run", str(case), "--out", str(tmp_path / "other"), *moved]) == 0
+    assert f"note: {overlap}" in capsys.readouterr().out

@@ -74,7 +74,8 @@ def run(
         typer.Option(metavar="VALUE", help="Parameter between stored displacements, in the same format."),
     ] = None,
     strict: Annotated[
-        bool, typer.Option("--strict", help="Reject elements that do not resolve the front, or that lock.")
+        bool,
+        typer.Option("--strict", help="Reject bodies that overlap, and elements that are too few or lock."),
     ] = False,
     force: Annotated[
         bool,

@@ -12,6 +12,7 @@ from isopeel.post.crack import Fronts, fronts, jumps
 from isopeel.post.fields import depths_inside
 from isopeel.post.laboratory import Laboratory
 from isopeel.post.locking import locking_notes
+from isopeel.post.overlap import overlap_notes
 from isopeel.post.plateau import PlateauReading
 from isopeel.post.readings import (
     Reading,
@@ -101,7 +102,10 @@ def find(
         fronts=found,
         readings=readings,
         zones=zones,
-        doubts=[Note("reading", _OF_ONE_BODY)],
+        doubts=[
+            Note("reading", _OF_ONE_BODY),
+            *overlap_notes(problem, space, run.states, laboratory),
+        ],
         laboratory=laboratory,
     )
 

@@ -1,4 +1,4 @@
-"""What is checked before the first step of a run: its later stages, the memory, and the discretization."""
+"""What is checked before the first step of a run: later stages, memory, bodies, and discretization."""
 
 from collections.abc import Sequence
 
@@ -7,8 +7,9 @@ from rich.console import Console
 
 from isopeel.common.errors import InputError
 from isopeel.post.locking import locking_notes
+from isopeel.post.overlap import overlap_notes_at_rest
 from isopeel.post.resolution_notes import estimate_notes
-from isopeel.results.notes import with_one_remedy
+from isopeel.results.notes import Note, with_one_remedy
 from isopeel.running.stage_run import StageRun
 from isopeel.solve.newton import NewtonSettings
 from isopeel.solve.trace import check_stage
@@ -44,14 +45,18 @@ def check_memory(one: StageRun) -> None:
 
 
 def print_doubts(runs: Sequence[StageRun], console: Console, *, strict: bool) -> None:
-    """Print the doubts about the discretization; raise InputError for the first one where `strict`."""
-    notes = []
+    """Print the doubts about bodies and discretization; raise InputError for the first one if `strict`."""
+    notes: list[Note] = []
     for one in runs:
         problem, laboratory = one.stage.problem, one.laboratory
+        notes += overlap_notes_at_rest(problem, one.spaces, laboratory)
         notes += estimate_notes(problem, one.spaces, laboratory)
         notes += locking_notes(problem, one.spaces, laboratory)
     for note in with_one_remedy(list(dict.fromkeys(notes))):
         if strict:
-            mesh = ", ".join("{}x{}".format(*space.elements) for space in runs[0].spaces.values())
-            raise InputError("discretization.mesh", mesh, f"{note.subject}: {note.text}")
+            spaces = runs[0].spaces
+            mesh = ", ".join("{}x{}".format(*space.elements) for space in spaces.values())
+            of_bodies = note.subject == "penetration"
+            key = ("body", ", ".join(spaces)) if of_bodies else ("discretization.mesh", mesh)
+            raise InputError(*key, f"{note.subject}: {note.text}")
         console.print(f"note: {note.text}", soft_wrap=True)

@@ -36,9 +36,10 @@ def run_case(case: Case, out: Path, console: Console, strict: bool = False, *, f
 
     A case of several stages has a folder for each stage inside, numbered and named. Returns the last stage
     that was run; the `ending` of its run is whether it was completed, found no equilibrium or was
-    interrupted; the files hold all steps that converged before. Doubts about the discretization are printed
-    before the first step; they are an error where the run is `strict`. An earlier run stays until the first
-    step, and a finished one is kept beside the new one (`run.earlier.h5`) until the new one has finished too.
+    interrupted; the files hold all steps that converged before. Doubts about bodies and discretization are
+    printed before the first step; they are an error where the run is `strict`. An earlier run stays until the
+    first step, and a finished one is kept beside the new one (`run.earlier.h5`) until the new one has
+    finished too.
 
     Raises InputError where a folder cannot be written, another process runs in it or the run needs more
     memory than there is, OSError where a file cannot be written, and KeyboardInterrupt where there is no step

@@ -1,0 +1,84 @@
+"""Bodies that overlap: which do, and how deep, in undeformed and in deformed states."""
+
+import numpy as np
+import pytest
+
+from isopeel import Body, NeoHooke, Problem, RotatedSide, Support, row_space
+from isopeel.common.units import UnitSystem
+from isopeel.post.laboratory import Laboratory
+from isopeel.post.overlap import Overlap, overlap_notes, overlap_notes_at_rest, overlaps
+from isopeel.problem.place import placed
+from isopeel.results.fields import StoredState
+from isopeel.splines.nurbs import NurbsSurface, annulus_sector, rectangle
+
+BLOCK = rectangle(10.0, 2.0)
+COARSE = row_space("L1", (4, 1))
+
+
+def problem_of(*shapes: NurbsSurface) -> Problem:
+    bodies = tuple(Body(shape, NeoHooke(1.0, 0.2), name) for shape, name in zip(shapes, "ABC", strict=False))
+    supports = tuple(Support(body.side("left"), (0, 1)) for body in bodies)
+    return Problem("pair", bodies, (), supports, RotatedSide("right"))
+
+
+def found(*shapes: NurbsSurface) -> list[Overlap]:
+    problem = problem_of(*shapes)
+    spaces = {
+        body.name: row_space("N2", (4, 1), 2, shape=body.shape) if len(body.shape.weights) > 2 else COARSE
+        for body in problem.bodies
+    }
+    return overlaps(problem, spaces, np.zeros((sum(space.size for space in spaces.values()), 2)))
+
+
+@pytest.mark.parametrize(
+    ("at", "angle", "depth"),
+    [
+        ((5.0, 1.0), 0.0, 1.0),  # the upper side of the first is in the middle of the second
+        ((0.0, 0.0), 0.0, 1.0),  # the same place: half of the height
+        ((9.5, 0.5), 0.0, 0.5),  # the ends only
+        ((6.0, -4.0), np.pi / 2, 1.0),  # crossed: no corner of one is inside the other
+    ],
+)
+def test_two_blocks_overlap(at: tuple[float, float], angle: float, depth: float) -> None:
+    """Sides and middles of the blocks have points, so that the depth is exact."""
+    ((pair, deepest),) = found(BLOCK, placed(BLOCK, at, angle))
+    assert pair == ("A", "B")
+    assert deepest == pytest.approx(depth, abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("at", "angle"),
+    [
+        ((0.0, 2.0), 0.0),  # one lies on the other
+        ((10.0, 2.0), 0.0),  # a corner meets a corner
+        ((0.0, 2.5), 0.0),
+        ((10.2, -3.0), np.pi / 4),  # their boxes overlap
+        ((3.0, 1.995), 0.0),  # by less than a thousandth of their length
+    ],
+)
+def test_two_blocks_touch_at_most(at: tuple[float, float], angle: float) -> None:
+    assert found(BLOCK, placed(BLOCK, at, angle)) == []
+
+
+def test_rings_that_share_an_arc_touch() -> None:
+    inner, outer = annulus_sector(10.0, 12.0, 1.0), annulus_sector(12.0, 14.0, 1.0)
+    assert found(inner, outer) == []
+    ((_, depth),) = found(inner, annulus_sector(11.0, 14.0, 1.0))
+    assert depth == pytest.approx(1.0, abs=1e-3)  # from one arc to the chords of the other
+
+
+def test_notes_name_the_bodies_the_first_state_and_the_deepest() -> None:
+    problem = problem_of(BLOCK, placed(BLOCK, (0.0, 3.0), 0.0), placed(BLOCK, (30.0, 0.0), 0.0))
+    spaces = dict.fromkeys("ABC", COARSE)
+    laboratory = Laboratory.of(UnitSystem(), problem)
+    assert overlap_notes_at_rest(problem, spaces, laboratory) == []
+    states = []
+    for step, fall in enumerate((0.0, 0.5, 1.25, 2.0, 1.5)):
+        u = np.zeros((3 * COARSE.size, 2))
+        u[COARSE.size : 2 * COARSE.size, 1] = -fall
+        states.append(StoredState(step, 10.0 * step, u))
+    (note,) = overlap_notes(problem, spaces, states, laboratory)
+    assert note.subject == "penetration"
+    assert note.text == (
+        "the bodies A and B overlap from 20 deg on, by up to 1 nm: there is no contact between bodies"
+    )
