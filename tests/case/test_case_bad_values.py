@@ -94,6 +94,11 @@ def test_bad_values_name_their_key_and_what_is_allowed(old: str, new: str, field
     assert "\n" not in str(caught.value)
 
 
+def test_an_unknown_table_is_shown_by_its_name_alone() -> None:
+    with pytest.raises(InputError, match=r"^bodies: '\[bodies\]' cannot be used; there is no such key"):
+        Case.parse(changed("[body]", "[bodies]"))
+
+
 BAD_TABLES = [
     ("body", 'shape = "cube"', "body.shape", "shapes is needed: curved-strip"),
     ("body", 'shape = "tapered-strip"\nlength = "9 nm"', "body.height", "missing; a length is needed"),

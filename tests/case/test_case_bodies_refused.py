@@ -30,7 +30,7 @@ BAD: list[tuple[str, str, str, str]] = [
     (LAW, 'law = "glue"', "interface.1.law", "one of these laws is needed"),
     (LAW, "", "interface.1.law", "one of these laws is needed"),
     (LAW, f'{LAW}\ntraction = "shear"', "interface.1.traction", "'reference' or 'projected'"),
-    (LAW, f"{LAW}\nbetween = ['upper.bottom', 'lower.top']", "interface.1.between", "not there yet"),
+    (LAW, f"{LAW}\nbetween = ['upper.bottom', 'lower.top']", "interface.1.between", "not supported yet"),
     (LAW, f"{LAW}\nsubstrate = {{ kind = 'hill' }}", "interface.1.substrate.kind", "one of these kinds"),
     (LAW, f"{LAW}\nsubstrate = {{ hight = '1 nm' }}", "interface.1.substrate.hight", "the keys are gap"),
     (LAW, f"{LAW}\nsubstrate = 'flat'", "interface.1.substrate", "a table is needed"),

@@ -117,9 +117,7 @@ class InterfaceTable(BoundaryTable, AdhesionSection):
     @field_validator("between")
     @classmethod
     def _against_a_substrate(cls, between: object) -> object:
-        allowed = (
-            "interfaces between two bodies are not there yet; give the boundary of one, against a substrate"
-        )
+        allowed = "an interface between two bodies is not supported yet; give one boundary, and a substrate"
         raise InputError("adhesion.between", between, allowed)
 
     def interface_of(self, key: str, bodies: Mapping[str, PlacedBody], units: UnitSystem) -> Interface:

@@ -240,7 +240,7 @@ class Case(Section):
 
 
 def _units(document: Mapping[str, Any]) -> UnitSystem:
-    """The units of a case; the usual ones where it has none that can be used, which checking it will tell."""
+    """The units of a case; the default ones if they are not valid, which the check of the case reports."""
     try:
         return UnitsSection.model_validate(document.get("units", {})).system()
     except ValidationError:

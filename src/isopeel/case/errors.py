@@ -25,8 +25,9 @@ def first_error(error: ValidationError, document: Mapping[str, Any], case: type[
     section, key = _key_at(place, document, case)
     match details["type"]:
         case "extra_forbidden":
+            shown = f"[{field}]" if isinstance(value, Mapping) else value  # a table may be long
             return InputError(
-                field, value, f"there is no such key; here the keys are {', '.join(section.model_fields)}"
+                field, shown, f"there is no such key; here the keys are {', '.join(section.model_fields)}"
             )
         case "value_error":
             return InputError(field, value, str(cause))

@@ -75,7 +75,7 @@ def run(
     ] = None,
     strict: Annotated[
         bool,
-        typer.Option("--strict", help="Reject bodies that overlap, and elements that are too few or lock."),
+        typer.Option("--strict", help="Reject overlapping bodies, and a mesh that is too coarse or locks."),
     ] = False,
     force: Annotated[
         bool,

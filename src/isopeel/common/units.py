@@ -251,7 +251,7 @@ def _factor(name: str) -> _Factor:
 
 
 def _of_another_kind(unit: str) -> str:
-    return f"{unit!r} is not made of stresses and lengths, nor an angle"
+    return f"{unit!r} is neither an angle nor a product of powers of stresses and lengths"
 
 
 #: SI units of power products of a stress and a length, and their sizes in pascals and metres.

@@ -1,8 +1,8 @@
 """User-written formulas: a parser that admits formulas only, and their translation to functions.
 
 The text never reaches `eval`: Python's parser turns it into a tree, and only numbers, known names, the four
-operations, powers and the functions in `FUNCTIONS` are carried over into a SymPy expression. SymPy is
-loaded when a formula is met: a second that most runs can save.
+operations, powers and the functions in `FUNCTIONS` are translated to a SymPy expression. SymPy is
+loaded only if there is a formula, as loading takes a second.
 """
 
 import ast

@@ -8,7 +8,7 @@ from isopeel.assembly.system import System
 from isopeel.common.arrays import FloatArray
 from isopeel.solve.newton import ConvergenceError, NewtonResult, NewtonSettings, newton
 
-#: Part that is not halved again where it fails, as a share of the loads that have an equilibrium, and at all.
+#: Smallest part that is tried: as a share of the loads that have an equilibrium, and of all held loads.
 _SMALL, _SMALLEST = 2.0**-7, 2.0**-20
 
 
@@ -34,7 +34,7 @@ def applied_in_parts(system: System, parameter: float, settings: NewtonSettings)
             part /= 2
             if part < max(_SMALL * share, _SMALLEST):
                 found_under = f"an equilibrium is found under {100 * share:.3g} % of the held loads"
-                reason = f"{found_under}, and no stable one near under more"
+                reason = f"{found_under}, and no stable one near it under larger ones"
                 raise ConvergenceError(reason, (), parameter, "held load")
             continue
         slope = (new.unknown_values - found.unknown_values) / (aim - share)

@@ -47,20 +47,20 @@ _NEAR = 0.03
 
 #: What to try.
 HINTS: dict[Cause, str] = {
-    "inverted element": "take smaller steps, or a mesh that is finer where the element is",
+    "inverted element": "use smaller steps, or a mesh that is finer around this element",
     "limit point": (
         "use path_control = continuation, or jump if the forces have a potential, or refine the mesh"
     ),
     "limit load": "stay below it, or prescribe the displacement where the load acts (control = displacement)",
     "held load": "make the held loads smaller, or let the drive raise one (control = force)",
-    "energy without work": "take path_control = auto, which looks for the stable branch, or smaller steps",
+    "energy without work": "use path_control = auto, which looks for the stable branch, or smaller steps",
     "instability": "follow the unstable branch by path_control = continuation, or refine the mesh",
-    "long fall": "refine the mesh where the joint opens, or stop before, where the body begins to come off",
-    "stalled residual": "take smaller steps, or path_control = continuation",
-    "line search": "take smaller steps, or a finer mesh",
-    "non-finite traction": "take smaller steps, or check whether the body touches the substrate",
-    "singular tangent": "add a support against free motion, or take path_control = continuation",
-    "iteration limit": "take smaller steps, or path_control = auto, which cuts them",
+    "long fall": "refine the mesh where the joint opens, or end the path where the body begins to come off",
+    "stalled residual": "use smaller steps, or path_control = continuation",
+    "line search": "use smaller steps, or a finer mesh",
+    "non-finite traction": "use smaller steps, or check whether the body touches the substrate",
+    "singular tangent": "add a support against free motion, or use path_control = continuation",
+    "iteration limit": "use smaller steps, or path_control = auto, which reduces them where needed",
 }
 
 

@@ -16,7 +16,7 @@ equilibrium takes max(h, x) for the next one.
 
 A joint is made where its faces meet: the gap that a point starts at is no opening of the joint. Until a point
 has closed, x <= 0, its history is `NOT_CLOSED`, and it follows the envelope both ways, as a reversible law,
-with nothing dissipated. From the first time it has closed the largest opening counts, from zero.
+with nothing dissipated. Once it has closed, its history is the maximum opening, which starts at zero.
 
 The attraction divided by the opening must not grow with the opening, or closing would return more than
 opening took: `check_envelope`. All laws of this package satisfy it; a formula whose attraction is convex at
