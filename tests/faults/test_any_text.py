@@ -1,4 +1,4 @@
-"""Any text of a case survives the way through run.h5, and what is no case's text is refused at once."""
+"""Any text of a case is the same after it was stored in run.h5, and other text is refused at once."""
 
 import json
 import os

@@ -78,7 +78,7 @@ def test_a_fracture_toughness_has_half_a_power_of_a_length() -> None:
         ("1,5 mm", "it is not a number and a unit"),
         ("1 per m", "'per' is not a known unit"),
         ("1 Newton", "'Newton' is not a known unit"),
-        ("1 percent nm", "'percent' is not made of"),
+        ("1 percent nm", "'percent' is neither an angle nor"),
         ("1e99 EPa^8.9 Em^8.9", "it is not finite"),
     ],
 )
