@@ -63,7 +63,7 @@ def test_a_law_is_that_of_the_whole_joint(law: str, work: int, symmetric: str, t
 def test_the_summary_states_whether_its_values_are_of_a_half() -> None:
     message = result_of(DCB.format(law=EXPONENTIAL, symmetric="true"))
     assert message.found.halves is not None
-    assert "forces act on each arm" in message.found.halves
+    assert "forces are those on each arm" in message.found.halves
     assert "largest force on each arm" in message.quantities
     release = message.reading("energy release rate")
     # of the whole joint, that of both halves: 280 J/m^2
