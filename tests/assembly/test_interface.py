@@ -37,23 +37,23 @@ flat = Interface(Boundary("body", "bottom", end=0.7), LAW, Flat(-0.3))
 SIDES = {
     "flat": flat,
     "projected": replace(flat, traction="projected"),
-    "circle": replace(flat, substrate=Circle(50.0, "inside", (5.0, -50.3))),
-    "wavy": replace(flat, substrate=Wavy(0.1, 15.0, height=-0.5)),
-    "wavy, projected": replace(flat, substrate=Wavy(0.1, 15.0, height=-0.5), traction="projected"),
+    "circle": replace(flat, against=Circle(50.0, "inside", (5.0, -50.3))),
+    "wavy": replace(flat, against=Wavy(0.1, 15.0, height=-0.5)),
+    "wavy, projected": replace(flat, against=Wavy(0.1, 15.0, height=-0.5), traction="projected"),
     "sliding": replace(flat, law=PEAKED, sliding_length=0.5),
-    "sliding on waves": replace(flat, law=PEAKED, sliding_length=0.5, substrate=Wavy(0.1, 15.0, height=-0.5)),
+    "sliding on waves": replace(flat, law=PEAKED, sliding_length=0.5, against=Wavy(0.1, 15.0, height=-0.5)),
     "irreversible": replace(flat, law=PEAKED, irreversible=True),
     "irreversible, van der Waals": replace(
-        flat, irreversible=True, substrate=Circle(5e3, "inside", (5.0, -5000.25))
+        flat, irreversible=True, against=Circle(5e3, "inside", (5.0, -5000.25))
     ),
     "irreversible, projected": replace(flat, law=PEAKED, irreversible=True, traction="projected"),
     "top": replace(
-        flat, boundary=Boundary("body", "top", end=0.7), substrate=Circle(50.0, "inside", (5.0, 52.4))
+        flat, boundary=Boundary("body", "top", end=0.7), against=Circle(50.0, "inside", (5.0, 52.4))
     ),
     "right": replace(
         flat,
         boundary=Boundary("body", "right", end=0.8),
-        substrate=Circle(30.0, "inside", (50.4, 1.0)),
+        against=Circle(30.0, "inside", (50.4, 1.0)),
     ),
 }
 
@@ -153,7 +153,7 @@ def test_history_between_points_of_the_assembly_converges_with_the_elements() ->
 
 
 def test_a_joint_that_has_not_closed_has_no_history() -> None:
-    problem = problem_with(replace(SIDES["irreversible"], substrate=Flat(-0.5)))
+    problem = problem_with(replace(SIDES["irreversible"], against=Flat(-0.5)))
     system = System(problem, SPACE)
     u = np.zeros((SPACE.size, 2))
     points = InterfacePoints.of_contact(problem, SPACE)

@@ -44,7 +44,7 @@ def problem_of(
     adhesion = Interface(
         Boundary("body", side, end=0.7),
         law=law,
-        substrate=Flat(lowest - 0.27),
+        against=Flat(lowest - 0.27),
         traction=traction,
     )
     return Problem(
@@ -157,7 +157,7 @@ def test_tangent_turns_with_the_normal_of_a_curved_substrate(traction: Traction)
     curved = replace(
         problem.adhesion,
         boundary=Boundary("body", "bottom", end=0.9),
-        substrate=Circle(4.0, centre=(3.0, -4.3)),
+        against=Circle(4.0, centre=(3.0, -4.3)),
     )
     system = System(problem.changed(adhesion=curved), row_space("N2", (6, 2)))
     rng = np.random.default_rng(8)

@@ -131,7 +131,7 @@ def test_no_solver_function_is_compiled_anew_for_other_terms() -> None:
     assert signatures() == known
     # formulas of one's own
     own = strip(law=Springs(0.1))
-    go(replace(own, interfaces=(replace(own.adhesion, substrate=Plane(-0.25)),)), row_space("N2.1", (40, 2)))
+    go(replace(own, interfaces=(replace(own.adhesion, against=Plane(-0.25)),)), row_space("N2.1", (40, 2)))
     assert signatures() == known
     # two bodies, one of them on two sides
     problem, beside = strip(), replace(strip().body, name="beside")

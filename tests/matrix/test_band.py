@@ -43,6 +43,6 @@ def test_entries_are_those_that_factors_read(storage: Storage) -> None:
 def test_a_workspace_is_emptied_for_the_next_matrix() -> None:
     matrix = BandMatrix.zeros(4, 1, "symmetric")
     matrix.add(np.array([1]), np.array([0]), np.array([2.0]))
-    again = BandMatrix.zeros(4, 1, "symmetric", matrix.workspace)
+    again = matrix.zeroed()
     assert again.workspace is matrix.workspace
     assert not again.workspace.any()

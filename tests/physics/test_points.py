@@ -177,7 +177,7 @@ BODY = Body(Strip(20.0, 4.0).surface(), NeoHooke(1.0, 0.2))
 PEELED = Problem(
     "own",
     (BODY,),
-    (Interface(BODY.side("bottom", end=0.7), law=LAW, substrate=Parabola(2000.0).receded(0.25)),),
+    (Interface(BODY.side("bottom", end=0.7), law=LAW, against=Parabola(2000.0).receded(0.25)),),
     (Support(BODY.side("left"), (0,)),),
     MovedSide("right", np.pi / 2),
 )

@@ -227,7 +227,7 @@ SOFT = FormulaAdhesion("-W*(1 + r/d)*exp(-r/d)", {"W": 0.01, "d": 0.3})  # the s
 def test_forces_on_a_strip_come_from_its_energy(substrate: Substrate, law: AdhesionLaw) -> None:
     """The residual is the energy's derivative and the tangent the residual's, on each curved substrate."""
     problem = strip(length=20.0, height=2.0, adhering_length=15.0)
-    adhesion = replace(problem.adhesion, substrate=substrate, law=law)
+    adhesion = replace(problem.adhesion, against=substrate, law=law)
     system = System(problem.changed(adhesion=adhesion), row_space("N2", (8, 2)))
     z, direction = 0.02 * np.random.default_rng(8).standard_normal((2, system.constraints.count))
 

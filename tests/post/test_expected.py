@@ -67,7 +67,7 @@ def prestretched(problem: Problem, stretch: float) -> Problem:
             tape(60).changed(supports=(Support(Boundary("body", "bottom"), (1,)),)), id="held below"
         ),
         pytest.param(
-            tape(60).changed(adhesion=replace(tape(60).adhesion, substrate=Flat(-5.0))), id="far away"
+            tape(60).changed(adhesion=replace(tape(60).adhesion, against=Flat(-5.0))), id="far away"
         ),
         pytest.param(
             tape(60).changed(adhesion=replace(tape(60).adhesion, boundary=Boundary("body", "bottom", 0.2))),

@@ -281,7 +281,7 @@ def test_figures_show_all_bodies_and_interfaces(single: dict[str, list[Step]]) -
 def test_a_front_is_drawn_with_the_substrates_of_its_body() -> None:
     """The plane of another body would fill the gap of this one."""
     problem = both(TURN, "first")
-    lower = replace(problem.interfaces[1], substrate=Flat(0.1))
+    lower = replace(problem.interfaces[1], against=Flat(0.1))
     apart = replace(problem, interfaces=(problem.interfaces[0], lower))
     assert substrates(problem) == [Flat()]
     assert substrates(apart) == [Flat(), Flat(0.1)]

@@ -95,7 +95,7 @@ def peeling(
     adhesion = Interface(
         body.side("bottom", start, end),
         law=law,
-        substrate=(substrate or Flat()).receded(law.equilibrium_gap),
+        against=(substrate or Flat()).receded(law.equilibrium_gap),
         irreversible=irreversible,
         sliding_length=sliding_length,
     )

@@ -164,13 +164,18 @@ def _work(forces: FloatArray, driven: IntArray, rate: FloatArray) -> float:
 
 
 def constrain(
-    spaces: Spaces, elements: Mapping[str, Sequence[IntArray]], base: FloatArray | None = None
+    spaces: Spaces,
+    elements: Mapping[str, Sequence[IntArray]],
+    base: FloatArray | None = None,
+    links: Sequence[IntArray] = (),
 ) -> Constraints:
-    """Collect a problem's constraints, and number the unknowns body after body, for a narrow band.
+    """Collect a problem's constraints, and number the unknowns for a narrow band.
+
+    Bodies are numbered one after another, or all together if there are links between them.
 
     `elements` are arrays (E, m), by names of bodies, of the functions of each element, which are coupled with
-    each other; `base` (size, 2) are the coefficients of the state that the drive begins with, by default
-    those of the bodies as they are.
+    each other, `links` the same of elements of two bodies. `base` (size, 2) are the coefficients of the state
+    that the drive begins with, by default those of the bodies as they are.
 
     Raises InputError where a held component belongs to a boundary that the drive moves along it, where such
     boundaries meet and do not move alike, or where nothing of the bodies is left to move.
@@ -204,10 +209,18 @@ def constrain(
         raise InputError("held", sides, allowed)
     unknowns = np.empty(groups.shape, dtype=np.int64)
     count = 0
-    for name, place in spaces.places.items():
-        of_body = np.where(groups[place] == HELD, HELD, groups[place] - 2 * place.start)
-        numberings = [_number(of_body, spaces.of[name].greville, axis) for axis in (0, 1)]
-        own = [functions - place.start for functions in elements.get(name, ())]
+    parts = [
+        (place, spaces.of[name].greville, elements.get(name, ())) for name, place in spaces.places.items()
+    ]
+    if links:
+        every = [functions for found in elements.values() for functions in found]
+        parts = [(slice(0, spaces.size), spaces.control_points() + u0, [*every, *links])]
+    for place, positions, coupled in parts:
+        of_part = np.where(groups[place] == HELD, HELD, groups[place] - 2 * place.start)
+        own = [functions - place.start for functions in coupled]
+        numberings = [_number(of_part, positions, axis) for axis in (0, 1)]
+        if links:
+            numberings.append(_number_by_neighbours(of_part, own))
         numbers = min(numberings, key=lambda numbering: half_bandwidth(numbering, own))
         unknowns[place] = np.where(numbers == HELD, HELD, numbers + count)
         count += int(numbers.max()) + 1
@@ -253,6 +266,30 @@ def _number(groups: IntArray, places: FloatArray, axis: int) -> IntArray:
     numbers = np.full(flat.size, HELD)
     numbers[flat[order[members]]] = np.arange(len(members))
     numbered: IntArray = np.where(flat == HELD, HELD, numbers[flat]).reshape(groups.shape)
+    return numbered
+
+
+def _number_by_neighbours(groups: IntArray, elements: Sequence[IntArray]) -> IntArray:
+    """Number the groups (size, 2) by the reverse algorithm of Cuthill and McKee."""
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import reverse_cuthill_mckee
+
+    known, compact = np.unique(groups, return_inverse=True)
+    compact = compact.reshape(groups.shape) - int(known[0] == HELD)
+    count = int(compact.max()) + 1
+    pairs = []
+    for functions in elements:
+        members = compact[functions].reshape(len(functions), -1)
+        size = members.shape[1]
+        rows, columns = np.repeat(members, size, axis=1), np.tile(members, size)
+        free = (rows != HELD) & (columns != HELD)
+        pairs.append(np.stack([rows[free], columns[free]]))
+    places = np.concatenate(pairs, axis=1)
+    graph = coo_array((np.ones(places.shape[1]), tuple(places)), (count, count)).tocsr()
+    order = reverse_cuthill_mckee(graph, symmetric_mode=True)
+    numbers = np.append(np.empty(count, dtype=np.int64), HELD)
+    numbers[order] = np.arange(count)
+    numbered: IntArray = numbers[compact]
     return numbered
 
 

@@ -1,20 +1,21 @@
 """The state of an interface at any points of its side, by the same kernel as in the assembly."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Self
 
 import numpy as np
 
-from isopeel.assembly.interface_kernel import Response, projected_areas, read_interface, respond
-from isopeel.assembly.interface_term import interface_data, substrate_tangents
-from isopeel.assembly.packing import packed
-from isopeel.assembly.spaces import SpaceOfBodies, part_of_body, spaces_by_name
+from isopeel.assembly.facing_term import FacingTerm, facing_term
+from isopeel.assembly.interface_kernel import projected_areas
+from isopeel.assembly.interface_term import InterfaceTerm, substrate_tangents
+from isopeel.assembly.opening import closed_opening
+from isopeel.assembly.spaces import SpaceOfBodies, Spaces, check_coefficients, spaces_by_name
 from isopeel.assembly.tables import element_ends, side_points, table_at, usual_points
 from isopeel.common.arrays import BoolArray, FloatArray
 from isopeel.common.errors import InputError
 from isopeel.physics.adhesion.irreversible import NOT_CLOSED
 from isopeel.physics.batch import evaluate_law
-from isopeel.problem import Problem
+from isopeel.problem import Boundary, Problem
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,20 +59,22 @@ class InterfacePoints:
         self._name = interface
         self.parameters: FloatArray = parameters
         adhesion = self._adhesion = problem.interface_of(interface)
-        body = problem.body_of(adhesion.boundary.body)
-        shape = body.shape
-        space = self._space = spaces_by_name(problem, space)[body.name]
+        spaces = Spaces.on(problem, space)
+        shape, own = problem.body_of(adhesion.boundary.body).shape, spaces.of[adhesion.boundary.body]
         weights = np.zeros(parameters.shape) if weights is None else weights
-        table = table_at(shape, space.weighted(shape), adhesion.side, parameters, weights)
+        table = table_at(shape, own, adhesion.side, parameters, weights)
+        table = replace(table, functions=spaces.places[adhesion.boundary.body].start + table.functions)
         #: Weights of the points in integrals over the reference length.
         self.lengths: FloatArray = table.weights
         self._projected = adhesion.traction == "projected"
         self._table = table if self._projected else table.of_values()
-        self._tangents = substrate_tangents(adhesion.substrate, table.positions)
-        no_unknowns = np.zeros((space.size, 2), dtype=np.int64)
-        data = interface_data(adhesion, self._table, self._tangents, no_unknowns)
-        # with the types of the assembly
-        self._interface = read_interface.py_func(*packed(data))
+        self._tangents = np.stack([-table.normals[..., 1], table.normals[..., 0]], axis=-1)
+        if isinstance(adhesion.against, Boundary):
+            self._term: InterfaceTerm | FacingTerm = facing_term(spaces, adhesion, self._table)
+        else:
+            self._tangents = substrate_tangents(adhesion.against, table.positions)
+            closed = closed_opening(problem, adhesion)
+            self._term = InterfaceTerm(adhesion, self._table, self._tangents, closed)
         self._contact: InterfacePoints | None = None
 
     @classmethod
@@ -105,7 +108,9 @@ class InterfacePoints:
         history = (
             self._largest(u, maximum_openings) if adhesion.irreversible else np.zeros(self.parameters.shape)
         )
-        response = self._respond(u, history, irreversible=adhesion.irreversible)
+        known = history.ravel()
+        known.setflags(write=False)
+        response = self._term.respond(u, known)
         area = np.ones(history.size)
         table = self._table
         if self._projected:
@@ -117,7 +122,8 @@ class InterfacePoints:
             waits = history.ravel() < 0
             opening = np.where(waits, 0.0, np.maximum(opening, history.ravel()))
             farthest = np.where(waits, response.gap, law.equilibrium_gap + opening)
-            seen = response.curvature * adhesion.substrate.constant_curvature
+            rigid = not isinstance(adhesion.against, Boundary)
+            seen = response.curvature * (rigid and adhesion.substrate.constant_curvature)
             softening = evaluate_law(law.kernel, law.parameters, farthest, seen)[2] > 0
         shape = self.parameters.shape
         normal = np.moveaxis(response.normal, 0, -1).reshape(*shape, 2)
@@ -137,36 +143,27 @@ class InterfacePoints:
         )
 
     def _checked(self, displacement: FloatArray) -> FloatArray:
-        """Return the coefficients of the body with the types of compiled code."""
-        _, own = part_of_body(self._problem, self._spaces, displacement, self._adhesion.boundary.body)
-        u = np.ascontiguousarray(own, dtype=np.float64).view()
+        """Return the coefficients (size, 2) with the types of compiled code."""
+        check_coefficients(spaces_by_name(self._problem, self._spaces), displacement)
+        u = np.ascontiguousarray(displacement, dtype=np.float64).view()
         u.setflags(write=False)
         return u
 
-    def _respond(self, u: FloatArray, maximum_openings: FloatArray, *, irreversible: bool) -> Response:
-        history = maximum_openings.ravel()
-        history.setflags(write=False)
-        interface = self._interface
-        if not irreversible:
-            interface = interface._replace(irreversible=np.int64(0))
-        response: Response = respond(interface, history, u)
-        return response
-
     def _opening(self, u: FloatArray) -> FloatArray:
         """Return the present openings (n k,), zero where the joint is closed."""
-        gap = self._respond(u, np.zeros(self.parameters.shape), irreversible=False).gap
-        return np.maximum(gap - self._adhesion.law.equilibrium_gap, 0.0)
+        return np.maximum(self._term.opening(u), 0.0)
 
     def _largest(self, u: FloatArray, maximum_openings: FloatArray | None) -> FloatArray:
         adhesion = self._adhesion
         here = self._opening(u)
-        if maximum_openings is not None and len(self._problem.interfaces) > 1:
+        if maximum_openings is not None and len(self._problem.faces) > 1:
             maximum_openings = maximum_openings_by_name(self._problem, self._spaces, maximum_openings)[
                 self._name
             ]
         if maximum_openings is not None and np.isnan(maximum_openings).any():
             return here.reshape(self.parameters.shape)
-        elements = element_ends(self._space, adhesion.side, (adhesion.start, adhesion.end)).size - 1
+        own = spaces_by_name(self._problem, self._spaces)[adhesion.boundary.body]
+        elements = element_ends(own, adhesion.side, adhesion.boundary.part).size - 1
         if (
             maximum_openings is None
             or maximum_openings.ndim != 2
@@ -205,7 +202,7 @@ def maximum_openings_by_name(
     Raises InputError if they are of other spaces.
     """
     spaces = spaces_by_name(problem, space)
-    boundaries = [interface.boundary for interface in problem.interfaces]
+    boundaries = [interface.boundary for interface in problem.faces]
     elements = [element_ends(spaces[one.body], one.side, one.part).size - 1 for one in boundaries]
     points = [usual_points(spaces[one.body], one.side) for one in boundaries]
     if maximum_openings.ndim == 2 and len(maximum_openings) == sum(elements):

@@ -13,7 +13,7 @@ from isopeel.common.arrays import FloatArray, IntArray
 from isopeel.common.compilation import compiled_reordered
 from isopeel.physics.adhesion.irreversible import damaged
 from isopeel.physics.adhesion.sliding import slipped
-from isopeel.physics.batch import law_at, substrate_at
+from isopeel.physics.batch import BatchFunction, law_at, substrate_at
 
 
 class InterfaceData(NamedTuple):
@@ -56,6 +56,44 @@ class Response(NamedTuple):
 
 
 @compiled_reordered
+def respond_normally(
+    law: BatchFunction,
+    parameters: FloatArray,
+    equilibrium_gap: float,
+    irreversible: int,
+    maximum_openings: FloatArray,
+    gap: FloatArray,
+    seen: FloatArray,
+    closed: FloatArray,
+    answer: tuple[FloatArray, FloatArray, FloatArray, FloatArray],
+) -> None:
+    """Write potential, traction, its derivative and the dissipated energy at gaps (n), after a history (n).
+
+    An `irreversible` law needs its values `closed` (3, n) at the equilibrium gap; `seen` (n) is the curvature
+    that it depends on.
+    """
+    potential, T, dT, lost = answer
+    points = gap.size
+    law(gap, seen, parameters, points, potential, T, dT)
+    if irreversible:
+        at = np.empty(points)
+        reached = np.empty((3, points))
+        for p in range(points):
+            at[p] = equilibrium_gap + max(maximum_openings[p], 0.0)
+        law(at, seen, parameters, points, reached[0], reached[1], reached[2])
+        for p in range(points):
+            here = potential[p], T[p], dT[p]
+            potential[p], T[p], dT[p], lost[p] = damaged(
+                gap[p],
+                equilibrium_gap,
+                maximum_openings[p],
+                here,
+                (closed[0, p], closed[1, p]),
+                (reached[0, p], reached[1, p]),
+            )
+
+
+@compiled_reordered
 def respond(interface: InterfaceData, maximum_openings: FloatArray, u: FloatArray) -> Response:
     """Evaluate the interface of a body with coefficients u (size, 2).
 
@@ -95,28 +133,23 @@ def respond(interface: InterfaceData, maximum_openings: FloatArray, u: FloatArra
     if interface.factors:
         for p in range(points):
             seen[p] = curvature[p]
-    law(gap, seen, parameters, points, potential, T, dT)
     # both need the law at the equilibrium gap
     compared = interface.irreversible or sliding_length > 0.0
-    at = np.full(points if compared else 0, equilibrium_gap)
-    closed = np.empty((3, at.size))
+    closed = np.empty((3, points if compared else 0))
     if compared:
+        at = np.full(points, equilibrium_gap)
         law(at, seen, parameters, points, closed[0], closed[1], closed[2])
-    if interface.irreversible:
-        reached = np.empty((3, points))
-        for p in range(points):
-            at[p] += max(maximum_openings[p], 0.0)
-        law(at, seen, parameters, points, reached[0], reached[1], reached[2])
-        for p in range(points):
-            here = potential[p], T[p], dT[p]
-            potential[p], T[p], dT[p], lost[p] = damaged(
-                gap[p],
-                equilibrium_gap,
-                maximum_openings[p],
-                here,
-                (closed[0, p], closed[1, p]),
-                (reached[0, p], reached[1, p]),
-            )
+    respond_normally(
+        law,
+        parameters,
+        equilibrium_gap,
+        interface.irreversible,
+        maximum_openings,
+        gap,
+        seen,
+        closed,
+        (potential, T, dT, lost),
+    )
     if sliding_length > 0.0:
         for p in range(points):
             e, q = p // Q, p % Q

@@ -1,16 +1,17 @@
 """An interface as a term of the system, with its maximum openings as the history."""
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
 from isopeel.assembly.adhesion_kernel import add_adhesion
-from isopeel.assembly.interface_kernel import InterfaceData
+from isopeel.assembly.interface_kernel import InterfaceData, Response, read_interface, respond
 from isopeel.assembly.loops import Loops
+from isopeel.assembly.opening import initial_openings, opened
 from isopeel.assembly.packing import Packed, packed
 from isopeel.assembly.tables import SideTable
-from isopeel.common.arrays import FloatArray, IntArray, frozen
-from isopeel.physics.adhesion.irreversible import NOT_CLOSED
+from isopeel.common.arrays import FloatArray, IntArray
 from isopeel.physics.batch import evaluate_substrate
 from isopeel.physics.substrates import Substrate
 from isopeel.problem import Interface
@@ -49,28 +50,34 @@ class InterfaceTerm:
 
     def initial(self) -> FloatArray:
         """See `isopeel.assembly.terms`."""
-        count = self.table.weights.size
-        if not self.adhesion.irreversible:
-            return frozen(np.zeros(count))
-        return self._opened(self._opening(None), np.full(count, NOT_CLOSED))
+        return initial_openings(self.adhesion, self.opening(None), self.closed)
 
     def commit(self, displacement: FloatArray, history: FloatArray) -> FloatArray:
         """See `isopeel.assembly.terms`."""
-        return self._opened(self._opening(displacement), history) if self.adhesion.irreversible else history
+        if not self.adhesion.irreversible:
+            return history
+        return opened(self.opening(displacement), history, self.closed)
 
-    def _opening(self, displacement: FloatArray | None) -> FloatArray:
-        """Return the openings (E Q,): gaps minus the equilibrium gap."""
+    def respond(self, displacement: FloatArray, history: FloatArray) -> Response:
+        """Return the state of all points, at coefficients (size, 2) after a history (E Q,)."""
+        found: Response = respond(self._interface, history, displacement)
+        return found
+
+    @cached_property
+    def _interface(self) -> InterfaceData:
+        no_unknowns = np.zeros((int(self.table.functions.max()) + 1, 2), dtype=np.int64)
+        # with the types of the assembly
+        data: InterfaceData = read_interface.py_func(*self.data(no_unknowns))
+        return data
+
+    def opening(self, displacement: FloatArray | None) -> FloatArray:
+        """Return the openings (E Q,), gaps minus the equilibrium gap, at coefficients (size, 2) or zero."""
         adhesion, side = self.adhesion, self.table
         position = side.positions
         if displacement is not None:
             position = position + np.einsum("eqm,emi->eqi", side.values, displacement[side.functions])
         gap, _, _ = evaluate_substrate(adhesion.substrate.kernel, adhesion.substrate.parameters, position)
         return (gap - adhesion.law.equilibrium_gap).ravel()
-
-    def _opened(self, opening: FloatArray, before: FloatArray) -> FloatArray:
-        """Return the maximum openings after one more opening; see `physics.adhesion.irreversible`."""
-        waits = (before < 0) & (opening > self.closed)
-        return frozen(np.where(waits, NOT_CLOSED, np.maximum(np.maximum(before, 0.0), opening)))
 
 
 def substrate_tangents(substrate: Substrate, positions: FloatArray) -> FloatArray:

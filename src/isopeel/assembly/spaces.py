@@ -38,12 +38,16 @@ def part_of_body(
     Raises InputError for coefficients of other spaces.
     """
     spaces = spaces_by_name(problem, space)
-    sizes = {name: one.size for name, one in spaces.items()}
-    if displacement.shape != (sum(sizes.values()), 2):
-        allowed = f"the space has {sum(sizes.values())} functions"
-        raise InputError("displacement", displacement.shape, allowed)
-    start = sum(sizes[name] for name in list(sizes)[: list(sizes).index(body)])
-    return spaces[body], displacement[start : start + sizes[body]]
+    check_coefficients(spaces, displacement)
+    start = sum(spaces[name].size for name in list(spaces)[: list(spaces).index(body)])
+    return spaces[body], displacement[start : start + spaces[body].size]
+
+
+def check_coefficients(spaces: Mapping[str, RowSpace], displacement: FloatArray) -> None:
+    """Raise InputError unless coefficients are those (size, 2) of all spaces."""
+    size = sum(space.size for space in spaces.values())
+    if displacement.shape != (size, 2):
+        raise InputError("displacement", displacement.shape, f"the space has {size} functions")
 
 
 @dataclass(frozen=True, eq=False)

@@ -4,56 +4,50 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from isopeel.assembly.closest_point_kernel import NONE
 from isopeel.assembly.constraints import HELD
 from isopeel.assembly.control import Control
+from isopeel.assembly.facing_term import FacingTerm
 from isopeel.assembly.interface_term import substrate_tangents
+from isopeel.assembly.sizes import ROUND_OFF, extent_of
 from isopeel.assembly.spaces import Spaces
 from isopeel.assembly.tables import SideTable
 from isopeel.common.arrays import FloatArray, IntArray, frozen
 from isopeel.common.errors import InputError
 from isopeel.physics.adhesion.irreversible import check_envelope
 from isopeel.physics.batch import evaluate_law, evaluate_substrate
-from isopeel.problem import Body, Interface, Problem
+from isopeel.problem import Boundary, Interface
 from isopeel.splines.nurbs import NurbsSurface
 from isopeel.splines.rows import RIGID, RowSpace
-
-#: Motions and gaps up to this share of the size of the body are round-off.
-ROUND_OFF = 1e-9
-
-
-def extent(problem: Problem) -> float:
-    """The size of the largest body."""
-    return max(extent_of(body) for body in problem.bodies)
-
-
-def extent_of(body: Body) -> float:
-    """The size of a body: of the box about its control points."""
-    return float(np.ptp(body.shape.control_points.reshape(-1, 2), axis=0).max())
 
 
 def check_start(
     spaces: Spaces,
-    sides: Sequence[SideTable],
+    sides: Sequence[SideTable | FacingTerm],
     control: Control,
     base: FloatArray | None,
 ) -> list[FloatArray]:
-    """Return the substrate's tangents (E, Q, 2) at the points of each interface, where all is well.
+    """Return the substrate's tangents (E, Q, 2) at the points of each interface with one, where all is well.
 
-    Raises InputError where a body overlaps the substrate, where a point of it has no one closest point
-    there, where it can move as a whole without a force, or where a law cannot be irreversible.
+    Raises InputError where a body overlaps the substrate or another body, where a point of it has no one
+    closest point on the substrate, where it can move as a whole without a force, or where a law cannot be
+    irreversible.
     """
     problem = spaces.problem
-    held: dict[str, list[FloatArray]] = {body.name: [] for body in problem.bodies}
+    held: list[FloatArray] = []
     tangents = []
-    for number, (interface, side) in enumerate(zip(problem.interfaces, sides, strict=True), start=1):
-        body = problem.body_of(interface.boundary.body)
+    for number, (interface, side) in enumerate(zip(problem.faces, sides, strict=True), start=1):
+        size = extent_of(problem.body_of(interface.boundary.body))
         try:
-            rows, tangent = _check_interface(interface, side, extent_of(body), base)
+            if isinstance(side, FacingTerm):
+                held += _check_facing(spaces, side, size, base)
+                continue
+            rows, tangent = _check_interface(interface, side, size, base)
         except InputError as error:
             if len(problem.interfaces) == 1:
                 raise
             raise InputError(f"interface.{number}.{error.field}", error.value, error.allowed) from error
-        held[body.name] += rows
+        held += [_of_body(spaces, interface.boundary.body, row) for row in rows]
         tangents.append(frozen(tangent))
     free = _free_motion(_held(spaces, held, control), {body.name: extent_of(body) for body in problem.bodies})
     if free is not None:
@@ -62,17 +56,22 @@ def check_start(
     return tangents
 
 
-def _held(spaces: Spaces, adhering: Mapping[str, list[FloatArray]], control: Control) -> FloatArray:
+def _of_body(spaces: Spaces, body: str, rows: FloatArray) -> FloatArray:
+    """Return rows (n, 3) for the rigid motions of one body as rows (n, 3 bodies) for those of all."""
+    number, count = list(spaces.places).index(body), len(spaces.places)
+    return np.pad(rows, ((0, 0), (3 * number, 3 * (count - 1 - number))))
+
+
+def _held(spaces: Spaces, adhering: Sequence[FloatArray], control: Control) -> FloatArray:
     """Rows (n, 3 bodies): what rigid motions of the bodies would change of what is held, and what adheres.
 
     A load whose displacement is prescribed holds that, which may be of several bodies.
     """
     points, unknowns, pattern = spaces.control_points(), control.constraints.unknowns, control.pattern()
-    rows, means = [], []
-    for number, (name, place) in enumerate(spaces.places.items()):
+    rows, means = list(adhering), []
+    for name, place in spaces.places.items():
         motions = _motions(points[place])
-        own = np.concatenate(adhering[name] + _constrained(unknowns[place], motions))
-        rows.append(np.pad(own, ((0, 0), (3 * number, 3 * (len(spaces.places) - 1 - number)))))
+        rows += [_of_body(spaces, name, row) for row in _constrained(unknowns[place], motions)]
         means.append(np.einsum("ai,aim->m", pattern[place], motions))
     if control.constraints.global_unknowns:
         rows.append(np.concatenate(means)[None])
@@ -108,6 +107,27 @@ def _check_interface(
     directions = [normal, tangent] if interface.sliding_length else [normal]
     rows = [np.einsum("ni,nim->nm", d[acts], _motions(positions[acts])) for d in directions]
     return rows, tangent if base is None else substrate_tangents(substrate, side.positions)
+
+
+def _check_facing(spaces: Spaces, term: FacingTerm, size: float, base: FloatArray | None) -> list[FloatArray]:
+    """What rigid motions of both bodies would change (n, 3 bodies) between points and their partners."""
+    interface, law = term.adhesion, term.adhesion.law
+    if interface.irreversible:
+        check_envelope(law)
+    found = term.partners(np.zeros((spaces.size, 2)) if base is None else base)
+    has = found.kind != NONE
+    other = interface.against.body if isinstance(interface.against, Boundary) else ""
+    deepest = int(np.argmin(np.where(has, found.gap, np.inf)))
+    if base is None and has.any() and found.gap[deepest] < -ROUND_OFF * size:
+        place = "{:.4g} at X = ({:.4g}, {:.4g})".format(found.gap[deepest], *found.position[:, deepest])
+        allowed = f"the bodies {interface.boundary.body} and {other} must not overlap at the start"
+        raise InputError("gap", place, allowed)
+    stiffness = evaluate_law(law.kernel, law.parameters, found.gap, np.zeros_like(found.gap))[2]
+    acts = has & (stiffness != 0)
+    normal, position = found.normal.T[acts], found.position.T[acts]
+    partner = position - found.gap[acts, None] * normal
+    own, others = (np.einsum("ni,nim->nm", normal, _motions(points)) for points in (position, partner))
+    return [_of_body(spaces, interface.boundary.body, own) - _of_body(spaces, other, others)]
 
 
 def check_rigid(space: RowSpace, shape: NurbsSurface) -> None:

@@ -13,17 +13,19 @@ from isopeel.assembly.body_term import BodyTerm
 from isopeel.assembly.constraints import Constraints, constrain, half_bandwidth
 from isopeel.assembly.control import Control
 from isopeel.assembly.equations import Equations
+from isopeel.assembly.facing_term import FacingTerm, facing_term
 from isopeel.assembly.interface_term import InterfaceTerm
 from isopeel.assembly.load_term import LoadTerm, load_terms
 from isopeel.assembly.loops import Loops, Sums, add_terms, term_list
+from isopeel.assembly.opening import closed_opening
 from isopeel.assembly.spaces import SpaceOfBodies, Spaces
-from isopeel.assembly.start import ROUND_OFF, check_rigid, check_start, extent_of
+from isopeel.assembly.start import check_rigid, check_start
 from isopeel.assembly.tables import BodyTable, SideTable, body_of, side_of
 from isopeel.assembly.terms import Term
 from isopeel.common.arrays import FloatArray, frozen
 from isopeel.common.errors import InputError
 from isopeel.matrix.band import BandMatrix, Storage
-from isopeel.problem import Problem
+from isopeel.problem import Boundary, Interface, Problem
 from isopeel.problem.boundary import boundary_names
 from isopeel.splines.rows import RowSpace
 
@@ -91,15 +93,15 @@ class System:
         self.bodies: tuple[BodyTerm, ...] = tuple(
             BodyTerm(body, body_of(self.spaces, body), *self.body_loops) for body in problem.bodies
         )
+        faces = [self._face(interface, contact_points) for interface in problem.faces]
+        #: The sides that face other bodies.
+        self.facing: tuple[FacingTerm, ...] = tuple(one for one in faces if isinstance(one, FacingTerm))
         couplings = {term.body.name: term.couplings() for term in self.bodies}
-        self.constraints: Constraints = constrain(self.spaces, couplings, base)
+        links = [found for term in self.facing for found in term.couplings()]
+        self.constraints: Constraints = constrain(self.spaces, couplings, base, links)
         unknowns = self.constraints.unknowns
+        #: Of the tangents of the bodies.
         self.half_bandwidth: int = max(half_bandwidth(unknowns, found) for found in couplings.values())
-        tables = []
-        for interface in problem.interfaces:
-            side = side_of(self.spaces, interface.boundary, contact_points)
-            # only the projected force needs the deformation gradient
-            tables.append(side if interface.traction == "projected" else side.of_values())
         self.loads: tuple[LoadTerm, ...] = load_terms(self.spaces, self.constraints, base)
         #: Those that are held.
         self.held: tuple[LoadTerm, ...] = tuple(load for load in self.loads if not load.of_drive)
@@ -108,13 +110,12 @@ class System:
         self.control: Control = Control(
             self.constraints, driving, tuple(one.factor for one in problem.driven)
         )
-        tangents = check_start(self.spaces, tables, self.control, base)
-        self.interfaces: tuple[InterfaceTerm, ...] = tuple(
-            # gaps are known to the round-off of positions
-            InterfaceTerm(
-                interface, table, tangent, ROUND_OFF * extent_of(problem.body_of(interface.boundary.body))
-            )
-            for interface, table, tangent in zip(problem.interfaces, tables, tangents, strict=True)
+        tangents = iter(check_start(self.spaces, faces, self.control, base))
+        self.interfaces: tuple[InterfaceTerm | FacingTerm, ...] = tuple(
+            face
+            if isinstance(face, FacingTerm)
+            else InterfaceTerm(interface, face, next(tangents), closed_opening(problem, interface))
+            for interface, face in zip(problem.faces, faces, strict=True)
         )
         #: Whether an interface is damaged as it opens.
         self.irreversible: bool = any(interface.irreversible for interface in problem.interfaces)
@@ -128,7 +129,7 @@ class System:
         self.energy_scale: float = sum(
             term.body.material.youngs_modulus * term.table.area for term in self.bodies
         )
-        self._workspaces: dict[Storage, FloatArray] = {}
+        self._tangents: dict[Storage, BandMatrix] = {}
         self.equations = self._equations()
 
     def _equations(self) -> Equations:
@@ -144,6 +145,19 @@ class System:
         lighter.terms = *self.bodies, *self.interfaces, *lighter.loads
         lighter.equations = lighter._equations()
         return lighter
+
+    def _face(self, interface: Interface, contact_points: int | None) -> SideTable | FacingTerm:
+        side = side_of(self.spaces, interface.boundary, contact_points)
+        if not isinstance(interface.against, Boundary):
+            # only the projected force needs the deformation gradient
+            return side if interface.traction == "projected" else side.of_values()
+        return facing_term(self.spaces, interface, side)
+
+    def half_bandwidth_at(self, displacement: FloatArray) -> int:
+        """Return that of the tangent at coefficients (size, 2): partners of sides that face may change."""
+        unknowns = self.constraints.unknowns
+        of_facing = (half_bandwidth(unknowns, term.couplings_at(displacement)) for term in self.facing)
+        return max((self.half_bandwidth, *of_facing))
 
     def without_joint(self) -> Self:
         """The same bodies without what a substrate does to them. It shares the arrays of tangents."""
@@ -287,9 +301,12 @@ class System:
     ) -> tuple[Equilibrium, BandMatrix]:
         """The same with the tangent dR/dz, in `general` storage where it may not be positive definite."""
         storage = storage or self.storage
-        known = self._workspaces.get(storage)
-        matrix = BandMatrix.zeros(self.constraints.count, self.half_bandwidth, storage, known)
-        self._workspaces[storage] = matrix.workspace
+        known, half_bandwidth = self._tangents.get(storage), self.half_bandwidth_at(displacement)
+        if known is not None and known.half_bandwidth >= half_bandwidth:
+            matrix = known.zeroed()
+        else:
+            matrix = BandMatrix.zeros(self.constraints.count, half_bandwidth, storage)
+        self._tangents[storage] = matrix
         return self._assemble(displacement, load, matrix), matrix
 
     def _assemble(

@@ -102,7 +102,7 @@ class AdhesionSection(KindSection):
         return Interface(
             boundary,
             law=law,
-            substrate=substrate,
+            against=substrate,
             traction=self.traction,
             irreversible=self.irreversible,
             sliding_length=self.sliding_length,

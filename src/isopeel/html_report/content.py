@@ -124,7 +124,7 @@ def _units(laboratory: Laboratory, problem: Problem) -> Content:
     """Return the units of the drawn quantities of the bodies, and the factors from values in the page."""
     # the tension of the adhesion is of the order of W over the opening, or of the strength if it is known
     try:
-        strengths = [law_character(interface.law).strength for interface in problem.interfaces]
+        strengths = [law_character(interface.law).strength for interface in problem.faces]
     except InputError:
         strengths = []
     strength = max(strengths or [body.material.youngs_modulus for body in problem.bodies])

@@ -1,6 +1,6 @@
 """A matrix in band storage, for symmetric factors or with room for those of a pivoted LU."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 import numpy as np
@@ -38,15 +38,15 @@ class BandMatrix:
     storage: Storage
 
     @classmethod
-    def zeros(
-        cls, count: int, half_bandwidth: int, storage: Storage, workspace: FloatArray | None = None
-    ) -> "BandMatrix":
-        """Return a zero matrix of `count` rows, in the workspace of another matrix of its size."""
+    def zeros(cls, count: int, half_bandwidth: int, storage: Storage) -> "BandMatrix":
+        """Return a zero matrix of `count` rows."""
         width = half_bandwidth + 1 if storage == "symmetric" else 3 * half_bandwidth + 1
-        if workspace is None:
-            workspace = np.empty((count + 1, width))
-        workspace.fill(0.0)
-        return cls(workspace, half_bandwidth, storage)
+        return cls(np.zeros((count + 1, width)), half_bandwidth, storage)
+
+    def zeroed(self) -> "BandMatrix":
+        """Return a zero matrix of the same size, in the same workspace: this matrix is zero, too."""
+        self.workspace.fill(0.0)
+        return replace(self)
 
     @property
     def entries(self) -> FloatArray:

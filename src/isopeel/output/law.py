@@ -69,9 +69,7 @@ def _of_the_case(name: str) -> tuple[dict[str, AdhesionLaw], UnitSystem]:
         allowed = f"it is neither a law ({', '.join(LAWS)}) nor a case: {error.allowed}"
         raise InputError("NAME", name, allowed) from error
     problem = case.problem()
-    laws = {
-        interface: one.law for interface, one in zip(problem.interface_names, problem.interfaces, strict=True)
-    }
+    laws = {interface: one.law for interface, one in zip(problem.interface_names, problem.faces, strict=True)}
     if not laws:
         raise InputError("NAME", name, "the case has no interface, so it has no law")
     return {name: next(iter(laws.values()))} if len(laws) == 1 else laws, case.units.system()

@@ -90,7 +90,7 @@ def mesh_changes(
                 one.history(state.displacement, state.maximum_openings)
                 if interface.irreversible
                 else np.zeros(one.parameters.shape)
-                for one, interface in zip(points, problem.interfaces, strict=True)
+                for one, interface in zip(points, problem.faces, strict=True)
             ]
             joined = np.concatenate([one.ravel() for one in histories])
             system = system.after(joined.reshape(system.maximum_openings.shape))

@@ -16,6 +16,10 @@ from isopeel.splines.nurbs import NurbsSurface, Side
 #: Area that the adhesive traction acts on: the reference area, or its projection on the substrate.
 Traction = Literal["reference", "projected"]
 
+#: Which sides of an interface between two bodies are integrated, and what the forces act on: both sides by
+#: halves, with one energy; the first side alone; or each side for the forces on itself alone.
+Scheme = Literal["unbiased", "biased", "two-half-pass"]
+
 Part = TypeVar("Part")
 
 
@@ -34,22 +38,32 @@ class Body:
 
 @dataclass(frozen=True)
 class Interface:
-    """A boundary that a substrate attracts.
+    """A boundary that a substrate attracts, or the side of another body (plane strain).
 
-    Force on the body, F_c = -int N^T T n_o dA per reference area dA (`reference`; it has a potential), or the
-    same with dA projected on the substrate, times -n_o . F^-T N_o (`projected`; its tangent is not
-    symmetric), with the substrate's normal n_o and the outward normal N_o of the side (Sadhana 46:3, 2021,
-    Eq. 19, read in two ways). An `irreversible` interface that has opened closes again along the secant of
-    the law (`physics.adhesion.irreversible`). Without a `sliding_length` the body slides along the substrate
-    without friction; with one it is held along the substrate too (`physics.adhesion.sliding`).
+    Against a substrate, the force on the body is F_c = -int N^T T n_o dA per reference area dA (`reference`;
+    it has a potential), or the same with dA projected on the substrate, times -n_o . F^-T N_o (`projected`;
+    its tangent is not symmetric), with the substrate's normal n_o and the outward normal N_o of the side
+    (Sadhana 46:3, 2021, Eq. 19, read in two ways). An `irreversible` interface that has opened closes again
+    along the secant of the law (`physics.adhesion.irreversible`). Without a `sliding_length` the body slides
+    along the substrate without friction; with one it is held along the substrate too
+    (`physics.adhesion.sliding`).
+
+    Against another body, the law acts over the gap g of each point to the closest point of the whole other
+    side, with the scheme of the integrals over the reference areas A and B of both boundaries:
+
+        unbiased       1/2 int_A Phi(g) dA + 1/2 int_B Phi(g) dB
+        biased         int_A Phi(g) dA
+        two-half-pass  each boundary is integrated and loads its own body only; there is no potential
+                       (Sauer and De Lorenzis, Comput. Methods Appl. Mech. Eng. 253, 2013)
     """
 
     boundary: Boundary
     law: AdhesionLaw
-    substrate: Substrate
+    against: Substrate | Boundary
     traction: Traction = "reference"
     irreversible: bool = False
     sliding_length: float | None = None
+    scheme: Scheme = "unbiased"
 
     def __post_init__(self) -> None:
         """Check the kind of traction and the sliding length."""
@@ -57,6 +71,16 @@ class Interface:
             raise InputError(
                 "adhesion.traction", self.traction, f"it must be {' or '.join(get_args(Traction))}"
             )
+        if self.scheme not in get_args(Scheme):
+            raise InputError("scheme", self.scheme, f"it must be {', '.join(get_args(Scheme))}")
+        if isinstance(self.against, Boundary):
+            if self.against.body == self.boundary.body:
+                raise InputError("against", self.against.body, "it must be the side of another body")
+            if self.traction != "reference":
+                raise InputError("adhesion.traction", self.traction, "between bodies it must be 'reference'")
+            if self.sliding_length is not None:
+                allowed = "between bodies there is none: their faces slide without friction"
+                raise InputError("adhesion.sliding_length", self.sliding_length, allowed)
         if self.sliding_length is None:
             return
         if not 0 < self.sliding_length < float("inf"):
@@ -64,6 +88,20 @@ class Interface:
         if self.irreversible or self.traction != "reference":
             allowed = "a joint that holds along the substrate is reversible, with 'reference' traction"
             raise InputError("adhesion.sliding_length", self.sliding_length, allowed)
+
+    @property
+    def substrate(self) -> Substrate:
+        """What it adheres to. Raises InputError if this is another body."""
+        if isinstance(self.against, Boundary):
+            raise InputError("interface", self.against.body, "this needs an interface with a substrate")
+        return self.against
+
+    @property
+    def faces(self) -> tuple["Interface", ...]:
+        """The interface as seen from each boundary that is integrated."""
+        if not isinstance(self.against, Boundary) or self.scheme == "biased":
+            return (self,)
+        return self, replace(self, boundary=self.against, against=self.boundary)
 
     @property
     def side(self) -> Side:
@@ -129,6 +167,7 @@ class Problem:
         boundaries = [one.boundary for one in self.driven]
         for parts in (self.interfaces, self.supports, self.loads):
             boundaries += [one.boundary for one in parts]
+        boundaries += [one.against for one in self.interfaces if isinstance(one.against, Boundary)]
         for boundary in boundaries:
             if boundary.body not in names:
                 raise InputError("body", boundary.body, f"the bodies are {', '.join(names)}")
@@ -171,7 +210,7 @@ class Problem:
             return self.adhesion
         if name not in self.interface_names:
             raise InputError("interface", name, f"there is {', '.join(self.interface_names) or 'none'}")
-        return self.interfaces[self.interface_names.index(name)]
+        return self.faces[self.interface_names.index(name)]
 
     @property
     def is_single(self) -> bool:
@@ -189,9 +228,14 @@ class Problem:
         return _only("interface", self.interfaces)
 
     @property
+    def faces(self) -> tuple[Interface, ...]:
+        """All interfaces as seen from each boundary that is integrated."""
+        return tuple(face for interface in self.interfaces for face in interface.faces)
+
+    @property
     def interface_names(self) -> tuple[str, ...]:
-        """Body and side of each interface, as `body.bottom`, with a number where that has several."""
-        return boundary_names([one.boundary for one in self.interfaces])
+        """Body and side of each of the `faces`, as `body.bottom`, with a number where that has several."""
+        return boundary_names([one.boundary for one in self.faces])
 
     def changed(
         self,

@@ -37,7 +37,7 @@ def strip(
     adhesion = Interface(
         body.side("bottom", end=adhering_length / length),
         law=law,
-        substrate=Flat(height=-law.equilibrium_gap),
+        against=Flat(height=-law.equilibrium_gap),
         traction=traction,
         irreversible=irreversible,
     )

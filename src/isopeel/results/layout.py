@@ -39,7 +39,7 @@ class Layout:
     def of(cls, problem: Problem, space: SpaceOfBodies, contact_points: int | None = None) -> Self:
         """Return the layout of a problem on its spaces."""
         spaces = spaces_by_name(problem, space)
-        boundaries = [interface.boundary for interface in problem.interfaces]
+        boundaries = [interface.boundary for interface in problem.faces]
         shapes = [
             side_points(spaces[one.body], one.side, one.part, contact_points)[0].shape for one in boundaries
         ]

@@ -11,10 +11,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from isopeel.assembly.start import extent
+from isopeel.assembly.sizes import extent
 from isopeel.assembly.system import System
 from isopeel.common.arrays import FloatArray
 from isopeel.physics.batch import evaluate_substrate
+from isopeel.problem import Boundary
 from isopeel.solve.balance import MISFIT, on_one_branch, released
 from isopeel.solve.descent import potential_energy
 from isopeel.solve.jumps import jump_from
@@ -252,10 +253,12 @@ def _preferred(path: Path, tried: list[tuple[float, Found]], energy: float) -> F
 def _gaps(system: System, displacement: FloatArray) -> FloatArray:
     """Return the gaps (n,) of the control points to the nearest substrate, for u (size, 2).
 
-    Bodies without an interface have none.
+    Bodies without a substrate have none.
     """
     gaps, points = np.full(len(displacement), np.inf), system.spaces.control_points()
     for interface in system.problem.interfaces:
+        if isinstance(interface.against, Boundary):
+            continue
         place, substrate = system.spaces.places[interface.boundary.body], interface.substrate
         position = points[place] + displacement[place]
         gap = evaluate_substrate(substrate.kernel, substrate.parameters, position)[0]

@@ -5,7 +5,7 @@ from itertools import islice
 
 import numpy as np
 
-from isopeel.assembly.start import extent
+from isopeel.assembly.sizes import extent
 from isopeel.solve.arc_length import Curve, Point
 from isopeel.solve.balance import can_be_joined
 from isopeel.solve.continuation import curve_from, follow_curve

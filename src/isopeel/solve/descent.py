@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from isopeel.assembly.start import extent
+from isopeel.assembly.sizes import extent
 from isopeel.assembly.system import Equilibrium, System
 from isopeel.common.arrays import FloatArray
 from isopeel.common.interrupts import check

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from isopeel.assembly.equations import Iterate
-from isopeel.assembly.start import extent
+from isopeel.assembly.sizes import extent
 from isopeel.assembly.system import Equilibrium, System
 from isopeel.common.arrays import FloatArray
 from isopeel.matrix.band import BandMatrix

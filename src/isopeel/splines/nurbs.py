@@ -56,9 +56,17 @@ class NurbsCurve:
 
     def derivatives(self, points: ArrayLike, order: int) -> FloatArray:
         """Return the curve and its derivatives, (order + 1, ..., dimension), at points (...)."""
+        return _quotients(self._homogeneous_derivatives(points, order)[:, None])[:, 0]
+
+    def homogeneous(self, points: ArrayLike) -> FloatArray:
+        """Return the curve times its weight function, and that function, (..., dimension + 1), at points."""
+        values: FloatArray = self._homogeneous_derivatives(points, 0)[0]
+        return values
+
+    def _homogeneous_derivatives(self, points: ArrayLike, order: int) -> FloatArray:
         functions, active = _functions(self.space, points, order)
-        homogeneous = np.einsum("k...i,...ic->k...c", functions, self.homogeneous_points[active])
-        return _quotients(homogeneous[:, None])[:, 0]
+        values: FloatArray = np.einsum("k...i,...ic->k...c", functions, self.homogeneous_points[active])
+        return values
 
     def insert_knots(self, knots: ArrayLike) -> Self:
         """Return the same curve with these knots added."""
