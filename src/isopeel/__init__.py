@@ -50,7 +50,8 @@ if TYPE_CHECKING:
     )
     from isopeel.results.curve import Curve
     from isopeel.results.run_file import StoredRun, read_run
-    from isopeel.solve.newton import ConvergenceError, NewtonSettings
+    from isopeel.solve.convergence import ConvergenceError
+    from isopeel.solve.newton import NewtonSettings
     from isopeel.solve.step import State, Step
     from isopeel.solve.supports import support_reactions
     from isopeel.solve.trace import trace
@@ -150,7 +151,8 @@ _MODULES = {
     ),
     "results.curve": ("Curve",),
     "results.run_file": ("StoredRun", "read_run"),
-    "solve.newton": ("ConvergenceError", "NewtonSettings"),
+    "solve.convergence": ("ConvergenceError",),
+    "solve.newton": ("NewtonSettings",),
     "solve.step": ("State", "Step"),
     "solve.supports": ("support_reactions",),
     "solve.trace": ("trace",),

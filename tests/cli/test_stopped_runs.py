@@ -13,7 +13,7 @@ from command_output import SMALL, summary, table, the_error
 import isopeel
 from isopeel.cli import main
 from isopeel.results.run_writer import RunWriter
-from isopeel.solve.newton import ConvergenceError
+from isopeel.solve.convergence import ConvergenceError
 
 pytestmark = pytest.mark.usefixtures("in_own_folder")
 

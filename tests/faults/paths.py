@@ -4,7 +4,8 @@ import numpy as np
 
 from isopeel.case import Case, with_options
 from isopeel.common.arrays import FloatArray
-from isopeel.solve.newton import ConvergenceError, NewtonSettings
+from isopeel.solve.convergence import ConvergenceError
+from isopeel.solve.newton import NewtonSettings
 from isopeel.solve.step import Step
 from isopeel.solve.trace import trace
 

@@ -8,7 +8,8 @@ from paths import as_far_as_it_goes, energies, gained, paths, worth
 
 from isopeel.common.path_control import PathControl
 from isopeel.problem import strip
-from isopeel.solve.newton import ConvergenceError, NewtonResult, NewtonSettings
+from isopeel.solve.convergence import ConvergenceError
+from isopeel.solve.newton import NewtonResult, NewtonSettings
 from isopeel.solve.solver import Solver
 from isopeel.solve.step import Step
 from isopeel.solve.trace import trace

@@ -12,7 +12,7 @@ from isopeel.cli import main
 from isopeel.common.path_control import PathControl
 from isopeel.common.units import UnitSystem
 from isopeel.post.laboratory import Laboratory
-from isopeel.solve.newton import ConvergenceError
+from isopeel.solve.convergence import ConvergenceError
 
 TAPE = """
 name = "weight"

@@ -4,8 +4,8 @@ import pytest
 from paths import as_far_as_it_goes, gained, paths, worth
 
 from isopeel.solve import jumps
+from isopeel.solve.convergence import HINTS
 from isopeel.solve.descent import Descent
-from isopeel.solve.newton import HINTS
 from isopeel.solve.path import Path
 
 STAMP = """

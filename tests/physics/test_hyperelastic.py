@@ -13,7 +13,8 @@ from isopeel.physics.materials import Material
 from isopeel.physics.materials.mooney_rivlin import MooneyRivlin
 from isopeel.physics.materials.saint_venant_kirchhoff import SaintVenantKirchhoff
 from isopeel.physics.materials.yeoh import Yeoh
-from isopeel.solve.newton import ConvergenceError, NewtonSettings, newton
+from isopeel.solve.convergence import ConvergenceError
+from isopeel.solve.newton import NewtonSettings, newton
 from isopeel.solve.trace import trace
 
 SVK = SaintVenantKirchhoff(youngs_modulus=2.0, poissons_ratio=0.3)

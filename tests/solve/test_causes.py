@@ -11,8 +11,9 @@ from isopeel.physics.adhesion.formula import FormulaAdhesion
 from isopeel.problem import MovedSide, Problem, PulledSide, strip
 from isopeel.solve import continuation_control, jumps, stability
 from isopeel.solve import newton as newton_module
+from isopeel.solve.convergence import HINTS, ConvergenceError
 from isopeel.solve.descent import Descent
-from isopeel.solve.newton import HINTS, ConvergenceError, NewtonSettings, newton
+from isopeel.solve.newton import NewtonSettings, newton
 from isopeel.solve.path import Path
 from isopeel.solve.trace import trace
 from isopeel.splines.rows import row_space

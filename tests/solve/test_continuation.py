@@ -10,7 +10,8 @@ from isopeel.assembly.system import System
 from isopeel.common.path_control import PathControl
 from isopeel.physics.adhesion import Exponential
 from isopeel.problem import MovedSide, Problem, PulledSide, strip
-from isopeel.solve.newton import ConvergenceError, NewtonSettings
+from isopeel.solve.convergence import ConvergenceError
+from isopeel.solve.newton import NewtonSettings
 from isopeel.solve.path import Path
 from isopeel.solve.path_control import follow_path
 from isopeel.solve.step import Step

@@ -9,8 +9,9 @@ from isopeel.assembly.system import System
 from isopeel.common.errors import InputError
 from isopeel.matrix.factorize import factorize
 from isopeel.problem import MovedSide, PulledSide, strip
+from isopeel.solve.convergence import ConvergenceError
 from isopeel.solve.descent import descend, potential_energy
-from isopeel.solve.newton import ConvergenceError, NewtonSettings, newton
+from isopeel.solve.newton import NewtonSettings, newton
 from isopeel.solve.step import Step
 from isopeel.solve.trace import trace
 from isopeel.splines.rows import row_space

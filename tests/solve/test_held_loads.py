@@ -27,7 +27,7 @@ from isopeel.assembly.system import System
 from isopeel.common.path_control import PathControl
 from isopeel.physics.adhesion import Exponential
 from isopeel.problem import Drive
-from isopeel.solve.newton import ConvergenceError
+from isopeel.solve.convergence import ConvergenceError
 from isopeel.splines.nurbs import rectangle
 
 BAR = Body(rectangle(20.0, 2.0), NeoHooke(3.0, 0.2))

@@ -21,7 +21,7 @@ from isopeel.common.errors import InputError
 from isopeel.common.processes import Done, WorkerLostError
 from isopeel.report.document import to_markdown
 from isopeel.results.provenance import Provenance
-from isopeel.solve.newton import ConvergenceError
+from isopeel.solve.convergence import ConvergenceError
 from isopeel.solve.step import Step
 from isopeel.validation import bending, cantilever, check, curvature, cylinder, hertz, report, tapes
 from isopeel.validation.check import Result, Row

@@ -21,7 +21,8 @@ from isopeel.results.layout import Layout
 from isopeel.results.provenance import Provenance
 from isopeel.results.run_file import Failure, StoredRun, read_run, run_attributes
 from isopeel.results.run_writer import RunWriter
-from isopeel.solve.newton import ConvergenceError, NewtonSettings
+from isopeel.solve.convergence import ConvergenceError
+from isopeel.solve.newton import NewtonSettings
 from isopeel.solve.step import State
 from isopeel.solve.trace import trace
 

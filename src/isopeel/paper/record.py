@@ -15,7 +15,8 @@ from isopeel.post.front import front_profile, process_zone
 from isopeel.results.files import replacing
 from isopeel.results.provenance import PACKAGES
 from isopeel.results.run_file import StoredRun
-from isopeel.solve.newton import ConvergenceError, NewtonSettings
+from isopeel.solve.convergence import ConvergenceError
+from isopeel.solve.newton import NewtonSettings
 from isopeel.solve.step import State
 from isopeel.solve.trace import trace
 

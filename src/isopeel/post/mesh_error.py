@@ -22,8 +22,9 @@ from isopeel.post.resolution import elements_are_tall
 from isopeel.problem import Problem
 from isopeel.results.fields import StoredState
 from isopeel.results.run_file import StoredRun
+from isopeel.solve.convergence import ConvergenceError
 from isopeel.solve.jumps import jump_from
-from isopeel.solve.newton import ConvergenceError, NewtonResult, NewtonSettings
+from isopeel.solve.newton import NewtonResult, NewtonSettings
 from isopeel.solve.path import Path
 from isopeel.solve.path_control import follow_path
 from isopeel.solve.step import State

@@ -33,7 +33,7 @@ from isopeel.results.journal import Record, read_journal
 from isopeel.results.layout import Layout, read_history
 from isopeel.results.provenance import Provenance
 from isopeel.results.untrusted import UntrustedError
-from isopeel.solve.newton import HINTS, Cause
+from isopeel.solve.convergence import HINTS, Cause
 from isopeel.solve.step import KINDS, State
 from isopeel.solve.stored_state import VERSION, restored, solver_arrays
 

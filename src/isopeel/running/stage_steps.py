@@ -19,7 +19,8 @@ from isopeel.running.folder import FILES
 from isopeel.running.progress import progress
 from isopeel.running.stage_results import print_results, write_results
 from isopeel.running.stage_run import StageRun
-from isopeel.solve.newton import ConvergenceError, NewtonSettings
+from isopeel.solve.convergence import ConvergenceError
+from isopeel.solve.newton import NewtonSettings
 from isopeel.solve.step import Step
 from isopeel.solve.trace import trace
 

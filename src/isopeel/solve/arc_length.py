@@ -8,7 +8,8 @@ import numpy as np
 from isopeel.assembly.system import Equilibrium, System
 from isopeel.common.arrays import FloatArray
 from isopeel.matrix.factor import Factor
-from isopeel.solve.newton import INVERTED, ConvergenceError, NewtonResult, NewtonSettings
+from isopeel.solve.convergence import INVERTED, ConvergenceError
+from isopeel.solve.newton import NewtonResult, NewtonSettings
 from isopeel.solve.stability import inertia
 
 #: Share of the parameter's step over which its derivative is taken; the error goes with the square of it.

@@ -17,9 +17,10 @@ from isopeel.common.arrays import FloatArray
 from isopeel.physics.batch import evaluate_substrate
 from isopeel.problem import Boundary
 from isopeel.solve.balance import MISFIT, on_one_branch, released
+from isopeel.solve.convergence import ConvergenceError
 from isopeel.solve.descent import potential_energy
 from isopeel.solve.jumps import jump_from
-from isopeel.solve.newton import ConvergenceError, newton
+from isopeel.solve.newton import newton
 from isopeel.solve.path import Path
 from isopeel.solve.stability import critical_motion, stability
 from isopeel.solve.step import AcceptedState, Found

@@ -6,7 +6,8 @@ from typing import NamedTuple
 import numpy as np
 
 from isopeel.solve.balance import CUBIC, MISFIT, ROUND_OFF, Misfit, misfit, simpson_misfits
-from isopeel.solve.newton import ConvergenceError, NewtonResult, newton
+from isopeel.solve.convergence import ConvergenceError
+from isopeel.solve.newton import NewtonResult, newton
 from isopeel.solve.path import Path
 from isopeel.solve.predictor import extrapolate
 from isopeel.solve.step import PARABOLA_POINTS, AcceptedState, Found

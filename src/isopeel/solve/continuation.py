@@ -9,8 +9,8 @@ import numpy as np
 from isopeel.matrix.factor import SingularError
 from isopeel.solve.arc_length import Curve, Point
 from isopeel.solve.balance import can_be_joined
+from isopeel.solve.convergence import ConvergenceError
 from isopeel.solve.curve_search import TURNED, at_parameter, limit_point
-from isopeel.solve.newton import ConvergenceError
 from isopeel.solve.path import Path
 
 #: Number of tangents that the radius is chosen for.

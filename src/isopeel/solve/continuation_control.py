@@ -9,9 +9,10 @@ from isopeel.assembly.sizes import extent
 from isopeel.solve.arc_length import Curve, Point
 from isopeel.solve.balance import can_be_joined
 from isopeel.solve.continuation import curve_from, follow_curve
+from isopeel.solve.convergence import ConvergenceError
 from isopeel.solve.descent import AWAY
 from isopeel.solve.jumps import jump_from
-from isopeel.solve.newton import ConvergenceError, NewtonResult, newton
+from isopeel.solve.newton import NewtonResult, newton
 from isopeel.solve.path import Path
 from isopeel.solve.step import Found
 from isopeel.solve.verification import without_gain

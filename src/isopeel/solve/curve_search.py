@@ -6,7 +6,7 @@ import numpy as np
 
 from isopeel.matrix.factor import SingularError
 from isopeel.solve.arc_length import Curve, Point
-from isopeel.solve.newton import ConvergenceError
+from isopeel.solve.convergence import ConvergenceError
 
 #: Largest share of the parameter in the tangent at a limit point; the error in the parameter is its square.
 TURNED = 1e-6

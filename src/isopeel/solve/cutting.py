@@ -8,9 +8,9 @@ import numpy as np
 from isopeel.solve.balance import on_one_branch
 from isopeel.solve.bifurcation import change_branch
 from isopeel.solve.branch import LEAST_REST, Branch
+from isopeel.solve.convergence import ConvergenceError
 from isopeel.solve.diagnosis import diagnosed
 from isopeel.solve.jumps import jump
-from isopeel.solve.newton import ConvergenceError
 from isopeel.solve.path import Path
 from isopeel.solve.step import Found, Kind
 from isopeel.solve.verification import balanced

@@ -3,7 +3,7 @@
 from itertools import islice
 
 from isopeel.solve.continuation import curve_from, follow_curve
-from isopeel.solve.newton import ConvergenceError
+from isopeel.solve.convergence import ConvergenceError
 from isopeel.solve.path import Path
 
 #: Most points of the curve to find a limit point: a step of the parameter has about ten at most.

@@ -6,7 +6,8 @@ import numpy as np
 
 from isopeel.assembly.system import System
 from isopeel.common.arrays import FloatArray
-from isopeel.solve.newton import ConvergenceError, NewtonResult, NewtonSettings, newton
+from isopeel.solve.convergence import ConvergenceError
+from isopeel.solve.newton import NewtonResult, NewtonSettings, newton
 
 #: Smallest part that is tried: as a share of the loads that have an equilibrium, and of all held loads.
 _SMALL, _SMALLEST = 2.0**-7, 2.0**-20

@@ -6,8 +6,9 @@ import numpy as np
 
 from isopeel.common.arrays import FloatArray
 from isopeel.solve.balance import MISFIT
+from isopeel.solve.convergence import ConvergenceError
 from isopeel.solve.descent import Descent, descend, potential_energy
-from isopeel.solve.newton import ConvergenceError, newton
+from isopeel.solve.newton import newton
 from isopeel.solve.path import Path
 from isopeel.solve.step import Found
 

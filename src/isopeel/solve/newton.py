@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from math import inf
-from typing import Literal, TypeAlias, get_args
+from typing import TypeAlias, get_args
 
 import numpy as np
 
@@ -16,25 +16,8 @@ from isopeel.matrix.band import BandMatrix
 from isopeel.matrix.bordered import Border, Bordered
 from isopeel.matrix.factor import Factor, NotPositiveDefiniteError, SingularError
 from isopeel.matrix.factorize import factorize
+from isopeel.solve.convergence import INVERTED, Cause, ConvergenceError
 
-#: Why no equilibrium was found.
-Cause = Literal[
-    "inverted element",
-    "limit point",
-    "limit load",
-    "held load",
-    "energy without work",
-    "instability",
-    "long fall",
-    "stalled residual",
-    "line search",
-    "non-finite traction",
-    "singular tangent",
-    "iteration limit",
-]
-
-#: The reason where det F is not positive.
-INVERTED = "an element is inverted"
 #: So many corrections without a smaller energy residual are a stall.
 _STALL = 10
 #: Most corrections where a shorter step can be taken instead: where the method converges it takes about six.
@@ -44,24 +27,6 @@ _FEW = 10
 #: The iteration is near a solution where the energy residual falls below this share of the last one. A chord
 #: tangent then reduces the error to a sixth with each correction.
 _NEAR = 0.03
-
-#: What to try.
-HINTS: dict[Cause, str] = {
-    "inverted element": "use smaller steps, or a mesh that is finer around this element",
-    "limit point": (
-        "use path_control = continuation, or jump if the forces have a potential, or refine the mesh"
-    ),
-    "limit load": "stay below it, or prescribe the displacement where the load acts (control = displacement)",
-    "held load": "make the held loads smaller, or let the drive raise one (control = force)",
-    "energy without work": "use path_control = auto, which looks for the stable branch, or smaller steps",
-    "instability": "follow the unstable branch by path_control = continuation, or refine the mesh",
-    "long fall": "refine the mesh where the joint opens, or end the path where the body begins to come off",
-    "stalled residual": "use smaller steps, or path_control = continuation",
-    "line search": "use smaller steps, or a finer mesh",
-    "non-finite traction": "use smaller steps, or check whether the body touches the substrate",
-    "singular tangent": "add a support against free motion, or use path_control = continuation",
-    "iteration limit": "use smaller steps, or path_control = auto, which reduces them where needed",
-}
 
 
 @dataclass(frozen=True)
@@ -120,44 +85,6 @@ class NewtonResult:
     #: Whether the last tangent of the iteration was positive definite: None where none was made, or where
     #: forces have no potential. False means that Cholesky's method failed, which may be round-off.
     definite: bool | None = None
-
-
-class ConvergenceError(ArithmeticError):
-    """No equilibrium was found at a value of the drive's parameter.
-
-    It holds the reason in words, the energy residuals of the iterations, the parameter, and the cause.
-    """
-
-    def __init__(
-        self, reason: str, iterations: tuple[float, ...], parameter: float, cause: Cause = "iteration limit"
-    ) -> None:
-        self.reason = reason
-        self.iterations = iterations
-        self.parameter = parameter
-        self.cause = cause
-        #: Coefficients (size, 2) where an element was inverted. To find its place costs as much as a step:
-        #: `located` does so for the error that is reported.
-        self.displacement: FloatArray | None = None
-        super().__init__(f"no equilibrium at {parameter:g}: {reason}")
-
-    def located(self, system: System) -> "ConvergenceError":
-        """Return the same error with the place of the inverted element in its reason, where there is one."""
-        inverted = None if self.displacement is None else system.inverted_point(self.displacement)
-        if inverted is None:
-            return self
-        place, determinant = inverted
-        at = f"det F = {determinant:.3g} at X = ({place[0]:.4g}, {place[1]:.4g})"
-        reason = self.reason.replace(INVERTED, f"{INVERTED}: {at}", 1)
-        return ConvergenceError(reason, self.iterations, self.parameter, self.cause)
-
-    @property
-    def hint(self) -> str:
-        """What to try."""
-        return HINTS[self.cause]
-
-    def __reduce__(self) -> tuple[type["ConvergenceError"], tuple[str, tuple[float, ...], float, Cause]]:
-        """Pickle the error with its reason, iterations, parameter and cause."""
-        return type(self), (self.reason, self.iterations, self.parameter, self.cause)
 
 
 #: Finishes an iteration of Newton's method with its last tangent. Its arguments are the unknowns (count,) at

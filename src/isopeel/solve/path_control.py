@@ -8,9 +8,9 @@ from threadpoolctl import ThreadpoolController
 
 from isopeel.common.interrupts import check, deferred
 from isopeel.solve.continuation_control import along_curve
+from isopeel.solve.convergence import ConvergenceError
 from isopeel.solve.cutting import cut_steps
 from isopeel.solve.diagnosis import diagnosed
-from isopeel.solve.newton import ConvergenceError
 from isopeel.solve.path import Path
 from isopeel.solve.step import Found, Step
 from isopeel.solve.verification import without_gain

@@ -5,8 +5,9 @@ from collections.abc import Iterator, Sequence
 from isopeel.assembly.system import System
 from isopeel.common.arrays import FloatArray
 from isopeel.common.errors import InputError
+from isopeel.solve.convergence import ConvergenceError
 from isopeel.solve.held_loads import applied_in_parts
-from isopeel.solve.newton import ConvergenceError, NewtonResult, NewtonSettings, newton
+from isopeel.solve.newton import NewtonResult, NewtonSettings, newton
 from isopeel.solve.predictor import Predictor, extrapolate
 from isopeel.solve.quasi_newton import QuasiNewton, SolverState
 from isopeel.solve.stability import stability

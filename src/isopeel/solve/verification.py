@@ -2,7 +2,7 @@
 
 from isopeel.solve.balance import NO_MISFIT, Misfit
 from isopeel.solve.branch import Branch
-from isopeel.solve.newton import ConvergenceError
+from isopeel.solve.convergence import ConvergenceError
 from isopeel.solve.path import Path
 from isopeel.solve.step import Found
 

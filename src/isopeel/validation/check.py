@@ -10,7 +10,8 @@ from isopeel.common.arrays import FloatArray, frozen
 from isopeel.common.errors import InputError
 from isopeel.problem import Problem
 from isopeel.report.document import Picture
-from isopeel.solve.newton import ConvergenceError, NewtonSettings
+from isopeel.solve.convergence import ConvergenceError
+from isopeel.solve.newton import NewtonSettings
 from isopeel.solve.step import Step
 from isopeel.solve.trace import trace
 from isopeel.splines.rows import RowSpace
