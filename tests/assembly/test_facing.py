@@ -9,6 +9,7 @@ from isopeel import (
     Body,
     Exponential,
     Flat,
+    InputError,
     Interface,
     MovedSide,
     NeoHooke,
@@ -100,6 +101,14 @@ def test_forces_are_derivatives_of_the_energy_and_conserve_momentum(scheme: str)
     x = system.spaces.control_points() + u
     moment = np.sum(x[:, 0] * forces[:, 1] - x[:, 1] * forces[:, 0])
     assert abs(moment) < 1e-12 * np.abs(x).max() * np.abs(forces).sum()
+
+
+def test_two_half_passes_cannot_jump() -> None:
+    """They have no energy to descend in: the path continued along its curve without a word."""
+    spaces = {"upper": row_space("N2", (7, 2), 2), "lower": row_space("N2.1", (11, 2), 2)}
+    with pytest.raises(InputError, match=r"drive\.path_control: 'jump' cannot be used; .*two half-passes"):
+        trace(facing(FLAT, "bottom", "two-half-pass"), spaces, [0.0], NewtonSettings(path_control="jump"))
+    trace(facing(FLAT, "bottom"), spaces, [0.0], NewtonSettings(path_control="jump"))
 
 
 @pytest.mark.parametrize("name", ["L1", "L2", "N3"])

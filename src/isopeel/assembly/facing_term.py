@@ -56,7 +56,7 @@ class FacingTerm:
     @property
     def has_potential(self) -> bool:
         """See `isopeel.assembly.terms`."""
-        return self.adhesion.scheme != "two-half-pass"
+        return self.adhesion.has_potential
 
     def couplings(self) -> tuple[IntArray, ...]:
         """See `isopeel.assembly.terms`; of the points and their partners where the bodies are made."""

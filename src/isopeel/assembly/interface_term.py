@@ -38,7 +38,7 @@ class InterfaceTerm:
     @property
     def has_potential(self) -> bool:
         """See `isopeel.assembly.terms`."""
-        return self.adhesion.traction == "reference"
+        return self.adhesion.has_potential
 
     def couplings(self) -> tuple[IntArray, ...]:
         """See `isopeel.assembly.terms`."""

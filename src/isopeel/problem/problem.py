@@ -97,6 +97,13 @@ class Interface:
         return self.against
 
     @property
+    def has_potential(self) -> bool:
+        """Whether the forces are derivatives of an energy."""
+        if isinstance(self.against, Boundary):
+            return self.scheme != "two-half-pass"
+        return self.traction == "reference"
+
+    @property
     def faces(self) -> tuple["Interface", ...]:
         """The interface as seen from each boundary that is integrated."""
         if not isinstance(self.against, Boundary) or self.scheme == "biased":

@@ -80,7 +80,8 @@ def check_stage(problem: Problem, space: SpaceOfBodies, settings: NewtonSettings
 
 def _check_path_control(problem: Problem, settings: NewtonSettings) -> None:
     follows = isinstance(problem.drive, Load) and problem.drive.follows
-    projected = any(one.traction == "projected" for one in problem.interfaces)
-    if settings.path_control == "jump" and (projected or follows):
-        allowed = "projected and following forces have no energy to minimize; take continuation"
+    has_potential = not follows and all(one.has_potential for one in problem.interfaces)
+    if settings.path_control == "jump" and not has_potential:
+        without = "projected and following forces have no energy to minimize, nor those of two half-passes"
+        allowed = f"{without}; use continuation"
         raise InputError("drive.path_control", "jump", allowed)
