@@ -3,7 +3,18 @@
 import numpy as np
 import pytest
 
-from isopeel import Body, Boundary, InputError, NeoHooke, Problem, RotatedSide, row_space
+from isopeel import (
+    Body,
+    Boundary,
+    InputError,
+    NeoHooke,
+    Problem,
+    PulledSide,
+    RotatedSide,
+    Support,
+    row_space,
+    trace,
+)
 from isopeel.assembly.spaces import Spaces
 from isopeel.assembly.tables import side_of
 from isopeel.splines.nurbs import rectangle
@@ -35,3 +46,13 @@ def test_a_part_of_no_length_is_refused() -> None:
     for end in (0.3, BEYOND, 0.2):
         with pytest.raises(InputError, match="need 0 <= start < end <= 1 along the side"):
             Boundary("body", "bottom", 0.3, end)
+
+
+@pytest.mark.parametrize("follows", [False, True])
+def test_a_load_on_a_side_whose_rows_differ_stretches_the_body_evenly(*, follows: bool) -> None:
+    """A bar on rollers: u = F L/(E' h), to the share of its strain, 2e-7; it becomes thinner by as much."""
+    bar = Body(rectangle(10.0, 2.0), NeoHooke(3.0, 0.2))
+    supports = (Support(bar.side("left"), (0,)), Support(bar.side("bottom"), (1,)))
+    problem = Problem("bar", (bar,), (), supports, PulledSide("right", 0.0, follows, "force"))
+    *_, step = trace(problem, row_space("L1+N4@2", (5, 4)), [0.0, 1e-6])
+    assert step.reaction == pytest.approx(1e-6 * 10.0 / (3.0 / (1 - 0.2**2) * 2.0), rel=1e-6)

@@ -125,6 +125,8 @@ def test_a_space_that_does_not_hold_the_shape_is_refused() -> None:
         (rectangle(8.0, 2.0), "N2.1", "bottom"),
         (rectangle(8.0, 2.0), "L1+N4", "bottom"),
         (rectangle(8.0, 2.0), "N2", "left"),
+        # elements of the side with different numbers of functions
+        (rectangle(8.0, 2.0), "L1+N4", "left"),
         (annulus_sector(4.0, 6.0, 1.9), "N2", "bottom"),
         (annulus_sector(4.0, 6.0, 1.9), "L4+N4@2", "top"),
     ],

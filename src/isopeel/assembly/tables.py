@@ -220,11 +220,6 @@ def side_table(
     """
     if points is not None and not 1 <= points <= MOST_CONTACT_POINTS:
         raise InputError("contact_points", points, f"there can be 1 to {MOST_CONTACT_POINTS} on an element")
-    degrees = np.array([row.degree for row in space.rows])
-    # of the functions of each row of elements
-    sizes = {int(degrees[k : k + space.across.degree + 1].sum()) for k in space.across.first_functions}
-    if side in ("left", "right") and len(sizes) > 1:
-        raise InputError("adhesion.side", side, "on this side all rows must have one space")
     parameter, weights = side_points(space, side, part, points)
     return table_at(shape, space, side, parameter, weights)
 
