@@ -36,6 +36,8 @@ def applied_in_parts(system: System, parameter: float, settings: NewtonSettings)
             if part < max(_SMALL * share, _SMALLEST):
                 found_under = f"an equilibrium is found under {100 * share:.3g} % of the held loads"
                 reason = f"{found_under}, and no stable one near it under larger ones"
+                if not share:
+                    reason = f"no stable equilibrium is found, even under {_SMALLEST:.0e} of the held loads"
                 raise ConvergenceError(reason, (), parameter, "held load")
             continue
         slope = (new.unknown_values - found.unknown_values) / (aim - share)
