@@ -137,3 +137,18 @@ def test_an_option_that_each_body_has_as_its_own_key_is_refused(option: str, val
         with_options(case, **{option: value})  # type: ignore[arg-type]
     assert (caught.value.field, caught.value.value) == (f"--{option}", value)
     assert f"each body has its own {option}; set body.1.{option}" in caught.value.allowed
+
+
+def test_traction_without_an_interface_is_refused() -> None:
+    case = Case.parse(re.sub(r"\[\[interface\]\]\n(.+\n)+", "", TWO))
+    with pytest.raises(
+        InputError, match=r"^--traction: 'projected' cannot be used; the case has no \[\[interface\]\]"
+    ):
+        with_options(case, traction="projected")
+
+
+@pytest.mark.parametrize(("old", "new"), [("upper.right", "upper.front"), ('boundary = "upper.right"', "")])
+def test_the_only_table_of_a_list_has_the_number_by_which_it_is_set(old: str, new: str) -> None:
+    with pytest.raises(InputError) as caught:
+        Case.parse(TWO.replace("[drive]", "[[drive]]").replace(old, new))
+    assert caught.value.field == "drive.1.boundary"

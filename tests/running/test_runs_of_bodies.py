@@ -174,12 +174,12 @@ def test_a_run_of_other_bodies_is_not_replaced(
         ),
         (
             {"support.1.holds": "y", "support.1.boundary": "upper.top"},
-            "support",
+            "support.1.boundary",
             "'upper.top' cannot be used; the drive moves the side upper.right,",
         ),
         (
             {"load": [{"boundary": "upper.left", "force": "1 mN/m", "angle": "0 deg"}]},
-            "support",
+            "support.1.boundary",
             "'upper.left' cannot be used; a load that is held acts on the side upper.left along x",
         ),
         (

@@ -80,9 +80,13 @@ def _field(place: tuple[int | str, ...], document: Mapping[str, Any]) -> str:
 
 def _in_list(field: str, place: tuple[int | str, ...], document: Mapping[str, Any]) -> str:
     """Return the key of a field of some table, as the class of its kind names it, where that is in a list."""
-    if len(place) < 2 or not isinstance(document.get(str(place[0])), list):
+    table, _, key = field.partition(".")
+    if not isinstance(document.get(str(place[0]) if place else table), list):
         return field
-    path, (_, _, key) = _field(place, document), field.partition(".")
+    if len(place) < 2:
+        # without a number it is the only table of the list
+        return field if not key or key[0].isdigit() else f"{table}.1.{key}"
+    path = _field(place, document)
     return path if not key or path.endswith(f".{key}") else f"{path}.{key}"
 
 

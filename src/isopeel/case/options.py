@@ -49,10 +49,8 @@ def with_options(
     chosen = {option: value for option, value in given.items() if value is not None}
     if not chosen:
         return case
-    for option in ("space", "mesh"):
-        if option in chosen and isinstance(case, SeveralBodies) and case.each_has(option):
-            allowed = f"each body has its own {option}; set body.1.{option} and so on instead"
-            raise InputError(f"--{option}", chosen[option], allowed)
+    if isinstance(case, SeveralBodies):
+        _check_effect(case, chosen)
     keys = {option: _keys(case, option) for option in chosen}
     try:
         return case.with_values({key: chosen[option] for option in chosen for key in keys[option]})
@@ -65,10 +63,22 @@ def with_options(
         raise
 
 
+def _check_effect(case: SeveralBodies, chosen: Mapping[str, object]) -> None:
+    """Raise InputError for an option without an effect."""
+    for option in ("space", "mesh"):
+        if option in chosen and case.each_has(option):
+            allowed = f"each body has its own {option}; set body.1.{option} and so on instead"
+            raise InputError(f"--{option}", chosen[option], allowed)
+    if "traction" in chosen and not case.interface:
+        raise InputError("--traction", chosen["traction"], "the case has no [[interface]]")
+
+
 def _keys(case: Case, option: str) -> list[str]:
     """Return the keys that an option sets."""
     if option == "traction":
-        return case.keys_of_tables("interface", "traction") or ["adhesion.traction"]
+        if isinstance(case, SeveralBodies):
+            return case.keys_of_tables("interface", "traction")
+        return ["adhesion.traction"]
     if option in ("to", "step", "path_control"):
         keys = case.keys_of_tables("drive", option) or [f"drive.{option}"]
         return keys if option == "path_control" else keys[-1:]

@@ -54,7 +54,11 @@ class SeveralBodies(Case):
             own, used = values.get(error.field, (None, None))
             if own is not None and used == error.value:
                 return InputError(f"body.{number}.{error.field}", error.value, error.allowed)
-        return renamed(super().named(error), _LISTS)
+        found = renamed(super().named(error), _LISTS)
+        numbers = [n for n, table in enumerate(self.support, start=1) if table.boundary == error.value]
+        if found.field == "support" and len(numbers) == 1:
+            return InputError(f"support.{numbers[0]}.boundary", found.value, found.allowed)
+        return found
 
     @property
     def width(self) -> float | None:
