@@ -1,9 +1,11 @@
 """Bodies that overlap: which do, and how deep, in undeformed and in deformed states."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from isopeel import Body, NeoHooke, Problem, RotatedSide, Support, row_space
+from isopeel import Body, Exponential, Interface, NeoHooke, Problem, RotatedSide, Support, row_space
 from isopeel.common.units import UnitSystem
 from isopeel.post.laboratory import Laboratory
 from isopeel.post.overlap import Overlap, overlap_notes, overlap_notes_at_rest, overlaps
@@ -80,5 +82,14 @@ def test_notes_name_the_bodies_the_first_state_and_the_deepest() -> None:
     (note,) = overlap_notes(problem, spaces, states, laboratory)
     assert note.subject == "penetration"
     assert note.text == (
-        "the bodies A and B overlap from 20 deg on, by up to 1 nm: there is no contact between bodies"
+        "the bodies A and B overlap from 20 deg on, by up to 1 nm: there is no contact between them"
     )
+
+
+def test_bodies_with_an_interface_are_its_concern() -> None:
+    problem = problem_of(BLOCK, placed(BLOCK, (0.0, 1.0), 0.0))
+    one, other = problem.bodies
+    joint = Interface(one.side("top"), Exponential(0.03, 0.015), other.side("bottom"))
+    at_rest = np.zeros((2 * COARSE.size, 2))
+    assert len(overlaps(problem, dict.fromkeys("AB", COARSE), at_rest)) == 1
+    assert overlaps(replace(problem, interfaces=(joint,)), dict.fromkeys("AB", COARSE), at_rest) == []

@@ -1,4 +1,4 @@
-"""Bodies that overlap each other: there is no contact between bodies, so that nothing keeps them apart."""
+"""Bodies that overlap each other: without an interface between them, nothing keeps them apart."""
 
 from collections.abc import Iterable
 from itertools import combinations
@@ -11,7 +11,7 @@ from isopeel.common.arrays import FloatArray
 from isopeel.post.fields import sample_fields
 from isopeel.post.laboratory import Laboratory
 from isopeel.post.states import smooth_cells
-from isopeel.problem import Problem
+from isopeel.problem import Boundary, Problem
 from isopeel.results.fields import StoredState
 from isopeel.results.notes import Note
 
@@ -30,9 +30,14 @@ class Overlap(NamedTuple):
 
 
 def overlaps(problem: Problem, space: SpaceOfBodies, displacement: FloatArray) -> list[Overlap]:
-    """Return the pairs of bodies that overlap in a state, coefficients (size, 2)."""
+    """Return the pairs of bodies without an interface that overlap in a state, coefficients (size, 2)."""
     if len(problem.bodies) == 1:
         return []
+    joined = [
+        {one.boundary.body, one.against.body}
+        for one in problem.interfaces
+        if isinstance(one.against, Boundary)
+    ]
     spaces = Spaces.on(problem, space)
     # a body lies in the box about its control points
     points = spaces.control_points() + displacement
@@ -45,7 +50,7 @@ def overlaps(problem: Problem, space: SpaceOfBodies, displacement: FloatArray) -
         touches = _TOUCHES * min(float(np.max(boxes[name][1] - boxes[name][0])) for name in pair)
         low = np.maximum(*(boxes[name][0] for name in pair)) - touches
         high = np.minimum(*(boxes[name][1] for name in pair)) + touches
-        if (high - low <= 3 * touches).any():
+        if (high - low <= 3 * touches).any() or {*pair} in joined:
             continue
         for name in pair:
             if name not in grids:
@@ -90,7 +95,7 @@ def overlap_notes(
 def _note(pair: tuple[str, str], depth: float, when: str, laboratory: Laboratory) -> Note:
     one, other = pair
     by = laboratory.text(depth, "length", 2)
-    text = f"the bodies {one} and {other} overlap {when}, by up to {by}: there is no contact between bodies"
+    text = f"the bodies {one} and {other} overlap {when}, by up to {by}: there is no contact between them"
     return Note("penetration", text)
 
 
