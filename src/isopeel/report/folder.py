@@ -5,7 +5,7 @@ from pathlib import Path
 
 from isopeel.common.errors import InputError
 from isopeel.results.files import is_written_by_isopeel, kind_of
-from isopeel.running.folder import first_names, is_of_nobody, make_folder
+from isopeel.running.folder import first_names, is_leftover, make_folder
 
 #: The files of a report, and its folders: of pictures, of tables, and of its runs.
 PAGES, PICTURES, TABLES, RUNS = ("report.md", "report.html", "records.h5"), "figures", "tables", "runs"
@@ -42,7 +42,7 @@ def _foreign(folder: Path, is_part: Callable[[str], bool]) -> Iterator[Path]:
     report = _text(folder / PAGES[0])
     for path in folder.iterdir():
         is_folder = kind_of(path.lstat().st_mode) == "a folder"
-        if is_of_nobody(path):
+        if is_leftover(path):
             continue
         if is_folder and path.name == PICTURES:
             # also pictures of old reports, which had no mark
@@ -62,7 +62,7 @@ def _foreign(folder: Path, is_part: Callable[[str], bool]) -> Iterator[Path]:
 
 def _others(folder: Path, is_known: Callable[[Path], bool]) -> Iterator[Path]:
     for path in folder.iterdir():
-        if not (is_of_nobody(path) or (not kind_of(path.lstat().st_mode) and is_known(path))):
+        if not (is_leftover(path) or (not kind_of(path.lstat().st_mode) and is_known(path))):
             yield path
 
 

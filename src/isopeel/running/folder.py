@@ -25,7 +25,7 @@ PARAVIEW, EXPORTED = "paraview", re.compile(r"(body|adhesive-side)((-[\w.-]+)?-\
 #: The file that a process locks while it writes to a folder, and the beginning of the names of stage folders.
 LOCK, STAGE_FOLDER = ".lock", re.compile(r"\d{1,9}(?=-)")
 #: Files that file managers leave everywhere, and temporary files of a killed process.
-_OF_NOBODY = (".DS_Store", "Thumbs.db", "desktop.ini")
+_OF_FILE_MANAGERS = (".DS_Store", "Thumbs.db", "desktop.ini")
 _PART = re.compile(r"\.[^.].*\.part\.[a-z0-9]+")
 _MOST_NAMES = 3  # in one line
 
@@ -172,11 +172,11 @@ def _is_ours(path: Path) -> bool:
     return any(is_written_by_isopeel(anchor) for anchor in anchors)
 
 
-def is_of_nobody(path: Path) -> bool:
+def is_leftover(path: Path) -> bool:
     """Return whether a file in the folder of a run may be there, whoever left it, and may be removed."""
     if path.name == LOCK:
         return not path.lstat().st_size
-    return path.name in _OF_NOBODY or _PART.fullmatch(path.name) is not None
+    return path.name in _OF_FILE_MANAGERS or _PART.fullmatch(path.name) is not None
 
 
 def first_names(names: Sequence[str]) -> str:

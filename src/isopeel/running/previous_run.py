@@ -28,7 +28,7 @@ from isopeel.running.folder import (
     REPORT,
     STAGE_FOLDER,
     first_names,
-    is_of_nobody,
+    is_leftover,
     stage_files,
 )
 from isopeel.solve.step import KINDS
@@ -155,7 +155,7 @@ def _foreign(folder: Path, *, stages_too: bool) -> Iterator[Path]:
     has_run = (folder / FILES[0]).exists()
     for path in folder.iterdir():
         kind = kind_of(path.lstat().st_mode)
-        if is_of_nobody(path):
+        if is_leftover(path):
             continue
         if kind == "a folder" and path.name == FIGURES:
             yield from _others(path, lambda name: name.partition(".")[0] in DRAWN)
@@ -174,7 +174,7 @@ def _foreign(folder: Path, *, stages_too: bool) -> Iterator[Path]:
 def _others(folder: Path, is_known: Callable[[str], bool]) -> Iterator[Path]:
     """Yield the files in a folder except those of known names that isopeel wrote."""
     for path in folder.iterdir():
-        if not is_of_nobody(path) and not (is_known(path.name) and is_written_by_isopeel(path)):
+        if not is_leftover(path) and not (is_known(path.name) and is_written_by_isopeel(path)):
             yield path
 
 
@@ -201,8 +201,8 @@ def _table(document: dict[str, Any], name: str) -> Any:
 def _reached(run: StoredRun) -> _Length:
     curve = run.curve
     # a curve that turns back meets a parameter again
-    asked_for = len(np.unique(curve.parameter[curve.kind == KINDS.index("requested")]))
-    return _Length(curve.parameter_column, asked_for, float(curve.parameter[-1]) if len(curve) else None)
+    requested = len(np.unique(curve.parameter[curve.kind == KINDS.index("requested")]))
+    return _Length(curve.parameter_column, requested, float(curve.parameter[-1]) if len(curve) else None)
 
 
 def _planned(stage: Stage) -> _Length:

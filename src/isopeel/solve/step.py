@@ -63,20 +63,21 @@ KINDS: tuple[Kind, ...] = get_args(Kind)
 class Step:
     """One converged equilibrium. Energies and reactions are for a unit width, in the problem's units.
 
-    The adhesive energy is the potential of the adhesive forces where they act on the reference area.
-    Projected forces have no potential: the work of the drive differs from the change of the energies. Loads
-    that are held work too: stored, adhesive and dissipated energy grow by both works. For
-    irreversible adhesion it is the energy that closing would give back, zero where it was never opened.
+    The adhesive energy is the potential of the adhesive forces. For irreversible adhesion it is the energy
+    that closing would give back, zero where the joint was never opened. Projected forces have no potential:
+    then the work of the drive differs from the change of the energies. Held loads do work too: the sum of the
+    stored, adhesive and dissipated energy grows by their work and that of the drive.
 
-    The reaction of a boundary is that to its own motion: the force along the direction of the drive, or the
-    moment; of a raised load its displacement. The reaction to the parameter is their sum by the factors. Of a
-    load that is found it is the load, and the force on a boundary its factor times that.
+    The reaction of a boundary is the force along the direction of the drive, or the moment; under a
+    prescribed load it is the displacement of the load. The reaction is the sum of these, each times its
+    factor. If the load is unknown, the reaction is the load, and that of a boundary is its factor times the
+    load.
 
     The released energy is the work of the drive since the last step, by the trapezoidal rule, minus the
-    change of the energies. It is zero, or of third order in the step, unless the path jumped (then it is
-    known up to half of the step times the fall of the reaction), or unless an earlier stage released what it
-    held. It is set to zero where it is known to be the error of that rule alone, and for forces without a
-    potential.
+    change of the energies. It is zero, or of third order in the step, except in a jump (then its error is up
+    to half of the step times the fall of the reaction), and in the first step of a stage that releases what
+    the stage before has held. It is set to zero if it is the error of that rule only, and for forces without
+    a potential.
     """
 
     number: int

@@ -43,7 +43,7 @@ def trace(
     The `path_control` of the settings defines what happens where a step finds no equilibrium. Each requested
     value is met exactly; with path controls other than `newton` there are steps of other kinds between.
 
-    To stop early, break. Raises ConvergenceError where a step finds no equilibrium; all steps before it
+    To stop early, use `break`. Raises ConvergenceError where a step finds no equilibrium; all steps before it
     have been yielded. Raises InputError where problem, space, start and points do not fit together, or where
     the system needs more memory than there is.
     """
