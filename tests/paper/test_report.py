@@ -126,9 +126,10 @@ def compare(runs: list[Run], stored: Results, folder: Path) -> None:
         if run.plain or theirs.failed_at_deg is None:
             assert ours.failed_at_deg == theirs.failed_at_deg
         else:
-            # beyond a limit point the last digits decide whether another equilibrium is found
-            assert ours.failed_at_deg is not None
+            # beyond a limit point the last digits decide whether another equilibrium is found, and they differ
+            # from processor to processor: N2 on m2 ends at 142.8 degrees on one, and passes there on another
             steps = min(len(ours.moments), steps)
+            assert steps > 0.9 * len(theirs.moments)
         # what Newton's tolerance leaves of moments near a limit point, where the tangent is almost singular
         np.testing.assert_allclose(ours.moments[:steps], theirs.moments[:steps], rtol=0, atol=1e-7)
         np.testing.assert_array_equal(ours.angles_deg[:steps], theirs.angles_deg[:steps])
