@@ -126,8 +126,8 @@ def compare(runs: list[Run], stored: Results, folder: Path) -> None:
         if run.plain or theirs.failed_at_deg is None:
             assert ours.failed_at_deg == theirs.failed_at_deg
         else:
-            # beyond a limit point the last digits decide whether another equilibrium is found, and they differ
-            # from processor to processor: N2 on m2 ends at 142.8 degrees on one, and passes there on another
+            # beyond a limit point the last digits decide whether another equilibrium is found; they depend
+            # on the processor: N2 on m2 ends at 142.8 degrees on one, and passes there on another
             steps = min(len(ours.moments), steps)
             assert steps > 0.9 * len(theirs.moments)
         # what Newton's tolerance leaves of moments near a limit point, where the tangent is almost singular
