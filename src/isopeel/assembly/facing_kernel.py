@@ -2,7 +2,7 @@
 
 Index names: c, d functions of a point: those of its own element, and those of its partner's segment; i, k
 components; p points. With the partner y(s) of the point x, the relative displacement is
-d(x - y) = sum_c P_c du_c at a fixed place s, and dy' = sum_c Q_c du_c.
+d(x - y) = sum_c P_c du_c at a fixed place s, and dy' = sum_c R_c du_c.
 """
 
 from typing import NamedTuple

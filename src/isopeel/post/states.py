@@ -78,7 +78,7 @@ def drawn_state(
     spaces, u = spaces_by_name(problem, space), state.displacement
     cells = per_element or {name: smooth_cells(own) for name, own in spaces.items()}
     faces = {}
-    for name, interface in zip(problem.interface_names, problem.interfaces, strict=True):
+    for name, interface in zip(problem.interface_names, problem.faces, strict=True):
         body = interface.boundary.body
         along = np.linspace(interface.start, interface.end, 10 * max(spaces[body].elements) + 1)
         points = InterfacePoints(problem, space, along[:, None], interface=name)
