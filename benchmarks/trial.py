@@ -28,7 +28,7 @@ from trials.workers import Lost, run_all
 LIMIT = 30.0  # seconds of the processor
 _COLUMNS = (
     *("seed", "number", "family", "kind", "verdict", "ending", "value", "right", "deviation", "element"),
-    *("theory", "steps", "seconds", "gain", "doubts", "cause"),
+    *("theory", "steps", "seconds", "gain", "notes", "cause"),
 )
 
 
@@ -60,7 +60,7 @@ def _row(trial: Trial, outcome: Outcome) -> list[object]:
         *(trial.seed, trial.number, trial.family, drawn.kind, verdict(trial, outcome).value),
         *(outcome.ending, outcome.value, drawn.answer.value, deviation(trial, outcome)),
         *(drawn.element, outcome.theory, outcome.steps, outcome.seconds, gain),
-        *(" | ".join(outcome.doubts), outcome.cause),
+        *(" | ".join(outcome.notes), outcome.cause),
     ]
 
 

@@ -39,7 +39,7 @@ class Outcome:
 
     ending: Ending
     value: float = nan
-    doubts: tuple[str, ...] = ()
+    notes: tuple[str, ...] = ()
     cause: str = ""
     steps: int = 0
     seconds: float = 0.0  # of the processor

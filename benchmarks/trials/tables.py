@@ -31,7 +31,7 @@ def counts(found: Found) -> Table:
     table = plain_table(
         "random cases with a known answer",
         *("family", "cases", *_HEADS.values(), "seconds\nmedian", "seconds\nmost"),
-        caption="right: within 3 % of the closed form, without a doubt; warned: right, with a note of one",
+        caption="right: within 3 % of the closed form, without a note; warned: right, with a note",
         labels=1,
     )
     for name in ("all", *FAMILIES):
@@ -58,7 +58,7 @@ def _line(trial: Trial, outcome: Outcome) -> str:
     mesh = " ".join(str(discretization.get(key, "default")) for key in ("space", "mesh"))
     element = "" if trial.drawn.element is None else f", element {trial.drawn.element:.2g} process zones"
     # the last line of a traceback is the error
-    cause = outcome.cause.strip().splitlines()[-1] if outcome.cause else "; ".join(outcome.doubts)
+    cause = outcome.cause.strip().splitlines()[-1] if outcome.cause else "; ".join(outcome.notes)
     return (
         f"case {trial.number}, {verdict(trial, outcome).value}: {trial.family} ({trial.drawn.kind}),"
         f" space and mesh {mesh}{element}, nu {material['poissons_ratio']}: {outcome.value:.5g}, right"

@@ -37,10 +37,10 @@ def verdict(trial: Trial, outcome: Outcome) -> Verdict:
         return Verdict.SLOW if outcome.ending == "too slow" else Verdict.CRASHED
     off = abs(deviation(trial, outcome))
     if not isfinite(off) or off > RIGHT:
-        return Verdict.NOTED if outcome.doubts else Verdict.SILENT
+        return Verdict.NOTED if outcome.notes else Verdict.SILENT
     # if the answer is the load at which stability is lost, the note on the bifurcation is expected
     buckles = trial.drawn.answer.reading == "buckling"
-    if all(buckles and doubt.startswith("stability") for doubt in outcome.doubts):
+    if all(buckles and note.startswith("stability") for note in outcome.notes):
         return Verdict.RIGHT
     return Verdict.WARNED_CLOSE if off <= CLOSE else Verdict.WARNED
 
@@ -53,4 +53,4 @@ def warned_by_default(found: Sequence[tuple[Trial, Outcome]], *, any_space: bool
     default = [
         outcome for trial, outcome in found if trial.default_mesh and (any_space or trial.default_space)
     ]
-    return sum(bool(outcome.doubts) or outcome.ending != "completed" for outcome in default), len(default)
+    return sum(bool(outcome.notes) or outcome.ending != "completed" for outcome in default), len(default)

@@ -109,8 +109,8 @@ def test_a_pressed_cylinder_approaches_by_its_load() -> None:
     assert load / (2 * pi) * (2 * np.log(4 / half_width) - 1) == pytest.approx(0.01, rel=1e-9)
 
 
-def outcome(share: float, *doubts: str) -> Outcome:
-    return Outcome("completed", share * trial(1, 0).drawn.answer.value, doubts)
+def outcome(share: float, *notes: str) -> Outcome:
+    return Outcome("completed", share * trial(1, 0).drawn.answer.value, notes)
 
 
 @pytest.mark.parametrize(

@@ -44,7 +44,7 @@ class Findings:
     substrate, by names of sides, as `body.bottom`. `period` is that of the oscillation by the mesh, in the
     unit of the parameter; it is also given if the closed form is not valid, for the reason `unproven`.
     `fronts` are those of the stored states, and `zones` the elements there, both by the names of interfaces.
-    `readings` are the quantities of interest of the drive, and `doubts` the notes on the discretization.
+    `readings` are the quantities of interest of the drive, and `notes` those on the discretization.
     `tall` is whether the elements at the contact are too high.
     """
 
@@ -58,7 +58,7 @@ class Findings:
     readings: Sequence[Reading] = ()
     halves: str | None = None
     zones: Mapping[str, Zones] = field(default_factory=dict)
-    doubts: Sequence[Note] = ()
+    notes: Sequence[Note] = ()
     laboratory: Laboratory = Laboratory(UnitSystem())  # noqa: RUF009 (both are frozen)
     tall: bool = False
 
@@ -102,7 +102,7 @@ def find(
         fronts=found,
         readings=readings,
         zones=zones,
-        doubts=[
+        notes=[
             Note("reading", _OF_ONE_BODY),
             *overlap_notes(problem, space, run.states, laboratory),
         ],
@@ -131,11 +131,11 @@ def _of_one_body(
     # Kendall's force does not depend on the bending of a tape; the start of peeling does
     starts = any(one.name == "initiation force" for one in readings)
     bends = steady.closed_form is None or test != "tape" or starts
-    doubts = locking_notes(problem, space, laboratory, bends=bends)
+    notes = locking_notes(problem, space, laboratory, bends=bends)
     if not is_only_pressed(problem, curve) and (zones.measured or peels(problem, space, run.states)):
-        doubts = zone_notes(problem, space, zones, laboratory) + doubts
-    if not doubts:
-        doubts = oscillation_notes(problem, curve, steady.plateau, steady.window)
+        notes = zone_notes(problem, space, zones, laboratory) + notes
+    if not notes:
+        notes = oscillation_notes(problem, curve, steady.plateau, steady.window)
     return Findings(
         window,
         steady.plateau,
@@ -147,7 +147,7 @@ def _of_one_body(
         readings,
         halves(problem, test),
         {name: zones},
-        doubts,
+        notes,
         laboratory,
         elements_are_tall(problem, space),
     )

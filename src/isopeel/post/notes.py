@@ -23,7 +23,7 @@ MESH_CHANGE = 0.012
 def run_notes(run: StoredRun, found: Findings, onset: float | None) -> list[Note]:
     """Return all notes on a run except those of a finer mesh."""
     window, laboratory = found.window, found.laboratory
-    notes = [*found.doubts]
+    notes = [*found.notes]
     if found.inside:
         side, deepest = max(found.inside.items(), key=itemgetter(1))
         face = f"the side {side}" if len(found.fronts) > 1 else "the face"

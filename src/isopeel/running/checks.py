@@ -44,8 +44,8 @@ def check_memory(one: StageRun) -> None:
         raise InputError("output.fields_every", f"{stage.fields_every:g} {column.unit}", allowed)
 
 
-def print_doubts(runs: Sequence[StageRun], console: Console, *, strict: bool) -> None:
-    """Print the doubts about bodies and discretization; raise InputError for the first one if `strict`."""
+def print_early_notes(runs: Sequence[StageRun], console: Console, *, strict: bool) -> None:
+    """Print the notes that need no results; raise InputError for the first one if `strict`."""
     notes: list[Note] = []
     for one in runs:
         problem, laboratory = one.stage.problem, one.laboratory

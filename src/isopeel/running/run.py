@@ -9,7 +9,7 @@ from rich.console import Console
 
 from isopeel.case import Case
 from isopeel.results.run_file import StoredRun
-from isopeel.running.checks import check_later_stages, print_doubts
+from isopeel.running.checks import check_later_stages, print_early_notes
 from isopeel.running.folder import check_folder, clear_parts, make_folder
 from isopeel.running.lock import alone_in
 from isopeel.running.previous_run import (
@@ -52,7 +52,7 @@ def run_case(case: Case, out: Path, console: Console, strict: bool = False, *, f
     runs = stage_runs(case, out)
     check_later_stages(runs)
     steps = steps_of(runs[0])
-    print_doubts(runs, console, strict=strict)
+    print_early_notes(runs, console, strict=strict)
     make_folder(out)
     with alone_in(out, "--out"):
         if force:

@@ -56,7 +56,7 @@ def _plane_strain(
     c = np.empty(count)
     pull = np.empty(count)  # c / J
     # loops over few arrays each: one over all of them could not prove that they do not overlap, and would
-    # not run in vector registers
+    # not be compiled to SIMD instructions
     for n in range(count):
         J[n] = F[0, 0, n] * F[1, 1, n] - F[0, 1, n] * F[1, 0, n]
     for n in range(count):

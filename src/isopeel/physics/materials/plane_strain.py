@@ -90,7 +90,7 @@ def _stress_and_tangent(
     A: FloatArray,
     tangent: bool,
 ) -> None:
-    # loops over few arrays each, or they would not run in vector registers; see `neo_hooke`
+    # loops over few arrays each, or they would not be compiled to SIMD instructions; see `neo_hooke`
     for i in range(2):
         for K in range(2):
             sign = 1.0 if i == K else -1.0

@@ -1,4 +1,4 @@
-"""The page on doubts states the thresholds that the code has."""
+"""The page on notes states the thresholds that the code has."""
 
 import re
 from importlib import import_module
@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-PAGE = Path(__file__).parents[2] / "docs" / "howto" / "doubts.md"
+PAGE = Path(__file__).parents[2] / "docs" / "howto" / "notes.md"
 ROW = r"^\| ([\d.]+)( %)? \| .* \| `post\.([\w.]+)\.([A-Z_]+)` \|$"
 ROWS = re.findall(ROW, PAGE.read_text("utf-8"), re.M)
 
