@@ -170,10 +170,6 @@ def _plain_newton() -> None:
     _set("isopeel.solve.quasi_newton", "QuasiNewton.applies", lambda *_: False)
 
 
-def _newton_to_the_end() -> None:
-    _set("isopeel.solve.quasi_newton", "QuasiNewton.finish", lambda *_: None)
-
-
 def _sums_in_order() -> None:
     compilation = import_module("isopeel.common.compilation")
     compilation.REORDERED.clear()
@@ -294,13 +290,6 @@ METHODS = (
         _no_rectangles,
         "any quadrilaterals",
         extra_lines=12,  # in `add_body` and the tables
-    ),
-    Method(
-        "finish by the chord tangent",
-        ("isopeel.solve.quasi_newton:QuasiNewton.finish",),
-        _newton_to_the_end,
-        "Newton's method to the end",
-        extra_lines=12,  # in `newton`
     ),
     Method(
         "stored prescribed motion",

@@ -123,26 +123,6 @@ def test_it_finds_the_equilibria_of_newtons_method() -> None:
     np.testing.assert_allclose(found.unknown_values, exact.unknown_values, rtol=0, atol=1e-8 * largest)
 
 
-def test_it_finishes_the_iteration_of_newtons_method(tangents: list[float]) -> None:
-    system, settings = System(strip(), row_space("N2", (60, 3))), NewtonSettings()
-    start = np.zeros(system.count)
-    exact = newton(system, start, 0.1, settings)
-    made = len(tangents)
-    method = QuasiNewton(system, settings)
-    ended = newton(system, start, 0.1, settings, method.finish)
-    assert 2 <= len(tangents) - made < made
-    # by first corrections that are the same
-    assert ended.iterations[:2] == exact.iterations[:2]
-    assert ended.exact
-    largest = np.abs(exact.unknown_values).max()
-    np.testing.assert_allclose(ended.unknown_values, exact.unknown_values, rtol=0, atol=1e-11 * largest)
-    # its last tangent is the chord tangent
-    made = len(tangents)
-    assert method.solver_state is not None
-    assert method.equilibrium(ended.unknown_values, 0.1) is not None
-    assert len(tangents) == made
-
-
 def test_the_step_after_a_new_tangent_ends_at_a_thousandth_of_the_tolerance() -> None:
     system = System(strip(), row_space("N2", (60, 3)))
     guess, limit = np.zeros(system.count), 1e-15
@@ -158,21 +138,6 @@ def test_the_step_after_a_new_tangent_ends_at_a_thousandth_of_the_tolerance() ->
     assert later is not None
     assert after.iterations[-1] <= 1e-3 * limit < later.iterations[-1] <= limit
     assert later.iterations == after.iterations[: len(later.iterations)]
-
-
-def test_newton_continues_where_finishing_fails() -> None:
-    system, settings = System(strip(), row_space("N2", (60, 3))), NewtonSettings()
-    start = np.zeros(system.count)
-    exact = newton(system, start, 0.1, settings)
-    called: list[float] = []
-
-    def fails(_made_at: object, _matrix: object, _start: object, parameter: float) -> None:
-        called.append(parameter)
-
-    found = newton(system, start, 0.1, settings, fails)
-    assert called == [0.1]
-    np.testing.assert_array_equal(found.unknown_values, exact.unknown_values)
-    assert found.iterations == exact.iterations
 
 
 def test_the_last_evaluation_of_forces_is_skipped(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -1,9 +1,8 @@
 """Newton's method at one value of the drive's parameter."""
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from math import inf
-from typing import TypeAlias, get_args
+from typing import get_args
 
 import numpy as np
 
@@ -24,9 +23,6 @@ _STALL = 10
 #: Past a limit point each correction costs a pivoted factor: with the full number of corrections they took
 #: nine tenths of the time.
 _FEW = 10
-#: The iteration is near a solution where the energy residual falls below this share of the last one. A chord
-#: tangent then reduces the error to a sixth with each correction.
-_NEAR = 0.03
 
 
 @dataclass(frozen=True)
@@ -46,7 +42,7 @@ class NewtonSettings:
     `plain` makes a new tangent for every correction. Without it a chord tangent serves as long as it
     converges well. Its last correction leaves about a tenth of the error, where that of Newton's method
     squares it; reactions are corrected for the rest, to first order. Where the chord tangent does not
-    converge quickly, Newton's method is used, and its last tangent becomes the next chord tangent.
+    converge quickly, Newton's method is used.
 
     Raises InputError where a value is not allowed.
     """
@@ -87,23 +83,11 @@ class NewtonResult:
     definite: bool | None = None
 
 
-#: Finishes an iteration of Newton's method with its last tangent. Its arguments are the unknowns (count,) at
-#: which the tangent was made, the tangent, the present unknowns (count,), and the parameter. Returns None
-#: where it does not converge.
-Finish: TypeAlias = Callable[[FloatArray, BandMatrix, FloatArray, float], NewtonResult | None]
-
-
-def newton(
-    system: System,
-    start: FloatArray,
-    parameter: float,
-    settings: NewtonSettings,
-    finish: Finish | None = None,
-) -> NewtonResult:
+def newton(system: System, start: FloatArray, parameter: float, settings: NewtonSettings) -> NewtonResult:
     """Solve R(y) = 0 at a value of the drive's parameter from a start y (count,).
 
     Each correction is dy = -K^-1 R with the exact tangent (Wriggers, Nonlinear Finite Element Methods,
-    Sec. 5.1). Near a solution, `finish` may complete the iteration. Raises ConvergenceError with the reason.
+    Sec. 5.1). Raises ConvergenceError with the reason.
     """
     y = start
     threshold = settings.tolerance * system.energy_scale
@@ -111,16 +95,9 @@ def newton(
     try:
         for _ in range(settings.iteration_limit):
             check()
-            made_at = y
-            correction, measure, matrix, definite = _correction(system, y, parameter)
+            correction, measure, definite = _correction(system, y, parameter)
             y = y + correction
-            near = len(measures) > 0 and threshold < measure < _NEAR * measures[-1]
             measures.append(measure)
-            if near and finish is not None and definite and not system.global_unknowns:
-                found = finish(made_at, matrix, y, parameter)
-                if found is not None:
-                    return replace(found, iterations=(*measures, *found.iterations))
-                finish = None
             if measure <= threshold:
                 u, load = system.state(y, parameter)
                 equilibrium = _accepted(system, u, load)
@@ -148,10 +125,8 @@ class _StoppedError(ArithmeticError):
         super().__init__(reason)
 
 
-def _correction(
-    system: System, y: FloatArray, parameter: float
-) -> tuple[FloatArray, float, BandMatrix, bool | None]:
-    """Return Newton's correction, its energy residual per unknown, the tangent, and if that is definite."""
+def _correction(system: System, y: FloatArray, parameter: float) -> tuple[FloatArray, float, bool | None]:
+    """Return Newton's correction, its energy residual per unknown, and if the tangent is definite."""
     u, load = system.state(y, parameter)
     equilibrium, matrix = system.linearize(u, load=load)
     residual = equilibrium.residual
@@ -166,7 +141,7 @@ def _correction(
     except SingularError as error:
         raise _StoppedError(f"the tangent is singular: {error}", "singular tangent") from error
     measure = abs(float(residual @ correction)) / len(correction)
-    return correction, measure, matrix, not again if matrix.storage == "symmetric" else None
+    return correction, measure, not again if matrix.storage == "symmetric" else None
 
 
 def _with_unknown_load(

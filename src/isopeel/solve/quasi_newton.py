@@ -8,7 +8,6 @@ from isopeel.assembly.equations import Iterate
 from isopeel.assembly.sizes import extent
 from isopeel.assembly.system import Equilibrium, System
 from isopeel.common.arrays import FloatArray
-from isopeel.matrix.band import BandMatrix
 from isopeel.matrix.factor import NotPositiveDefiniteError
 from isopeel.matrix.mixed_precision import Approximate, approximate
 from isopeel.solve.corrections import CONVERGED, POOR, corrected
@@ -23,10 +22,8 @@ _MOST_CORRECTIONS = 12
 #: Share of the threshold below which the evaluation of the forces after the last correction is skipped.
 #: Energies and reactions are known to second order in that correction, and its L-BFGS pair would gain little.
 _SKIP_SHARE = 1e-2
-#: Factor on the tolerance, besides that of guesses that are not well predicted, where Newton's method has
-#: begun the step: its own last correction would square the error, and the slope of a path that has just
-#: snapped on would correct no reaction. It is that of drives on several boundaries too: with the whole
-#: tolerance their reactions missed 1.4e-7 of themselves.
+#: Factor on the tolerance for drives on several boundaries: with the whole tolerance their reactions missed
+#: 1.4e-7 of themselves.
 _EXACT = 1e-3
 #: Number of steps after which the stiffness of the softest motion of a tangent is evaluated again. If nine
 #: tenths of it remain after a tenth of the steps that a tangent serves, and it decreases evenly, it does not
@@ -144,21 +141,6 @@ class QuasiNewton:
         if result is None:
             self.drop_tangent()
         return result
-
-    def finish(
-        self, made_at: FloatArray, matrix: BandMatrix, start: FloatArray, parameter: float
-    ) -> NewtonResult | None:
-        """Finish the corrections that Newton's method has begun: see `isopeel.solve.newton.Finish`."""
-        try:
-            self._tangent = approximate(matrix)
-        except NotPositiveDefiniteError:
-            return None
-        self.solver_state = self._state_at(made_at, parameter)
-        result = self._solve(start, parameter, None, _EXACT * self._settings.tolerance, 0.0)
-        if result is None:
-            self.drop_tangent()
-            return None
-        return replace(result, exact=True, definite=True)
 
     def _solve(
         self,

@@ -87,15 +87,14 @@ class Solver:
 
     def _by_newton(self, parameter: float, *, soon: bool) -> NewtonResult:
         settings = self.settings.with_few_corrections() if soon else self.settings
-        finish = None if self._quasi_newton is None else self._quasi_newton.finish
         try:
-            return newton(self.system, self.parabola(parameter), parameter, settings, finish)
+            return newton(self.system, self.parabola(parameter), parameter, settings)
         except ConvergenceError:
             # the last states of an irreversible joint are no equilibria once it has opened further
             if soon or self._quasi_newton is None or self.system.irreversible:
                 raise
         self._converge_fully()
-        return newton(self.system, self.parabola(parameter), parameter, settings, finish)
+        return newton(self.system, self.parabola(parameter), parameter, settings)
 
     def by_chord_tangent(self, parameter: float) -> NewtonResult | None:
         """Return the equilibrium at a parameter, or None where the chord tangent does not find it."""
