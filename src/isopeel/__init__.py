@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from isopeel.common.errors import InputError
     from isopeel.physics.adhesion import (
         Bilinear,
+        Contact,
         Dugdale,
         Exponential,
         LennardJones,
@@ -65,6 +66,7 @@ __all__ = [
     "Boundary",
     "Case",
     "Circle",
+    "Contact",
     "ConvergenceError",
     "Curve",
     "CurvedStrip",
@@ -116,6 +118,7 @@ _MODULES = {
     "common.errors": ("InputError",),
     "physics.adhesion": (
         "Bilinear",
+        "Contact",
         "Dugdale",
         "Exponential",
         "LennardJones",

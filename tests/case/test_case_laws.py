@@ -9,6 +9,7 @@ from isopeel.common.errors import InputError
 from isopeel.physics.adhesion import (
     AdhesionLaw,
     Bilinear,
+    Contact,
     Dugdale,
     Exponential,
     LennardJones,
@@ -123,6 +124,22 @@ def test_every_law_of_adhesion_can_be_written_in_a_case(law: str, keys: str, adh
     np.testing.assert_allclose(made.parameters, adhesion.parameters, rtol=1e-12)
     assert made.work_of_adhesion == pytest.approx(0.015, rel=1e-12)
     assert Case.parse(case.text) == case
+
+
+def test_contact_needs_no_stiffness_and_has_no_damage() -> None:
+    made = Case.parse(with_section("adhesion", "contact", 'stiffness = "20 GPa/nm"\n')).problem().adhesion.law
+    # units of 2 GPa and nm, to round-off
+    np.testing.assert_allclose(made.parameters, [0.0, 10.0], rtol=1e-12)
+    assert Case.parse(with_section("adhesion", "contact", "")).problem().adhesion.law == Contact()
+    for keys, field in (
+        ('stiffness = "0 N/mm^3"\n', "stiffness"),
+        ('stiffness = "20 GPa"\n', "stiffness"),
+        ("irreversible = true\n", "irreversible"),
+        ('sliding_length = "1 nm"\n', "sliding_length"),
+    ):
+        with pytest.raises(InputError) as caught:
+            Case.parse(with_section("adhesion", "contact", keys))
+        assert caught.value.field == f"adhesion.{field}"
 
 
 def test_adhesion_may_be_irreversible() -> None:

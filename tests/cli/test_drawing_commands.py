@@ -43,7 +43,7 @@ def test_spaces_refuses_what_makes_no_sense(
         assert words in error
 
 
-@pytest.mark.parametrize("name", LAWS)
+@pytest.mark.parametrize("name", sorted(set(LAWS) - {"contact"}))
 def test_law_draws_and_prints(name: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["law", name, "--out", "law.svg"]) == 0
     message = capsys.readouterr().out

@@ -58,7 +58,7 @@ def test_finding_laws_does_not_load_sympy() -> None:
     subprocess.run([sys.executable, "-c", script], check=True)
 
 
-@pytest.mark.parametrize("name", LAWS)
+@pytest.mark.parametrize("name", sorted(set(LAWS) - {"contact"}))
 def test_laws_alike_have_the_same_work_and_gap_and_strength(name: str) -> None:
     law = LAWS[name].like(0.0617849, 0.0153324, 0.2547)
     character = law_character(law)

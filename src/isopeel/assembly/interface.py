@@ -5,6 +5,7 @@ from typing import Self
 
 import numpy as np
 
+from isopeel.assembly.contact import with_contact_stiffness
 from isopeel.assembly.facing_term import FacingTerm, facing_term
 from isopeel.assembly.interface_kernel import projected_areas
 from isopeel.assembly.interface_term import InterfaceTerm, substrate_tangents
@@ -54,12 +55,12 @@ class InterfacePoints:
         weights: FloatArray | None = None,
         interface: str = "",
     ) -> None:
-        self._problem = problem
+        spaces = with_contact_stiffness(Spaces.on(problem, space))
+        problem = self._problem = spaces.problem
         self._spaces = space
         self._name = interface
         self.parameters: FloatArray = parameters
         adhesion = self._adhesion = problem.interface_of(interface)
-        spaces = Spaces.on(problem, space)
         shape, own = problem.body_of(adhesion.boundary.body).shape, spaces.of[adhesion.boundary.body]
         weights = np.zeros(parameters.shape) if weights is None else weights
         table = table_at(shape, own, adhesion.side, parameters, weights)

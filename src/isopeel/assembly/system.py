@@ -11,6 +11,7 @@ from psutil import virtual_memory
 from isopeel.assembly.body_kernel import add_body
 from isopeel.assembly.body_term import BodyTerm
 from isopeel.assembly.constraints import Constraints, constrain, half_bandwidth
+from isopeel.assembly.contact import with_contact_stiffness
 from isopeel.assembly.control import Control
 from isopeel.assembly.equations import Equations
 from isopeel.assembly.facing_term import FacingTerm, facing_term
@@ -79,8 +80,8 @@ class System:
         contact_points: int | None = None,
         base: FloatArray | None = None,
     ) -> None:
-        self.problem = problem
-        self.spaces: Spaces = Spaces.on(problem, space)
+        self.spaces: Spaces = with_contact_stiffness(Spaces.on(problem, space))
+        problem = self.problem = self.spaces.problem
         given = tuple(self.spaces.of.values())
         needed, free = bytes_needed(*given), virtual_memory().available
         if needed > free:

@@ -34,6 +34,7 @@ LENGTH = Dimension("a length is needed, such as '200 nm'", length=1)
 STRESS = Dimension("a stress is needed, such as '2 GPa'", stress=1)
 ENERGY = Dimension("an energy is needed, such as '1e-19 J'", stress=1, length=3)
 SURFACE_ENERGY = Dimension("an energy per area is needed, such as '0.03 J/m^2'", stress=1, length=1)
+STRESS_PER_LENGTH = Dimension("a stress per length is needed, such as '10 N/mm^3'", stress=1, length=-1)
 FORCE_PER_WIDTH = Dimension("a force per width is needed, such as '0.05 N/m'", stress=1, length=1)
 ANGLE = Dimension("an angle is needed, such as '0.1 deg'", angle=True)
 NUMBER = Dimension("a number is needed, without quotes")
@@ -43,6 +44,7 @@ Stress: TypeAlias = Annotated[float, STRESS]
 Energy: TypeAlias = Annotated[float, ENERGY]
 SurfaceEnergy: TypeAlias = Annotated[float, SURFACE_ENERGY]
 ForcePerWidth: TypeAlias = Annotated[float, FORCE_PER_WIDTH]
+StressPerLength: TypeAlias = Annotated[float, STRESS_PER_LENGTH]
 Angle: TypeAlias = Annotated[float, ANGLE]
 Number: TypeAlias = Annotated[float, NUMBER]
 

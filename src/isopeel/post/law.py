@@ -8,8 +8,9 @@ import numpy as np
 
 from isopeel.common.arrays import FloatArray
 from isopeel.common.errors import InputError
-from isopeel.physics.adhesion import AdhesionLaw
+from isopeel.physics.adhesion import AdhesionLaw, Contact
 from isopeel.physics.adhesion.irreversible import SecantUnloading, secant_unloading
+from isopeel.physics.adhesion.mirrored import Mirrored
 from isopeel.physics.batch import evaluate_law
 
 #: Range of openings in which the strongest attraction is searched, in the problem's unit of length.
@@ -57,6 +58,9 @@ class _Response:
 
 def law_character(law: AdhesionLaw) -> LawCharacter:
     """Return the numbers of a law. Raises InputError where it attracts at no gap."""
+    if isinstance(law.law if isinstance(law, Mirrored) else law, Contact):
+        allowed = "it only repels, so that it has no strength and no work of adhesion"
+        raise InputError("adhesion", Contact.name, allowed)
     numbers = (law.equilibrium_gap, law.work_of_adhesion, *law.parameters)
     return _character(_Response(law, law.kernel, numbers))
 

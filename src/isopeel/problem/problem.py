@@ -5,7 +5,7 @@ from itertools import combinations
 from typing import Literal, TypeVar, get_args
 
 from isopeel.common.errors import InputError
-from isopeel.physics.adhesion import AdhesionLaw
+from isopeel.physics.adhesion import AdhesionLaw, Contact
 from isopeel.physics.materials import Material
 from isopeel.physics.substrates import Substrate
 from isopeel.problem.boundary import Boundary, Driven, boundary_names, driven_boundaries
@@ -81,6 +81,10 @@ class Interface:
             if self.sliding_length is not None:
                 allowed = "between bodies there is none: their faces slide without friction"
                 raise InputError("adhesion.sliding_length", self.sliding_length, allowed)
+        if isinstance(self.law, Contact) and (self.irreversible or self.sliding_length is not None):
+            field = "irreversible" if self.irreversible else "sliding_length"
+            allowed = "contact without adhesion has no joint that could be damaged or hold; leave it out"
+            raise InputError(f"adhesion.{field}", getattr(self, field), allowed)
         if self.sliding_length is None:
             return
         if not 0 < self.sliding_length < float("inf"):

@@ -5,6 +5,7 @@ Laws from a formula are in `adhesion.formula`, which loads SymPy when one is mad
 
 from isopeel.physics.adhesion.base import AdhesionLaw
 from isopeel.physics.adhesion.bilinear import Bilinear
+from isopeel.physics.adhesion.contact import Contact
 from isopeel.physics.adhesion.dugdale import Dugdale
 from isopeel.physics.adhesion.exponential import Exponential
 from isopeel.physics.adhesion.lennard_jones import LennardJones
@@ -15,6 +16,7 @@ from isopeel.physics.adhesion.van_der_waals import VanDerWaals
 __all__ = [
     "AdhesionLaw",
     "Bilinear",
+    "Contact",
     "Dugdale",
     "Exponential",
     "LennardJones",

@@ -5,6 +5,7 @@ from math import degrees
 
 import numpy as np
 
+from isopeel.physics.adhesion import Contact
 from isopeel.physics.materials.base import plane_strain_modulus
 from isopeel.physics.substrates import Flat
 from isopeel.post.closed_form.beams import beam_moment
@@ -36,7 +37,7 @@ class FreeStrip:
 
 
 def free_strip(problem: Problem) -> FreeStrip | None:
-    """Measure a strip; None where the problem has another shape, substrate, driven side, or other bodies."""
+    """Measure a strip; None where shape, law, substrate, driven side or bodies are others."""
     if not problem.is_single:
         return None
     adhesion, driven, shape = problem.adhesion, problem.driven_side, problem.body.shape
@@ -46,6 +47,7 @@ def free_strip(problem: Problem) -> FreeStrip | None:
         or not isinstance(adhesion.substrate, Flat)
         or adhesion.substrate.angle != Flat().angle
         or problem.loads
+        or isinstance(adhesion.law, Contact)
     ):
         return None
     side = shape.boundary(adhesion.side)

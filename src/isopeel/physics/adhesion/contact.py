@@ -1,0 +1,41 @@
+"""Contact without adhesion: a law that only repels."""
+
+from isopeel.common.quantities import Length, NotNegative, Positive, StressPerLength
+from isopeel.physics.adhesion.normal import NormalLaw, normal_law
+
+
+@normal_law
+class Contact(NormalLaw):
+    """Normal traction T(x) = -k x over an overlap, x < 0, and none over an opening x > 0.
+
+    The penalty method per reference area (Wriggers, Computational Contact Mechanics, Sec. 6.3): bodies
+    overlap by p/k under a pressure p. The opening x is the gap less `equilibrium_gap` (length).
+
+    stiffness: k, a stress per length. If it is None, the assembly chooses it from the bodies and their meshes
+    (`isopeel.assembly.contact`); until then the law has no values, and raises InputError. It also raises
+    InputError unless the stiffness is positive.
+    """
+
+    stiffness: Positive[StressPerLength] | None = None
+    equilibrium_gap: NotNegative[Length] = 0.0
+
+    @property
+    def work_of_adhesion(self) -> float:
+        """Zero: nothing holds the surfaces together."""
+        return 0.0
+
+    def constants(self) -> tuple[float, ...]:
+        """The stiffness."""
+        if self.stiffness is None:
+            raise self.error(
+                "stiffness", "it is chosen where bodies have meshes; give a value, such as 10 E/h"
+            )
+        return (self.stiffness,)
+
+    @staticmethod
+    def at_point(opening: float, stiffness: float) -> tuple[float, float, float]:
+        """Return potential, traction and its derivative."""
+        # surfaces that touch are stiff already, so that a first step finds what a load presses against
+        if opening > 0.0:
+            return 0.0, 0.0, 0.0
+        return 0.5 * stiffness * opening * opening, -stiffness * opening, -stiffness
