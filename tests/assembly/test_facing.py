@@ -141,11 +141,13 @@ def test_a_point_beyond_the_end_and_one_behind_the_body_have_no_partner() -> Non
     system = system_of(facing(over, "bottom"))
     found = system.facing[0].partners(np.zeros((system.spaces.size, 2)))
     np.testing.assert_array_equal(found.kind == NONE, found.position[0] > 10.0)
-    # the upper side of the upper body looks away from the lower one
-    away = System(
-        facing(over, "top"), {"upper": row_space("N2", (7, 2), 2), "lower": row_space("N2", (11, 2), 2)}
-    )
-    assert (away.facing[0].partners(np.zeros((away.spaces.size, 2))).kind == NONE).all()
+    # the upper side of the upper body looks away from the lower one, so that none of its points has a partner
+    with pytest.raises(
+        InputError, match=r"^between: 'upper\.top and lower\.top'.*no point faces the other side"
+    ):
+        System(
+            facing(over, "top"), {"upper": row_space("N2", (7, 2), 2), "lower": row_space("N2", (11, 2), 2)}
+        )
 
 
 #: Stress of Taylor's patch test, and the law that practically only repels.

@@ -72,7 +72,7 @@ def test_a_case_of_one_body_has_loads_and_several_boundaries() -> None:
         ("factor = -1.0", "factor = 0.0", "drive.1.on.2.factor", "its size must be from 1e-06 to 1e+06"),
         ("factor = -1.0", "factor = 1e300", "drive.1.on.2.factor", "its size must be from 1e-06 to 1e+06"),
         ("factor = -1.0", "factor = '1'", "drive.1.on.2.factor", "a number is needed"),
-        ("factor = -1.0", "share = 1.0", "drive.1.on.2.share", "the keys are boundary, start, end"),
+        ("factor = -1.0", "share = 1.0", "drive.1.on.2.share", "the keys are start, end, length, boundary"),
         ('"lower.right"', '"upper.right"', "drive.1.on", "the drive acts twice on one part"),
         ('"lower.right"', '"lower.front"', "drive.1.on.2.boundary", "the sides are left, right"),
         ('"upper.top"', '"middle.top"', "drive.2.on.1.boundary", "the bodies are upper, lower"),

@@ -9,7 +9,7 @@ from isopeel.assembly.constraints import HELD
 from isopeel.assembly.control import Control
 from isopeel.assembly.facing_term import FacingTerm
 from isopeel.assembly.interface_term import substrate_tangents
-from isopeel.assembly.sizes import ROUND_OFF, extent_of
+from isopeel.assembly.sizes import ROUND_OFF, extent, extent_of
 from isopeel.assembly.spaces import Spaces
 from isopeel.assembly.tables import SideTable
 from isopeel.common.arrays import FloatArray, IntArray, frozen
@@ -17,6 +17,7 @@ from isopeel.common.errors import InputError
 from isopeel.physics.adhesion.irreversible import check_envelope
 from isopeel.physics.batch import evaluate_law, evaluate_substrate
 from isopeel.problem import Boundary, Interface
+from isopeel.problem.boundary import boundary_names
 from isopeel.splines.nurbs import NurbsSurface
 from isopeel.splines.rows import RIGID, RowSpace
 
@@ -36,7 +37,8 @@ def check_start(
     problem = spaces.problem
     held: list[FloatArray] = []
     tangents = []
-    for number, (interface, side) in enumerate(zip(problem.faces, sides, strict=True), start=1):
+    numbers = [n for n, one in enumerate(problem.interfaces, start=1) for _ in one.faces]
+    for number, interface, side in zip(numbers, problem.faces, sides, strict=True):
         size = extent_of(problem.body_of(interface.boundary.body))
         try:
             if isinstance(side, FacingTerm):
@@ -116,18 +118,29 @@ def _check_facing(spaces: Spaces, term: FacingTerm, size: float, base: FloatArra
         check_envelope(law)
     found = term.partners(np.zeros((spaces.size, 2)) if base is None else base)
     has = found.kind != NONE
-    other = interface.against.body if isinstance(interface.against, Boundary) else ""
-    deepest = int(np.argmin(np.where(has, found.gap, np.inf)))
-    if base is None and has.any() and found.gap[deepest] < -ROUND_OFF * size:
-        place = "{:.4g} at X = ({:.4g}, {:.4g})".format(found.gap[deepest], *found.position[:, deepest])
-        allowed = f"the bodies {interface.boundary.body} and {other} must not overlap at the start"
-        raise InputError("gap", place, allowed)
+    nearest = int(np.argmin(np.where(has, found.gap, np.inf)))
+    gap = found.gap[nearest]
+    if base is None and not (has.any() and gap <= extent(spaces.problem)):
+        names = " and ".join(boundary_names([interface.boundary, _other(interface)]))
+        far = f"the smallest gap between them is {gap:.4g}" if has.any() else "no point faces the other side"
+        allowed = f"the sides are nowhere near each other at the start: {far}"
+        raise InputError("between", names, allowed)
+    if base is None and gap < -ROUND_OFF * size:
+        place = "a gap of {:.4g} at X = ({:.4g}, {:.4g})".format(gap, *found.position[:, nearest])
+        bodies = f"{interface.boundary.body} and {_other(interface).body}"
+        allowed = f"the bodies {bodies} must not overlap at the start"
+        raise InputError("between", place, allowed)
     stiffness = evaluate_law(law.kernel, law.parameters, found.gap, np.zeros_like(found.gap))[2]
     acts = has & (stiffness != 0)
     normal, position = found.normal.T[acts], found.position.T[acts]
     partner = position - found.gap[acts, None] * normal
     own, others = (np.einsum("ni,nim->nm", normal, _motions(points)) for points in (position, partner))
-    return [_of_body(spaces, interface.boundary.body, own) - _of_body(spaces, other, others)]
+    return [_of_body(spaces, interface.boundary.body, own) - _of_body(spaces, _other(interface).body, others)]
+
+
+def _other(interface: Interface) -> Boundary:
+    assert isinstance(interface.against, Boundary)
+    return interface.against
 
 
 def check_rigid(space: RowSpace, shape: NurbsSurface) -> None:

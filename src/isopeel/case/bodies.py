@@ -2,13 +2,14 @@
 
 from collections.abc import Collection, Sequence
 from math import radians
-from typing import Annotated, NamedTuple
+from typing import Annotated, NamedTuple, Self
 
-from pydantic import BeforeValidator, Field
+from pydantic import BeforeValidator, Field, model_validator
 
 from isopeel.case.discretization import space_of
 from isopeel.case.errors import named_by
 from isopeel.case.sections import (
+    A_BOUNDARY,
     AcrossDegreeKey,
     BodySection,
     DiscretizationSection,
@@ -51,13 +52,25 @@ class BodyTable(BodySection):
         tuple[LengthKey, LengthKey], BeforeValidator(list_of(2, _A_PLACE)), Field(description=_A_PLACE)
     ] = (0.0, 0.0)
     rotated: Annotated[float, BeforeValidator(lambda written: radians(read_quantity(ANGLE, written)))] = 0.0
+    on: Annotated[str | None, Field(description=A_BOUNDARY)] = None
+    gap: LengthKey | None = None
     space: SpaceKey | None = None
     mesh: MeshKey = None
     across_degree: AcrossDegreeKey = None
     grading: GradingKey = None
 
+    @model_validator(mode="after")
+    def _gap_to_a_side(self) -> Self:
+        if self.gap is not None and (self.on is None or self.gap < 0):
+            allowed = "it is the distance from the side that the body lies `on`, and not negative"
+            raise InputError("body.gap", self.gap, allowed)
+        return self
+
     def placed(self, key: str) -> PlacedBody:
-        """Build the body. Raises InputError whose field begins with the key of the table."""
+        """Build the body, without the side that it lies on.
+
+        Raises InputError whose field begins with the key of the table.
+        """
         with named_by({"body": key, "material": f"{key}.material"}):
             shape = self.body_shape()
             surface = placed(shape.surface(), self.at, self.rotated)
@@ -66,22 +79,14 @@ class BodyTable(BodySection):
     def row_space(self, key: str, usual: DiscretizationSection, units: UnitSystem) -> RowSpace:
         """Build the space of the displacement, by the `usual` keys where the body has none of its own.
 
+        It does not depend on the place of the body.
+
         Raises as `placed` does.
         """
         own = {name: value for name in _OF_THE_SPACE if (value := getattr(self, name)) is not None}
         shape, body = self.placed(key)
         with named_by({f"discretization.{name}": f"{key}.{name}" for name in own}):
             return space_of(shape, body, usual.model_copy(update=own), units)
-
-
-def placed_bodies(tables: Sequence[BodyTable]) -> dict[str, PlacedBody]:
-    """Build the bodies by their names, in their order. Raises InputError where two share a name."""
-    bodies: dict[str, PlacedBody] = {}
-    for number, table in enumerate(tables, start=1):
-        if table.name in bodies:
-            raise InputError(f"body.{number}.name", table.name, "each body needs a name of its own")
-        bodies[table.name] = table.placed(f"body.{number}")
-    return bodies
 
 
 def check_held(names: Sequence[str], held: Collection[str]) -> None:

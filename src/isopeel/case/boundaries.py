@@ -1,21 +1,19 @@
-"""The tables [[interface]] and [[support]] of a case, and what is common to them: a part of a boundary."""
+"""Parts of boundaries, as the tables of a case name them, and the tables [[support]]."""
 
 from collections.abc import Mapping, Sequence
-from itertools import combinations
-from typing import Annotated, Any, Literal, NamedTuple, get_args
+from typing import Annotated, Literal, NamedTuple, get_args
 
 import numpy as np
-from pydantic import Field, PlainValidator, field_validator
+from pydantic import Field, PlainValidator
 
 from isopeel.case.bodies import PlacedBody
 from isopeel.case.errors import named_by
-from isopeel.case.sections import A_BOUNDARY, AdhesionSection, SubstrateSection
+from isopeel.case.sections import A_BOUNDARY
 from isopeel.case.values import LengthKey, Section, read_quantity
 from isopeel.common.errors import InputError
 from isopeel.common.quantities import LENGTH
 from isopeel.common.units import UnitSystem, shown
-from isopeel.physics.substrates import Flat, Substrate
-from isopeel.problem import Boundary, Interface, Support
+from isopeel.problem import Boundary, Support
 from isopeel.problem.boundary import ROUND_OFF
 from isopeel.problem.shapes.base import parameter_at_length
 from isopeel.splines.nurbs import NurbsCurve, Side
@@ -24,8 +22,6 @@ _AN_END = (
     "a length from the left or lower end of the side is needed, such as '20 nm', or the parameter along the"
     " side, a number from 0 to 1"
 )
-#: A boundary is straight where it leaves its chord by no more than this share of it.
-_STRAIGHT = 1e-12
 
 
 class End(NamedTuple):
@@ -54,17 +50,17 @@ def _read_end(written: object) -> End:
 EndKey = Annotated[End | None, PlainValidator(_read_end), Field(description=_AN_END)]
 
 
-class BoundaryTable(Section):
-    """A side of a body, or a part of it: between two ends, or by its length from one of them."""
+class PartKeys(Section):
+    """The keys of a part of a side: between two ends, or by its length from one of them."""
 
-    boundary: Annotated[str, Field(description=A_BOUNDARY)]
     start: EndKey = None
     end: EndKey = None
     length: LengthKey | None = None
 
-    def part(self, key: str, bodies: Mapping[str, PlacedBody], units: UnitSystem) -> Boundary:
-        """Find the part of the boundary. Raises InputError whose field begins with the key of the table."""
-        name, side = split_boundary(f"{key}.boundary", self.boundary, list(bodies))
+    def part_of(
+        self, name: str, side: Side, key: str, bodies: Mapping[str, PlacedBody], units: UnitSystem
+    ) -> Boundary:
+        """Find the part of a side. Raises InputError whose field begins with the key of the table."""
         shape, body = bodies[name]
         curve = body.shape.boundary(side)
         for field, end in (("start", self.start), ("end", self.end)):
@@ -105,36 +101,15 @@ class BoundaryTable(Section):
         return start, end
 
 
-class InterfaceTable(BoundaryTable, AdhesionSection):
-    """What attracts a boundary, by a law; a plane along it where no substrate is given."""
+class BoundaryTable(PartKeys):
+    """A side of a body, or a part of it."""
 
-    between: Any = None
-    substrate: Annotated[
-        SubstrateSection | None,
-        Field(description="a table is needed, such as { kind = 'flat', height = '0 nm' }"),
-    ] = None
+    boundary: Annotated[str, Field(description=A_BOUNDARY)]
 
-    @field_validator("between")
-    @classmethod
-    def _against_a_substrate(cls, between: object) -> object:
-        allowed = "an interface between two bodies is not supported yet; give one boundary, and a substrate"
-        raise InputError("adhesion.between", between, allowed)
-
-    def interface_of(self, key: str, bodies: Mapping[str, PlacedBody], units: UnitSystem) -> Interface:
-        """Build the interface. Raises InputError whose field begins with the key of the table."""
-        boundary = self.part(key, bodies, units)
-        with named_by({"adhesion": key, "substrate": f"{key}.substrate"}):
-            law, table = self.adhesion_law(), self.substrate
-            gap = law.equilibrium_gap if table is None or table.gap is None else table.gap
-            surface = self.surface(key, bodies[boundary.body], boundary)
-            return self.interface(boundary, law, surface.receded(gap))
-
-    def surface(self, key: str, body: PlacedBody, boundary: Boundary) -> Substrate:
-        """Build the substrate as it lies before it recedes by the gap. Raises as `interface_of`."""
-        table = self.substrate
-        if table is None or table.model_fields_set <= {"gap"}:
-            return _plane_along(key, body, boundary)
-        return table.surface()
+    def part(self, key: str, bodies: Mapping[str, PlacedBody], units: UnitSystem) -> Boundary:
+        """Find the part of the boundary. Raises InputError whose field begins with the key of the table."""
+        name, side = split_boundary(f"{key}.boundary", self.boundary, list(bodies))
+        return self.part_of(name, side, key, bodies, units)
 
 
 class SupportTable(BoundaryTable):
@@ -148,32 +123,6 @@ class SupportTable(BoundaryTable):
         return Support(self.part(key, bodies, units), components)
 
 
-def check_apart(
-    tables: Sequence[InterfaceTable], boundaries: Sequence[Boundary], bodies: Mapping[str, PlacedBody]
-) -> None:
-    """Raise InputError where two interfaces overlap on one substrate, so that their adhesion would add up."""
-    for before, number in combinations(range(len(tables)), 2):
-        if not boundaries[number].overlaps(boundaries[before]):
-            continue
-        one, other = (
-            tables[n].surface(f"interface.{n + 1}", bodies[boundaries[n].body], boundaries[n])
-            for n in (before, number)
-        )
-        if _are_one(one, other):
-            allowed = (
-                f"it overlaps interface.{before + 1} on the same substrate; let each part adhere by one law"
-            )
-            raise InputError(f"interface.{number + 1}.boundary", tables[number].boundary, allowed)
-
-
-def _are_one(one: Substrate, other: Substrate) -> bool:
-    """Return whether two substrates are one; planes may differ by the round-off of their description."""
-    if isinstance(one, Flat) and isinstance(other, Flat):
-        size = max(abs(one.height), abs(other.height), 1.0)
-        return bool(np.abs(one.parameters - other.parameters).max() <= ROUND_OFF * size)
-    return one == other
-
-
 def split_boundary(key: str, written: str, names: Sequence[str]) -> tuple[str, Side]:
     """Return body and side of BODY.SIDE. Raises InputError where there is no such body or side."""
     name, _, side = written.rpartition(".")
@@ -183,23 +132,6 @@ def split_boundary(key: str, written: str, names: Sequence[str]) -> tuple[str, S
         if side == known:
             return name, known
     raise InputError(key, written, f"{A_BOUNDARY}, and the sides are {', '.join(get_args(Side))}")
-
-
-def _plane_along(key: str, body: PlacedBody, boundary: Boundary) -> Flat:
-    """Return the plane along a straight boundary, which faces the body."""
-    curve = body.body.shape.boundary(boundary.side)
-    first, last = curve.control_points[[0, -1]]
-    chord = last - first
-    length = float(np.hypot(*chord))
-    along = chord / length if length else chord
-    across = (curve.control_points - first) @ np.array([-along[1], along[0]])
-    if np.abs(across).max() > _STRAIGHT * length or not length:
-        allowed = "a plane lies along a straight boundary only; give a table, such as { kind = 'flat' }"
-        raise InputError(f"{key}.substrate", None, allowed)
-    # xi runs along the lower and the upper side, and eta along the others
-    inwards = 1.0 if boundary.side in ("bottom", "right") else -1.0
-    normal = inwards * np.array([-along[1], along[0]])
-    return Flat(float(normal @ first), float(np.arctan2(normal[1], normal[0])))
 
 
 def _on_the_side(curve: NurbsCurve, units: UnitSystem) -> str:

@@ -26,7 +26,7 @@ from isopeel.physics.adhesion.mirrored import Mirrored
 from isopeel.physics.materials import Material
 from isopeel.physics.materials.prestretched import Prestretched
 from isopeel.physics.substrates import Flat, Substrate
-from isopeel.problem import Body, Boundary, Interface, Support, Traction
+from isopeel.problem import Body, Boundary, Interface, Scheme, Support, Traction
 from isopeel.problem.shapes import Shape
 from isopeel.splines.nurbs import Side
 
@@ -91,9 +91,15 @@ class AdhesionSection(KindSection):
         law: AdhesionLaw = self.made()
         return Mirrored(law) if self.symmetric else law
 
-    def interface(self, boundary: Boundary, law: AdhesionLaw, substrate: Substrate) -> Interface:
+    def interface(
+        self,
+        boundary: Boundary,
+        law: AdhesionLaw,
+        against: Substrate | Boundary,
+        scheme: Scheme = "unbiased",
+    ) -> Interface:
         """Build the interface on a boundary. Raises InputError for what cannot be combined."""
-        if self.symmetric and not isinstance(substrate, Flat):
+        if self.symmetric and not isinstance(against, Flat):
             allowed = "a body meets its mirror image at a plane, so that the substrate must be flat"
             raise InputError("adhesion.symmetric", True, allowed)
         if self.symmetric and self.sliding_length is not None:
@@ -102,10 +108,11 @@ class AdhesionSection(KindSection):
         return Interface(
             boundary,
             law=law,
-            against=substrate,
+            against=against,
             traction=self.traction,
             irreversible=self.irreversible,
             sliding_length=self.sliding_length,
+            scheme=scheme,
         )
 
 

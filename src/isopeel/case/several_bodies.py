@@ -5,18 +5,25 @@ from typing import Annotated, Any
 
 from pydantic import Field
 
-from isopeel.case.bodies import BodyTable, PlacedBody, check_held, placed_bodies, width_of
-from isopeel.case.boundaries import InterfaceTable, SupportTable, check_apart
+from isopeel.case.bodies import BodyTable, PlacedBody, check_held, width_of
+from isopeel.case.boundaries import SupportTable
 from isopeel.case.case import Case
 from isopeel.case.errors import renamed
+from isopeel.case.interfaces import InterfaceTable, check_apart
+from isopeel.case.placing import placed_bodies
 from isopeel.common.errors import InputError
-from isopeel.problem import Interface, Support
+from isopeel.problem import Boundary, Interface, Support
 from isopeel.problem.boundary import driven_boundaries
 from isopeel.splines.rows import RowSpace
 
 #: Tables of the form for one body, and those of several that the system calls by these names. It numbers
 #: substrates where there are several interfaces.
-_LISTS = {"held": "support", "adhesion": "interface", "substrate": "interface.1.substrate"}
+_LISTS = {
+    "held": "support",
+    "adhesion": "interface",
+    "substrate": "interface.1.substrate",
+    "between": "interface.1.between",
+}
 
 
 class SeveralBodies(Case):
@@ -71,7 +78,7 @@ class SeveralBodies(Case):
 
     def _placed(self) -> dict[str, PlacedBody]:
         width_of(self.body)
-        return placed_bodies(self.body)
+        return placed_bodies(self.body, self.interface)
 
     def _joined(self, placed: Mapping[str, PlacedBody]) -> tuple[tuple[Interface, ...], tuple[Support, ...]]:
         units = self.units.system()
@@ -83,8 +90,9 @@ class SeveralBodies(Case):
             table.support(f"support.{number}", placed, units)
             for number, table in enumerate(self.support, start=1)
         )
-        check_apart(self.interface, [one.boundary for one in interfaces], placed)
+        check_apart(self.interface, interfaces, placed)
         boundaries = [one.boundary for one in interfaces] + [one.boundary for one in supports]
+        boundaries += [one.against for one in interfaces if isinstance(one.against, Boundary)]
         boundaries += [one.boundary for drive in self._drives(placed) for one in driven_boundaries(drive.on)]
         check_held(list(placed), {boundary.body for boundary in boundaries})
         return interfaces, supports

@@ -12,7 +12,7 @@ from isopeel.problem.drives import (
     raises_load,
 )
 from isopeel.problem.loads import HeldLoad
-from isopeel.problem.problem import Body, Interface, Problem, Support, Traction
+from isopeel.problem.problem import Body, Interface, Problem, Scheme, Support, Traction
 from isopeel.problem.strip import strip
 
 __all__ = [
@@ -30,6 +30,7 @@ __all__ = [
     "Problem",
     "PulledSide",
     "RotatedSide",
+    "Scheme",
     "Support",
     "Traction",
     "raises_load",
