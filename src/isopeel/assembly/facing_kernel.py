@@ -84,7 +84,7 @@ def find_partners(facing: FacingData, u: FloatArray) -> Partners:
         np.empty((2, points)),
         np.zeros(points),
     )
-    basis, of_shape = np.empty((3, facing.segment_weights.shape[1])), np.empty((3, facing.shape.shape[2]))
+    basis = np.empty((3, facing.segment_weights.shape[1]))
     point, outward, x, along = np.empty((3, 2)), np.empty(2), np.empty(2), np.empty(2)
     segment = 0
     for p in range(points):
@@ -97,7 +97,7 @@ def find_partners(facing: FacingData, u: FloatArray) -> Partners:
                 x[i] += values[e, q, a] * moved
                 along[i] += slopes[e, q, a] * moved
             found.position[i, p] = x[i]
-        kind, segment, s = closest_point(curve, x[0], x[1], segment, basis, of_shape, point, outward)
+        kind, segment, s = closest_point(curve, x[0], x[1], segment, basis, point, outward)
         outward *= facing.orientation
         # the own outward normal is to the right of the own tangent
         if along[1] * outward[0] - along[0] * outward[1] > 0.0:
