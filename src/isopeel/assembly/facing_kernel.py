@@ -14,7 +14,7 @@ from isopeel.assembly.interface_kernel import Response, respond_normally
 from isopeel.assembly.loops import Energies
 from isopeel.assembly.packing import Floats1, Floats2, Floats3, Integers2, Integers3, reader
 from isopeel.common.arrays import FloatArray, IntArray
-from isopeel.common.compilation import compiled_reordered
+from isopeel.common.compilation import compiled, compiled_reordered
 from isopeel.matrix.band import entry_place
 from isopeel.physics.batch import law_at
 
@@ -165,6 +165,68 @@ def _relative(
         Q[b] = (slope - value * dW) / W
 
 
+@compiled_reordered
+def _variations(
+    n: FloatArray, a: FloatArray, gap: float, bend: float, P: FloatArray, R: FloatArray, d: FloatArray
+) -> None:
+    """Write the variations of a point's gap and partner, by the component i of function c at 2 c + i.
+
+    The rows of d (4, 2 M) are dg, n . dy', ds and n . dy' + b ds, see `add_facing`.
+    """
+    slow = 1.0 / (a[0] ** 2 + a[1] ** 2 - gap * bend)
+    for c in range(P.size):
+        for i in range(2):
+            d[0, 2 * c + i] = P[c] * n[i]
+            d[1, 2 * c + i] = n[i] * R[c]
+            d[2, 2 * c + i] = (a[i] * P[c] + gap * n[i] * R[c]) * slow
+            d[3, 2 * c + i] = d[1, 2 * c + i] + bend * d[2, 2 * c + i]
+
+
+@compiled_reordered
+def _second_variation(d: FloatArray, gap: float, bend: float, speed: float, second: FloatArray) -> None:
+    """Write D dg to second (2 M, 2 M), by the variations d (4, 2 M); speed is y' . y'."""
+    for r in range(second.shape[0]):
+        slope, place, turn = d[1, r], d[2, r], d[3, r]
+        for c in range(second.shape[1]):
+            second[r, c] = gap / speed * turn * d[3, c] - slope * d[2, c] - place * (d[1, c] + bend * d[2, c])
+
+
+@compiled_reordered
+def _second_variation_at_corner(n: FloatArray, gap: float, P: FloatArray, second: FloatArray) -> None:
+    """Write D dg to second (2 M, 2 M) where the partner is a corner of the other side."""
+    for c in range(P.size):
+        for d in range(P.size):
+            for i in range(2):
+                for k in range(2):
+                    across = (1.0 if i == k else 0.0) - n[i] * n[k]
+                    second[2 * c + i, 2 * d + k] = P[c] * P[d] * across / gap
+
+
+@compiled_reordered
+def _turned_forces(d: FloatArray, a: FloatArray, speed: float, P: FloatArray, second: FloatArray) -> None:
+    """Write the derivatives P_c dn of the forces along a normal that turns, to second (2 M, 2 M)."""
+    for c in range(P.size):
+        for i in range(2):
+            for e in range(second.shape[1]):
+                second[2 * c + i, e] = -P[c] * a[i] * d[3, e] / speed
+
+
+@compiled
+def _add_entries(local: FloatArray, numbers: IntArray, rows: int, band: FloatArray, diagonal: int) -> None:
+    """Add the first rows of a local tangent (2 M, 2 M) of unknowns (2 M,) to a band, as far as it reaches."""
+    flat, stride = band.ravel(), band.shape[1] - 1
+    half_bandwidth = diagonal // 2 if diagonal > 0 else stride
+    for r in range(rows):
+        row = numbers[r]
+        if row < 0:
+            continue
+        for c in range(numbers.size):
+            column = numbers[c]
+            if column < 0 or (diagonal == 0 and row < column) or abs(row - column) > half_bandwidth:
+                continue
+            flat[entry_place(stride, diagonal, row, column)] += local[r, c]
+
+
 def add_facing(
     integers: IntArray,
     floats: FloatArray,
@@ -189,86 +251,55 @@ def add_facing(
     facing: FacingData = read_facing(integers, floats)
     found = find_partners(facing, u)
     answer = respond_to(facing, found, history)
-    gap, n, a = found.gap, found.normal, found.tangent
-    potential, T, dT, lost = answer.potential, answer.traction, answer.derivative, answer.dissipated
-    points = gap.size
+    T, dT = answer.traction, answer.derivative
     functions, values, weights = facing.functions, facing.values, facing.weights
     others, numerators = facing.segment_functions, facing.segment_values
     m, other_m = functions.shape[1], others.shape[1]
     Q = weights.shape[1]
+    # functions that feel the force
     both = m + other_m if facing.mutual else m
-    flat, stride = band.ravel(), band.shape[1] - 1
-    half_bandwidth = diagonal // 2 if diagonal > 0 else stride
     P, R = np.empty(m + other_m), np.zeros(m + other_m)
-    numbers, of = np.empty((m + other_m, 2), dtype=np.int64), np.empty(m + other_m, dtype=np.int64)
-    d_gap, d_place, d_turn = (
-        np.empty((m + other_m, 2)),
-        np.empty((m + other_m, 2)),
-        np.empty((m + other_m, 2)),
-    )
-    basis = np.empty((3, numerators.shape[2]))
+    of, numbers = np.empty(m + other_m, dtype=np.int64), np.empty(2 * (m + other_m), dtype=np.int64)
+    d, second = np.empty((4, 2 * (m + other_m))), np.empty((2 * (m + other_m), 2 * (m + other_m)))
+    basis, n, a = np.empty((3, numerators.shape[2])), np.empty(2), np.empty(2)
     energy = 0.0
     dissipated = 0.0
-    for p in range(points):
+    for p in range(found.gap.size):
         e, q = p // Q, p % Q
         area = facing.share * weights[e, q]
-        energy += area * potential[p]
-        dissipated += area * lost[p]
+        energy += area * answer.potential[p]
+        dissipated += area * answer.dissipated[p]
         if found.kind[p] == NONE:
             continue
         segment = found.segment[p]
         bernstein(found.place[p], basis)
         _relative(numerators[segment], facing.segment_weights[segment], basis, P[m:], R[m:])
         for c in range(m):
-            P[c] = values[e, q, c]
-            of[c] = functions[e, c]
-            numbers[c, 0], numbers[c, 1] = facing.unknowns[e, c, 0], facing.unknowns[e, c, 1]
+            P[c], of[c] = values[e, q, c], functions[e, c]
         for b in range(other_m):
             of[m + b] = others[segment, b]
-            for i in range(2):
-                numbers[m + b, i] = facing.segment_unknowns[segment, b, i]
+        for i in range(2):
+            n[i], a[i] = found.normal[i, p], found.tangent[i, p]
         for c in range(both):
             for i in range(2):
-                forces[of[c], i] -= area * T[p] * n[i, p] * P[c]
+                forces[of[c], i] -= area * T[p] * n[i] * P[c]
         if not with_tangent:
             continue
-        speed = a[0, p] ** 2 + a[1, p] ** 2
-        corner = found.kind[p] == CORNER
-        slow = 1.0 / (speed - gap[p] * found.bend[p])
-        for c in range(m + other_m):
-            for i in range(2):
-                d_gap[c, i] = P[c] * n[i, p]
-                if corner:
-                    d_place[c, i], d_turn[c, i] = 0.0, 0.0
-                else:
-                    d_place[c, i] = (a[i, p] * P[c] + gap[p] * n[i, p] * R[c]) * slow
-                    d_turn[c, i] = n[i, p] * R[c] + found.bend[p] * d_place[c, i]
-        for c in range(both):
-            for i in range(2):
-                row = numbers[c, i]
-                if row < 0:
-                    continue
-                for d in range(m + other_m):
-                    for k in range(2):
-                        column = numbers[d, k]
-                        if (
-                            column < 0
-                            or (diagonal == 0 and row < column)
-                            or abs(row - column) > half_bandwidth
-                        ):
-                            continue
-                        if corner:
-                            second = P[c] * P[d] * ((1.0 if i == k else 0.0) - n[i, p] * n[k, p]) / gap[p]
-                        elif facing.mutual:
-                            second = (
-                                -n[i, p] * R[c] * d_place[d, k]
-                                - n[k, p] * R[d] * d_place[c, i]
-                                - found.bend[p] * d_place[c, i] * d_place[d, k]
-                                + gap[p] / speed * d_turn[c, i] * d_turn[d, k]
-                            )
-                        else:
-                            second = -P[c] * a[i, p] * d_turn[d, k] / speed
-                        flat[entry_place(stride, diagonal, row, column)] -= area * (
-                            dT[p] * d_gap[c, i] * d_gap[d, k] + T[p] * second
-                        )
+        for i in range(2):
+            for c in range(m):
+                numbers[2 * c + i] = facing.unknowns[e, c, i]
+            for b in range(other_m):
+                numbers[2 * (m + b) + i] = facing.segment_unknowns[segment, b, i]
+        gap, bend, speed = found.gap[p], found.bend[p], a[0] ** 2 + a[1] ** 2
+        _variations(n, a, gap, bend, P, R, d)
+        if found.kind[p] == CORNER:
+            _second_variation_at_corner(n, gap, P, second)
+        elif facing.mutual:
+            _second_variation(d, gap, bend, speed, second)
+        else:
+            _turned_forces(d, a, speed, P, second)
+        for r in range(2 * both):
+            for c in range(2 * (m + other_m)):
+                second[r, c] = -area * (dT[p] * d[0, r] * d[0, c] + T[p] * second[r, c])
+        _add_entries(second, numbers, 2 * both, band, diagonal)
     return 0.0, energy, dissipated, np.inf
