@@ -6,6 +6,7 @@ from typing import Generic, TypeVar
 
 import numpy as np
 
+from isopeel.assembly.spaces import SpaceOfBodies
 from isopeel.common.arrays import FloatArray, frozen
 from isopeel.common.errors import InputError
 from isopeel.problem import Problem
@@ -14,7 +15,6 @@ from isopeel.solve.convergence import ConvergenceError
 from isopeel.solve.newton import NewtonSettings
 from isopeel.solve.step import Step
 from isopeel.solve.trace import trace
-from isopeel.splines.rows import RowSpace
 
 C = TypeVar("C")
 O = TypeVar("O")  # noqa: E741 (an outcome)
@@ -99,20 +99,22 @@ class EquilibriumPath:
     reaction: FloatArray
     displacement: FloatArray | None  # coefficients of the last step, None where there is none
     failure: str  # the reason of an early end, empty if there is none
+    reactions: FloatArray  # (steps, n) of n boundaries, of none where the drive acts on one only
 
 
 def traced(
     problem: Problem,
-    space: RowSpace,
+    space: SpaceOfBodies,
     parameters: Iterable[float],
     settings: NewtonSettings | None = None,
     until: Callable[[Sequence[Step]], bool] = lambda _: False,
+    contact_points: int | None = None,
 ) -> EquilibriumPath:
     """Return a path, traced to its end or until a condition on its steps holds."""
     steps: list[Step] = []
     failure = ""
     try:
-        for step in trace(problem, space, parameters, settings):
+        for step in trace(problem, space, parameters, settings, contact_points=contact_points):
             steps.append(step)
             if until(steps):
                 break
@@ -123,4 +125,5 @@ def traced(
         frozen(np.array([step.reaction for step in steps])),
         steps[-1].displacement if steps else None,
         failure,
+        frozen(np.array([step.reactions for step in steps])),
     )

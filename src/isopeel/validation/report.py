@@ -14,7 +14,7 @@ from isopeel.common.processes import Done, compute_all, cores
 from isopeel.report.document import Block, Document, Section, Table, Text, print_table, write_document
 from isopeel.report.folder import replaced, take_folder
 from isopeel.results.provenance import Provenance
-from isopeel.validation import bending, cantilever, curvature, cylinder, hertz, tapes
+from isopeel.validation import bending, cantilever, curvature, cylinder, hertz, patch, tapes, two_cylinders
 from isopeel.validation.check import Check, Result, Row
 
 #: The checks by their names on the command line, in the order of the report.
@@ -25,6 +25,8 @@ CHECKS: dict[str, Check[Any, Any]] = {
     "hertz": hertz.CHECK,
     "bending": bending.CHECK,
     "curvature": curvature.CHECK,
+    "patch": patch.CHECK,
+    "cylinders": two_cylinders.CHECK,
 }
 
 _ABSTRACT = """
