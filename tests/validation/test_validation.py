@@ -33,6 +33,7 @@ from isopeel.validation import (
     patch,
     report,
     tapes,
+    two_arms,
     two_cylinders,
 )
 from isopeel.validation.check import Result, Row
@@ -48,6 +49,7 @@ CHEAPEST: dict[str, Any] = {
     "curvature": lambda: curvature.curvature_factors(20.0),
     "patch": lambda: patch.press(patch.CHECK.cases[0]),
     "cylinders": lambda: two_cylinders.meet(two_cylinders.CHECK.cases[0]),
+    "arms": lambda: two_arms.peel("copy"),
 }
 
 

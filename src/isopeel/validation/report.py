@@ -14,7 +14,17 @@ from isopeel.common.processes import Done, compute_all, cores
 from isopeel.report.document import Block, Document, Section, Table, Text, print_table, write_document
 from isopeel.report.folder import replaced, take_folder
 from isopeel.results.provenance import Provenance
-from isopeel.validation import bending, cantilever, curvature, cylinder, hertz, patch, tapes, two_cylinders
+from isopeel.validation import (
+    bending,
+    cantilever,
+    curvature,
+    cylinder,
+    hertz,
+    patch,
+    tapes,
+    two_arms,
+    two_cylinders,
+)
 from isopeel.validation.check import Check, Result, Row
 
 #: The checks by their names on the command line, in the order of the report.
@@ -27,6 +37,7 @@ CHECKS: dict[str, Check[Any, Any]] = {
     "curvature": curvature.CHECK,
     "patch": patch.CHECK,
     "cylinders": two_cylinders.CHECK,
+    "arms": two_arms.CHECK,
 }
 
 _ABSTRACT = """
