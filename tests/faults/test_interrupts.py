@@ -119,6 +119,26 @@ def test_a_process_that_still_imports_ends_with_one_line(seconds: float) -> None
     assert time.perf_counter() - began < 10.0  # on a machine with much to do
 
 
+def test_semaphores_that_are_left_behind_are_not_reported() -> None:
+    """On a busy machine no safe point comes in time. Then the resource tracker removes the semaphores."""
+    script = (
+        "import multiprocessing, signal, time\n"
+        "signal.signal(signal.SIGINT, signal.default_int_handler)\n"
+        "from isopeel.common.interrupts import ending_this_process\n"
+        "with ending_this_process():\n"
+        "    lock = multiprocessing.get_context('spawn').Lock()\n"
+        "    print(flush=True)\n"
+        "    time.sleep(600)\n"
+    )
+    process = subprocess.Popen([sys.executable, "-c", script], stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+    assert process.stdout is not None
+    process.stdout.read(1)
+    process.send_signal(signal.SIGINT)
+    # the tracker holds standard error until it ends
+    _, error = process.communicate(timeout=_DEADLINE)
+    assert (process.returncode, error) == (130, b"isopeel: interrupted\n")
+
+
 def test_a_path_of_the_library_raises_nothing_else() -> None:
     """With Python's own handler, 377 of 500 came as SystemError from compiled code."""
     problem, space = isopeel.strip(), isopeel.row_space("L2", (20, 1))

@@ -30,6 +30,9 @@ _PATIENCE = 4.0
 _MOST = 3
 #: Seconds between two checks whether the process has ended.
 _LOOK = 0.01
+#: A process that ends at once leaves semaphores of its children. The resource tracker of `multiprocessing`
+#: removes them, and warns programmers who forgot to do so.
+_NO_WARNING = "ignore:resource_tracker:UserWarning"
 #: Seconds to write a line.
 _TO_WRITE = 0.2
 #: Restores a terminal after a progress bar, which hides the cursor and begins a line.
@@ -99,6 +102,9 @@ def ending_this_process() -> Iterator[None]:
         yield
         return
     _begin()
+    # the resource tracker is a process, and reads its filter of warnings from the environment
+    chosen = os.environ.get("PYTHONWARNINGS")
+    os.environ["PYTHONWARNINGS"] = f"{chosen},{_NO_WARNING}" if chosen else _NO_WARNING
     reader, writer = os.pipe()
     os.set_blocking(writer, False)
     Thread(target=_wait, args=(reader,), daemon=True, name="Ctrl-C").start()
