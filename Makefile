@@ -4,13 +4,16 @@ BIN := .venv/bin
 # one thread for BLAS: the factorization of a narrow band gains nothing from more
 export OMP_NUM_THREADS := 1
 
-.PHONY: strip test lint long docs paper benchmark clean
+.PHONY: strip test coverage lint long docs paper benchmark clean
 
 strip: .venv/run  ## run the shipped strip to its figures, in out/strip
 	$(BIN)/isopeel run strip
 
-test: .venv/develop  ## run the tests, each file in one of as many processes as there are cores
-	$(BIN)/python -m pytest -n auto --dist loadfile -rs --cov=isopeel --cov-report=term:skip-covered
+test: .venv/develop  ## run the tests in as many processes as there are cores
+	$(BIN)/python -m pytest -n auto --dist worksteal -rs
+
+coverage: .venv/develop  ## run the same tests, and print the lines of the package that none of them executes
+	$(BIN)/python -m pytest -n auto --dist worksteal -rs --cov=isopeel --cov-report=term-missing:skip-covered
 
 lint: .venv/develop  ## check style and types
 	$(BIN)/ruff check .
