@@ -3,6 +3,7 @@
 import subprocess
 import sys
 from collections.abc import Sequence
+from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -15,6 +16,8 @@ if TYPE_CHECKING:
 
 BENCHMARKS = Path(__file__).parents[2] / "benchmarks"
 ELEMENTS = (20, 2)
+# the face pulls the strip up, and part of it past the strongest adhesion
+ANGLES = np.deg2rad(np.arange(0, 21, 2)).tolist()
 # all stop at the same energy residual, so that they differ by round-off only: 1e-13 at most
 MOMENT_TOLERANCE = 1e-10
 
@@ -22,6 +25,18 @@ MOMENT_TOLERANCE = 1e-10
 @pytest.fixture(autouse=True)
 def _importable(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.syspath_prepend(BENCHMARKS)
+
+
+@cache
+def moments_of_isopeel(degree: int) -> list[float]:
+    from peers.names import ISOPEEL
+    from programs import Program
+
+    ours = Program(ISOPEEL, degree, ELEMENTS)
+    ours.begin(ANGLES)
+    moments = [step.moment for step in ours.finish().steps]
+    ours.close()
+    return moments
 
 
 @pytest.mark.parametrize(
@@ -38,23 +53,17 @@ def _importable(monkeypatch: pytest.MonkeyPatch) -> None:
     ],
 )
 def test_peers_find_the_same_equilibria(peer: str, degree: int) -> None:
-    from peers.names import ISOPEEL
     from programs import GoneError, Program
 
     try:
         program = Program(peer, degree, ELEMENTS)
     except GoneError as error:
         pytest.skip(str(error))
-    # the face pulls the strip up, and part of it past the strongest adhesion
-    angles = np.deg2rad(np.arange(0, 21, 2)).tolist()
-    program.begin(angles)
+    program.begin(ANGLES)
     theirs = program.finish()
     program.close()
-    ours = Program(ISOPEEL, degree, ELEMENTS)
-    ours.begin(angles)
-    moments = [step.moment for step in ours.finish().steps]
-    ours.close()
-    assert len(moments) == len(angles)
+    moments = moments_of_isopeel(degree)
+    assert len(moments) == len(ANGLES)
     assert theirs.stopped is None
     np.testing.assert_allclose([step.moment for step in theirs.steps], moments, rtol=0, atol=MOMENT_TOLERANCE)
     assert all(step.assembly is not None and step.solution is not None for step in theirs.steps)
