@@ -1,11 +1,15 @@
 """What all tests need of the process that they run in."""
 
 import signal
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
 from isopeel.solve.newton import NewtonSettings
+
+#: What writes a figure of a run.
+SAVE = "isopeel.running.stage_results.save"
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -35,6 +39,25 @@ def pytest_runtest_setup(item: pytest.Item) -> None:
 def in_own_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Let the test write into a folder of its own."""
     monkeypatch.chdir(tmp_path)
+
+
+@pytest.fixture(scope="module")
+def without_figures() -> Iterator[None]:
+    """Let the runs of a module leave files in place of their figures, which take most of a short run's time.
+
+    The files are marked as the figures of isopeel are, or the next command would not replace them.
+    """
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(SAVE, lambda _, path: path.write_bytes(b"Creator\0isopeel"))
+        yield
+
+
+@pytest.fixture
+def with_figures(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let the runs of one test draw their figures, in a module without."""
+    from isopeel.post.figures import save
+
+    monkeypatch.setattr(SAVE, save)
 
 
 def let_it_be_interrupted() -> None:

@@ -1,8 +1,7 @@
 """`isopeel run`: its files, its summary, its exit codes, and input that it refuses."""
 
-import os
+import io
 import re
-import subprocess
 import sys
 from pathlib import Path
 
@@ -14,9 +13,10 @@ from scipy.integrate import trapezoid
 import isopeel
 from isopeel.cli import main
 
-pytestmark = pytest.mark.usefixtures("in_own_folder")
+pytestmark = pytest.mark.usefixtures("in_own_folder", "without_figures")
 
 
+@pytest.mark.usefixtures("with_figures")
 def test_a_run_leaves_its_files(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["run", "strip", *SMALL]) == 0
     out = Path("out/strip")
@@ -153,17 +153,14 @@ def test_paths_are_no_markup(folder: str, capsys: pytest.CaptureFixture[str]) ->
 
 
 @pytest.mark.parametrize("folder", ["ü", "\udcff"])
-def test_paths_may_be_no_text_of_the_terminal(folder: str) -> None:
-    command = [sys.executable, "-c", "import sys; from isopeel.cli import main; sys.exit(main())"]
-    message = subprocess.run(
-        [*command, "run", "strip", *SMALL, "--to", "1", "--out", folder],
-        env=os.environ | {"PYTHONIOENCODING": "ascii"},
-        capture_output=True,
-        check=True,
-    )
-    assert message.stderr == b""
+def test_paths_may_be_no_text_of_the_terminal(folder: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    printed, error = io.BytesIO(), io.BytesIO()
+    monkeypatch.setattr(sys, "stdout", io.TextIOWrapper(printed, "ascii", write_through=True))
+    monkeypatch.setattr(sys, "stderr", io.TextIOWrapper(error, "ascii", write_through=True))
+    assert main(["run", "strip", *SMALL, "--to", "1", "--out", folder]) == 0
+    assert error.getvalue() == b""
     # what is no text at all is shown by its escape
-    assert re.search(rb"files in ([?]|.udcff)", message.stdout)
+    assert re.search(rb"files in ([?]|.udcff)", printed.getvalue())
     assert {path.name for path in Path(folder).iterdir()} == FILES
 
 

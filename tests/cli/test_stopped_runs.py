@@ -15,7 +15,7 @@ from isopeel.cli import main
 from isopeel.results.run_writer import RunWriter
 from isopeel.solve.convergence import ConvergenceError
 
-pytestmark = pytest.mark.usefixtures("in_own_folder")
+pytestmark = pytest.mark.usefixtures("in_own_folder", "without_figures")
 
 
 def test_ctrl_c_ends_with_130_and_stores_the_converged_steps(

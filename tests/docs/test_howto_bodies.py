@@ -15,7 +15,7 @@ CASES = dict(re.findall(r"^%%writefile (\S+\.toml)\n(.*?)^```", PAGE, re.DOTALL 
 #: The tables that the page appends, in the order of the page.
 APPENDED = re.findall(r"^cat >> \S+ << END\n(.*?)^END", PAGE, re.DOTALL | re.MULTILINE)
 
-pytestmark = pytest.mark.usefixtures("in_own_folder")
+pytestmark = pytest.mark.usefixtures("in_own_folder", "without_figures")
 
 
 def curve(folder: str) -> dict[str, np.ndarray[tuple[int], np.dtype[np.float64]]]:

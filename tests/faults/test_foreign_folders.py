@@ -14,13 +14,7 @@ SMALL = ("--mesh", "10x1", "--space", "L1", "--step", "1", "--to")
 OUT = Path("out/strip")
 
 
-@pytest.fixture(autouse=True)
-def _in_a_folder_of_its_own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(tmp_path)
-    # pictures take most of the time, and what they show is of no matter here
-    monkeypatch.setattr(
-        "isopeel.running.stage_results.save", lambda _, path: path.write_bytes(b"Creator\0isopeel")
-    )
+pytestmark = pytest.mark.usefixtures("in_own_folder", "without_figures")
 
 
 def contents(folder: Path) -> dict[str, bytes]:

@@ -106,6 +106,9 @@ step = "2 deg"
 EXPONENTIAL = 'strength = "100 MPa"\nwork_of_adhesion = "0.03 J/m^2"'
 
 
+pytestmark = pytest.mark.usefixtures("without_figures")
+
+
 def strip(space: str, mesh: str) -> Case:
     return Case.parse(STRIP.format(law="exponential", keys=EXPONENTIAL, space=space, mesh=mesh))
 

@@ -32,6 +32,9 @@ from isopeel.solve.step import KINDS
 # elements that may stay open
 VOID = {"meta", "link", "input", "br"}
 
+# a page draws its own pictures
+pytestmark = pytest.mark.usefixtures("without_figures")
+
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:

@@ -20,9 +20,13 @@ from isopeel.post.fields import sample_fields
 from isopeel.running.run_reader import read_stages
 
 BROWSER, DRIVER = shutil.which("chromium"), shutil.which("chromedriver")
-pytestmark = pytest.mark.skipif(
-    BROWSER is None or DRIVER is None, reason="no browser: chromium and chromedriver are not installed"
-)
+pytestmark = [
+    pytest.mark.skipif(
+        BROWSER is None or DRIVER is None, reason="no browser: chromium and chromedriver are not installed"
+    ),
+    # a page draws its own pictures
+    pytest.mark.usefixtures("without_figures"),
+]
 FLAGS = (
     "--headless=new",
     "--no-sandbox",

@@ -35,7 +35,7 @@ step = "1 nm"
 
 
 @pytest.fixture(scope="module")
-def finished(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def finished(without_figures: None, tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("finished")
     assert main(["run", "strip", *SMALL, "--out", str(folder)]) == 0
     return folder

@@ -24,7 +24,7 @@ COARSE = ("--mesh", "40x2", "--to", "20", "--step", "1")
 
 
 @pytest.fixture(scope="module")
-def runs(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def runs(without_figures: None, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Folders of a strip in two spaces, 20 steps each, and of a tape that is pressed and peeled."""
     folder = tmp_path_factory.mktemp("runs")
     for space in ("L1", "N2"):

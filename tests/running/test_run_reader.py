@@ -18,7 +18,7 @@ from isopeel.running.run_reader import read_stages
 
 
 @pytest.fixture(scope="module")
-def staged(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def staged(without_figures: None, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The folder of a case of two stages, of a few steps each."""
     folder = tmp_path_factory.mktemp("staged")
     case = with_options(isopeel.load_case("press-and-peel"), mesh="20x1", space="L1", to="1", step="0.5")

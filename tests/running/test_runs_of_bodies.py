@@ -23,6 +23,9 @@ from isopeel.running.run_reader import read_stages
 from isopeel.solve.trace import trace
 
 QUIET = Console(quiet=True)
+
+pytestmark = pytest.mark.usefixtures("without_figures")
+
 LAWS = {
     "upper": 'law = "van-der-waals"\nhamaker_constant = "1e-19 J"\nequilibrium_distance = "0.4 nm"',
     "lower": 'law = "exponential"\nstrength = "60 MPa"\nwork_of_adhesion = "0.03 J/m^2"\nirreversible = true',

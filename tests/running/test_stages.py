@@ -34,6 +34,8 @@ TEXT = isopeel.load_case("strip").text.split("[drive]")[0].replace("200x10", "40
 CASE = Case.parse(TEXT + STAGES)
 QUIET = Console(quiet=True)
 
+pytestmark = pytest.mark.usefixtures("without_figures")
+
 
 def test_each_stage_has_its_folder_and_continues(tmp_path: Path) -> None:
     run, folder = run_case(CASE, tmp_path, QUIET)

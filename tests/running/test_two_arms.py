@@ -38,6 +38,7 @@ def table(folder: Path) -> dict[str, list[float]]:
     return {name.partition(" ")[0]: [float(row[name]) for row in rows] for name in names}
 
 
+@pytest.mark.usefixtures("without_figures")
 def test_reactions_and_works_are_tabulated_stored_and_resumed(tmp_path: Path) -> None:
     (tmp_path / "case.toml").write_text(CASE, "utf-8")
     whole, short = tmp_path / "whole", tmp_path / "short"
