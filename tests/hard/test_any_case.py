@@ -118,7 +118,7 @@ def any_case(examples: int) -> Callable[[Callable[..., None]], Callable[..., Non
     return decorate
 
 
-@any_case(200)
+@any_case(60)
 def test_a_case_runs_or_reports_a_reason(
     document: dict[str, Any], options: list[str], around: tuple[str, str], figures: bool
 ) -> None:

@@ -6,7 +6,7 @@ import tempfile
 from collections.abc import Callable
 from contextlib import redirect_stderr, redirect_stdout
 from pathlib import Path
-from time import perf_counter
+from time import process_time
 from typing import Any
 
 import h5py
@@ -18,7 +18,7 @@ from hypothesis import strategies as st
 from isopeel.cli import main
 from isopeel.results.schema import checksum
 
-LIMIT = 20.0  # seconds; a page takes about one
+LIMIT = 20.0  # seconds of this process, as the machine may have much to do; a page takes about one
 COMMANDS = [
     ["plot", "--only", "curve"],
     ["plot", "--only", "shapes", "--at", "1"],
@@ -60,7 +60,7 @@ Change = Callable[[Path], None]
 
 
 @pytest.fixture(scope="module")
-def stored(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def stored(without_figures: None, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The folder of a run of three steps."""
     folder = tmp_path_factory.mktemp("stored")
     (folder / "case.toml").write_text(toml(SMALL))
@@ -129,10 +129,10 @@ def check(stored: Path, change: Change, command: list[str]) -> None:
         folder = Path(scratch, "out")
         shutil.copytree(stored, folder)
         change(folder / "run.h5")
-        began = perf_counter()
+        began = process_time()
         with redirect_stdout(written), redirect_stderr(error):
             code = main([command[0], str(folder), *command[1:]])
-        assert perf_counter() - began < LIMIT
+        assert process_time() - began < LIMIT
     assert code in (0, 2, 3)
     message = error.getvalue()
     assert (message == "") == (code == 0)

@@ -28,21 +28,21 @@ _EXPONENTIAL = (
 
 CASES: dict[str, Callable[[], Case]] = {
     "smooth": lambda: with_options(
-        isopeel.load_case("strip"), space="N2.1", mesh="160x8", to="60", step="0.1"
+        isopeel.load_case("strip"), space="N2.1", mesh="160x8", to="60", step="0.2"
     ),
     "enriched": lambda: with_options(
-        isopeel.load_case("strip"), space="L1+N2", mesh="160x4", to="60", step="0.1"
+        isopeel.load_case("strip"), space="L1+N2", mesh="160x4", to="60", step="0.2"
     ),
     # weaker than the strip's law, so that a coarse mesh resolves the front
     "irreversible": lambda: with_options(
-        Case.parse(_STRIP.replace(_LAW, _EXPONENTIAL)), space="N2.1", mesh="100x3", to="70", step="0.1"
+        Case.parse(_STRIP.replace(_LAW, _EXPONENTIAL)), space="N2.1", mesh="100x3", to="70", step="0.2"
     ),
     # without a potential: Newton's method throughout
     "projected": lambda: with_options(
         isopeel.load_case("strip"), space="N2", mesh="160x4", to="40", step="0.2", traction="projected"
     ),
     "jumps in stages": lambda: with_options(
-        isopeel.load_case("press-and-peel"), space="N2.1", mesh="160x4", to="60", step="0.25"
+        isopeel.load_case("press-and-peel"), space="N2.1", mesh="60x2", to="60", step="0.5"
     ),
 }
 
