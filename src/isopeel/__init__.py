@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     )
     from isopeel.physics.adhesion.formula import FormulaAdhesion
     from isopeel.physics.adhesion.mirrored import Mirrored
+    from isopeel.physics.joints import MixedModeBilinear, XuNeedleman
     from isopeel.physics.materials import MooneyRivlin, NeoHooke, SaintVenantKirchhoff, Yeoh
     from isopeel.physics.materials.formula import FormulaMaterial
     from isopeel.physics.materials.prestretched import Prestretched
@@ -82,6 +83,7 @@ __all__ = [
     "Interface",
     "LennardJones",
     "Mirrored",
+    "MixedModeBilinear",
     "MooneyRivlin",
     "MovedSide",
     "NeoHooke",
@@ -103,6 +105,7 @@ __all__ = [
     "Trapezoidal",
     "VanDerWaals",
     "Wavy",
+    "XuNeedleman",
     "Yeoh",
     "load_case",
     "read_run",
@@ -126,6 +129,7 @@ _MODULES = {
         "VanDerWaals",
     ),
     "physics.adhesion.formula": ("FormulaAdhesion",),
+    "physics.joints": ("MixedModeBilinear", "XuNeedleman"),
     "physics.materials": ("MooneyRivlin", "NeoHooke", "SaintVenantKirchhoff", "Yeoh"),
     "physics.materials.formula": ("FormulaMaterial",),
     "physics.substrates": ("Circle", "Flat", "Wavy"),

@@ -5,7 +5,7 @@ and handed to the assembly by address, which is why the assembly needs no recomp
 """
 
 from collections.abc import Callable
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numba import boolean, float64, int64, types, void
@@ -27,6 +27,9 @@ MATERIAL_SIGNATURE = void(_POINTS_3, _VECTOR, int64, _VECTOR, _POINTS_3, _POINTS
 ADHESION_SIGNATURE = void(_VECTOR, _VECTOR, _VECTOR, int64, _VECTOR, _VECTOR, _VECTOR)
 #: (position (2, n), parameters, n, gap (n), normal (2, n), curvature (n))
 SUBSTRATE_SIGNATURE = void(_POINTS_2, _VECTOR, int64, _VECTOR, _POINTS_2, _VECTOR)
+#: (jump (2, n), history (k, n), parameters, n, stored and dissipated energy (2, n), slopes (2, n), stiffness
+#: (3, n), the history after a step to the jump (k, n)), see `isopeel.physics.joints`
+JOINT_SIGNATURE = void(_POINTS_2, _POINTS_2, _VECTOR, int64, _POINTS_2, _POINTS_2, _POINTS_2, _POINTS_2)
 
 #: A compiled batch function, callable from compiled code through its address.
 BatchFunction = Any
@@ -65,6 +68,29 @@ def of_address(signature: Any) -> Any:
 material_at = of_address(MATERIAL_SIGNATURE)
 law_at = of_address(ADHESION_SIGNATURE)
 substrate_at = of_address(SUBSTRATE_SIGNATURE)
+joint_at = of_address(JOINT_SIGNATURE)
+
+
+class JointValues(NamedTuple):
+    """What a joint law returns at jumps: see `isopeel.physics.joints`."""
+
+    energies: FloatArray  # stored and dissipated (2, n)
+    slopes: FloatArray  # (2, n)
+    stiffness: FloatArray  # E_nn, E_nt and E_tt (3, n)
+    history: FloatArray  # after a step to the jump (k, n)
+
+
+def evaluate_joint(
+    kernel: BatchFunction, parameters: FloatArray, jump: FloatArray, history: FloatArray
+) -> JointValues:
+    """Evaluate a joint law at jumps (2, n), opening and sliding, after a history (k, n)."""
+    count = jump.shape[1]
+    found = JointValues(
+        np.empty((2, count)), np.empty((2, count)), np.empty((3, count)), np.empty((len(history), count))
+    )
+    at, known = (np.array(one, dtype=np.float64, order="C") for one in (jump, history))
+    _call_joint(kernel, at, known, parameters, found)
+    return found
 
 
 def evaluate_material(
@@ -137,6 +163,18 @@ def _call_substrate(
     curvature: FloatArray,
 ) -> None:
     kernel(position, parameters, gap.size, gap, normal, curvature)
+
+
+@compiled
+def _call_joint(
+    kernel: BatchFunction,
+    jump: FloatArray,
+    history: FloatArray,
+    parameters: FloatArray,
+    found: JointValues,
+) -> None:
+    count = jump.shape[1]
+    kernel(jump, history, parameters, count, found.energies, found.slopes, found.stiffness, found.history)
 
 
 def _points_last(values: FloatArray, shape: tuple[int, ...]) -> FloatArray:
