@@ -229,6 +229,21 @@ def _parallel(one: FloatArray, other: FloatArray) -> bool:
 
 
 @compiled
+def closest_places(curve: Segments, points: FloatArray) -> tuple[IntArray, IntArray, FloatArray]:
+    """Return kinds of partners, segments and places (n,) of the points closest to points (n, 2)."""
+    count = len(points)
+    kinds, segments = np.empty(count, dtype=np.int64), np.empty(count, dtype=np.int64)
+    places = np.empty(count)
+    basis, point, normal = np.empty((3, curve.weights.shape[1])), np.empty((3, 2)), np.empty(2)
+    segment = 0
+    for p in range(count):
+        x, y = points[p, 0], points[p, 1]
+        kinds[p], segment, places[p] = closest_point(curve, x, y, segment, basis, point, normal)
+        segments[p] = segment
+    return kinds, segments, places
+
+
+@compiled
 def closest_point(
     curve: Segments,
     x: float,

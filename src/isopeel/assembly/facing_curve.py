@@ -22,6 +22,7 @@ class FacingCurve:
     side; the outward normal is to the right of the tangent times the orientation.
     """
 
+    ends: FloatArray  # (S + 1,) parameters of the side between which the segments are
     functions: IntArray  # (S, m) numbers of the functions that do not vanish on a segment
     values: FloatArray  # (S, m, p + 1) numerators of the functions, of degree p
     weights: FloatArray  # (S, p + 1) the denominator; ones where the side is polynomial
@@ -53,6 +54,7 @@ def facing_curve(spaces: Spaces, boundary: Boundary) -> FacingCurve:
     more = numerators.shape[2] - made.shape[2]
     numerators, made = _elevated(numerators, -more), _elevated(made, more)
     return FacingCurve(
+        ends=ends,
         functions=spaces.places[boundary.body].start + table.functions,
         values=numerators,
         weights=np.ascontiguousarray(made[:, 2]),

@@ -10,12 +10,14 @@ from isopeel.assembly.facing_term import FacingTerm, facing_term
 from isopeel.assembly.interface_kernel import projected_areas
 from isopeel.assembly.interface_term import InterfaceTerm, substrate_tangents
 from isopeel.assembly.opening import closed_opening
+from isopeel.assembly.pair_term import PairTerm, pair_term
 from isopeel.assembly.spaces import SpaceOfBodies, Spaces, check_coefficients, spaces_by_name
 from isopeel.assembly.tables import element_ends, side_points, table_at, usual_points
 from isopeel.common.arrays import BoolArray, FloatArray
 from isopeel.common.errors import InputError
 from isopeel.physics.adhesion.irreversible import NOT_CLOSED
 from isopeel.physics.batch import evaluate_law
+from isopeel.physics.joints import JointLaw
 from isopeel.problem import Boundary, Problem
 
 
@@ -24,7 +26,8 @@ class InterfaceState:
     """The state of an interface at points (n, k), in the units of the problem.
 
     Tractions and energies are per reference area, even if the law acts on the projected area. The traction is
-    T n_o + t t_o, with the normal n_o at the point, and the tangent t_o at its initial position.
+    T n_o + t t_o, with the normal n_o at the point, and the tangent t_o at its initial position; of a joint
+    law both are those of the mean direction of both faces.
     """
 
     position: FloatArray  # x (n, k, 2)
@@ -59,6 +62,7 @@ class InterfacePoints:
         problem = self._problem = spaces.problem
         self._spaces = space
         self._name = interface
+        self._interface_name = interface or problem.interface_names[0]
         self.parameters: FloatArray = parameters
         adhesion = self._adhesion = problem.interface_of(interface)
         shape, own = problem.body_of(adhesion.boundary.body).shape, spaces.of[adhesion.boundary.body]
@@ -70,8 +74,11 @@ class InterfacePoints:
         self._projected = adhesion.traction == "projected"
         self._table = table if self._projected else table.of_values()
         self._tangents = np.stack([-table.normals[..., 1], table.normals[..., 0]], axis=-1)
-        if isinstance(adhesion.against, Boundary):
-            self._term: InterfaceTerm | FacingTerm = facing_term(spaces, adhesion, self._table)
+        self._term: InterfaceTerm | FacingTerm | PairTerm
+        if isinstance(adhesion.law, JointLaw):
+            self._term = pair_term(spaces, adhesion, table)
+        elif isinstance(adhesion.against, Boundary):
+            self._term = facing_term(spaces, adhesion, self._table)
         else:
             self._tangents = substrate_tangents(adhesion.against, table.positions)
             closed = closed_opening(problem, adhesion)
@@ -96,7 +103,13 @@ class InterfacePoints:
         A point has closed if the nearest point of the assembly has closed. If the maximum openings are nan,
         they are not known: then the present openings are used. Raises InputError if they are missing, or if
         they or the coefficients are of another space.
+
+        Of a joint law these are its variables (variables, n, k), which are interpolated linearly; negative
+        ones mean that a value is unknown, and are those of the nearest point.
         """
+        if isinstance(self._term, PairTerm):
+            self._checked(displacement)
+            return self._variables(self._term.law, maximum_openings)
         return self._largest(self._checked(displacement), maximum_openings)
 
     def state(self, displacement: FloatArray, maximum_openings: FloatArray | None = None) -> InterfaceState:
@@ -106,19 +119,25 @@ class InterfacePoints:
         """
         u = self._checked(displacement)
         adhesion, law = self._adhesion, self._adhesion.law
-        history = (
-            self._largest(u, maximum_openings) if adhesion.irreversible else np.zeros(self.parameters.shape)
-        )
+        history = np.zeros(self.parameters.shape)
+        if adhesion.irreversible or isinstance(law, JointLaw):
+            history = self.history(u, maximum_openings)
         known = history.ravel()
         known.setflags(write=False)
         response = self._term.respond(u, known)
-        area = np.ones(history.size)
+        area = np.ones(self.parameters.size)
         table = self._table
         if self._projected:
             area = projected_areas(table.functions, table.gradients, table.normals, response.normal, u)
         T, shear = area * response.traction, -response.shear[0]
         opening = np.maximum(response.gap - law.equilibrium_gap, 0.0)
         softening = response.derivative > 0
+        tangents = self._tangents
+        if isinstance(self._term, PairTerm):
+            opening = np.maximum(self._term.opening(u), 0.0)
+            softening = self._term.softens(u, known)
+            turned = np.stack([response.normal[1], -response.normal[0]], axis=-1)
+            tangents = turned.reshape(tangents.shape)
         if adhesion.irreversible:
             waits = history.ravel() < 0
             opening = np.where(waits, 0.0, np.maximum(opening, history.ravel()))
@@ -136,7 +155,7 @@ class InterfacePoints:
             stretch=self._stretch(u),
             normal_traction=T,
             tangential_traction=shear,
-            traction=T[..., None] * normal + shear[..., None] * self._tangents,
+            traction=T[..., None] * normal + shear[..., None] * tangents,
             opening=opening.reshape(shape),
             softening=softening.reshape(shape),
             energy=(area * response.potential).reshape(shape),
@@ -186,6 +205,25 @@ class InterfacePoints:
         largest = np.where(known[nearest] < 0, NOT_CLOSED, here + np.interp(at, places, excess))
         return largest.reshape(self.parameters.shape)
 
+    def _variables(self, law: JointLaw, history: FloatArray | None) -> FloatArray:
+        shape = (len(law.history), *self.parameters.shape)
+        if not law.history:
+            return np.zeros(shape)
+        if history is None:
+            raise InputError("maximum_openings", None, "a joint with damage needs its history")
+        if np.isnan(history).any():
+            return np.broadcast_to(np.reshape(law.initial_history(), (-1, 1, 1)), shape)
+        known = maximum_openings_by_name(self._problem, self._spaces, history)[self._interface_name]
+        if self._contact is None or self._contact.parameters.shape != known.shape[1:]:
+            self._contact = InterfacePoints.of_contact(
+                self._problem, self._spaces, known.shape[2], self._name
+            )
+        at, places = self.parameters.ravel(), self._contact.parameters.ravel()
+        nearest = np.searchsorted((places[1:] + places[:-1]) / 2, at)
+        flat = known.reshape(len(known), -1)
+        between = np.stack([np.interp(at, places, np.maximum(one, 0.0)) for one in flat])
+        return np.where(flat[:, nearest] < 0, flat[:, nearest], between).reshape(shape)
+
     def _stretch(self, u: FloatArray) -> FloatArray:
         table = self._table
         tangent = np.stack([-table.normals[..., 1], table.normals[..., 0]], axis=-1)
@@ -200,7 +238,7 @@ def maximum_openings_by_name(
 ) -> dict[str, FloatArray]:
     """Return the maximum openings (E, Q) of each interface by its name, from those of all in a step.
 
-    Raises InputError if they are of other spaces.
+    Of a joint law these are its variables (variables, E, Q). Raises InputError if they are of other spaces.
     """
     spaces = spaces_by_name(problem, space)
     boundaries = [interface.boundary for interface in problem.faces]
@@ -209,10 +247,21 @@ def maximum_openings_by_name(
     if maximum_openings.ndim == 2 and len(maximum_openings) == sum(elements):
         # as many on each element, by default or as given for all
         points = [maximum_openings.shape[1]] * len(boundaries)
-    ends = np.cumsum([count * each for count, each in zip(elements, points, strict=True)])
+    joints = [isinstance(interface.law, JointLaw) for interface in problem.faces]
+    rows = [len(one.history_variables) * count for one, count in zip(problem.faces, elements, strict=True)]
+    sizes = [count * each for count, each in zip(rows, points, strict=True)]
+    if any(joints) and maximum_openings.size not in (0, sum(sizes)):
+        each = maximum_openings.size // sum(rows)
+        points = [each] * len(boundaries)
+        sizes = [count * each for count in rows]
+    ends = np.cumsum(sizes)
     if maximum_openings.size != ends[-1]:
         allowed = f"the interfaces have {', '.join(map(str, elements))} elements"
         raise InputError("maximum_openings", maximum_openings.shape, allowed)
     parts = np.split(maximum_openings.ravel(), ends[:-1])
     names = problem.interface_names
-    return {name: part.reshape(-1, each) for name, part, each in zip(names, parts, points, strict=True)}
+    shapes = [
+        (len(one.history_variables), count, each) if joint else (count, each)
+        for one, joint, count, each in zip(problem.faces, joints, elements, points, strict=True)
+    ]
+    return {name: part.reshape(shape) for name, part, shape in zip(names, parts, shapes, strict=True)}

@@ -9,6 +9,7 @@ from isopeel.assembly.constraints import HELD
 from isopeel.assembly.control import Control
 from isopeel.assembly.facing_term import FacingTerm
 from isopeel.assembly.interface_term import substrate_tangents
+from isopeel.assembly.pair_term import PairTerm
 from isopeel.assembly.sizes import ROUND_OFF, extent, extent_of
 from isopeel.assembly.spaces import Spaces
 from isopeel.assembly.tables import SideTable
@@ -24,7 +25,7 @@ from isopeel.splines.rows import RIGID, RowSpace
 
 def check_start(
     spaces: Spaces,
-    sides: Sequence[SideTable | FacingTerm],
+    sides: Sequence[SideTable | FacingTerm | PairTerm],
     control: Control,
     base: FloatArray | None,
 ) -> list[FloatArray]:
@@ -43,6 +44,9 @@ def check_start(
         try:
             if isinstance(side, FacingTerm):
                 held += _check_facing(spaces, side, size, base)
+                continue
+            if isinstance(side, PairTerm):
+                held += _held_by_pairs(spaces, side, size, base)
                 continue
             rows, tangent = _check_interface(interface, side, size, base)
         except InputError as error:
@@ -118,18 +122,8 @@ def _check_facing(spaces: Spaces, term: FacingTerm, size: float, base: FloatArra
         check_envelope(law)
     found = term.partners(np.zeros((spaces.size, 2)) if base is None else base)
     has = found.kind != NONE
-    nearest = int(np.argmin(np.where(has, found.gap, np.inf)))
-    gap = found.gap[nearest]
-    if base is None and not (has.any() and gap <= extent(spaces.problem)):
-        names = " and ".join(boundary_names([interface.boundary, _other(interface)]))
-        far = f"the smallest gap between them is {gap:.4g}" if has.any() else "no point faces the other side"
-        allowed = f"the sides are nowhere near each other at the start: {far}"
-        raise InputError("between", names, allowed)
-    if base is None and gap < -ROUND_OFF * size:
-        place = "a gap of {:.4g} at X = ({:.4g}, {:.4g})".format(gap, *found.position[:, nearest])
-        bodies = f"{interface.boundary.body} and {_other(interface).body}"
-        allowed = f"the bodies {bodies} must not overlap at the start"
-        raise InputError("between", place, allowed)
+    if base is None:
+        _check_gaps(spaces, interface, size, np.where(has, found.gap, np.inf), found.position)
     stiffness = evaluate_law(law.kernel, law.parameters, found.gap, np.zeros_like(found.gap))[2]
     acts = has & (stiffness != 0)
     normal, position = found.normal.T[acts], found.position.T[acts]
@@ -138,9 +132,48 @@ def _check_facing(spaces: Spaces, term: FacingTerm, size: float, base: FloatArra
     return [_of_body(spaces, interface.boundary.body, own) - _of_body(spaces, _other(interface).body, others)]
 
 
+def _check_gaps(
+    spaces: Spaces, interface: Interface, size: float, gap: FloatArray, position: FloatArray
+) -> None:
+    """Check gaps (n,), infinite without a partner, of points (2, n) between two undeformed bodies."""
+    nearest = int(np.argmin(gap))
+    least = gap[nearest]
+    if not least <= extent(spaces.problem):
+        names = " and ".join(boundary_names([interface.boundary, _other(interface)]))
+        found = np.isfinite(least)
+        far = f"the smallest gap between them is {least:.4g}" if found else "no point faces the other side"
+        allowed = f"the sides are nowhere near each other at the start: {far}"
+        raise InputError("between", names, allowed)
+    if least < -ROUND_OFF * size:
+        place = "a gap of {:.4g} at X = ({:.4g}, {:.4g})".format(least, *position[:, nearest])
+        bodies = f"{interface.boundary.body} and {_other(interface).body}"
+        allowed = f"the bodies {bodies} must not overlap at the start"
+        raise InputError("between", place, allowed)
+
+
 def _other(interface: Interface) -> Boundary:
     assert isinstance(interface.against, Boundary)
     return interface.against
+
+
+def _held_by_pairs(spaces: Spaces, term: PairTerm, size: float, base: FloatArray | None) -> list[FloatArray]:
+    """What rigid motions of both bodies would change (n, 3 bodies) of the jumps that a joint resists."""
+    u = np.zeros((spaces.size, 2)) if base is None else base
+    position, distance, along = term.directions(u)
+    normal = np.stack([-along[:, 1], along[:, 0]], axis=1)
+    if base is None:
+        gap = np.where(term.paired.ravel(), np.sum(distance * normal, axis=1), np.inf)
+        _check_gaps(spaces, term.adhesion, size, gap, position.T)
+    names = term.adhesion.boundary.body, _other(term.adhesion).body
+    rows = []
+    for direction, stiffness in zip((normal, along), term.stiffness(u), strict=True):
+        acts = stiffness != 0
+        own, others = (
+            _of_body(spaces, name, np.einsum("ni,nim->nm", direction[acts], _motions(points[acts])))
+            for name, points in zip(names, (position, position - distance), strict=True)
+        )
+        rows.append(own - others)
+    return rows
 
 
 def check_rigid(space: RowSpace, shape: NurbsSurface) -> None:

@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from copy import copy
 from dataclasses import dataclass, replace
+from math import prod
 from typing import ClassVar, Self
 
 import numpy as np
@@ -19,6 +20,7 @@ from isopeel.assembly.interface_term import InterfaceTerm
 from isopeel.assembly.load_term import LoadTerm, load_terms
 from isopeel.assembly.loops import Loops, Sums, add_terms, term_list
 from isopeel.assembly.opening import closed_opening
+from isopeel.assembly.pair_term import PairTerm, pair_term
 from isopeel.assembly.spaces import SpaceOfBodies, Spaces
 from isopeel.assembly.start import check_rigid, check_start
 from isopeel.assembly.tables import BodyTable, SideTable, body_of, side_of
@@ -26,6 +28,7 @@ from isopeel.assembly.terms import Term
 from isopeel.common.arrays import FloatArray, frozen
 from isopeel.common.errors import InputError
 from isopeel.matrix.band import BandMatrix, Storage
+from isopeel.physics.joints import JointLaw
 from isopeel.problem import Boundary, Interface, Problem
 from isopeel.problem.boundary import boundary_names
 from isopeel.splines.rows import RowSpace
@@ -97,12 +100,15 @@ class System:
         faces = [self._face(interface, contact_points) for interface in problem.faces]
         #: The sides that face other bodies.
         self.facing: tuple[FacingTerm, ...] = tuple(one for one in faces if isinstance(one, FacingTerm))
+        pairs = [found for one in faces if isinstance(one, PairTerm) for found in one.couplings()]
         couplings = {term.body.name: term.couplings() for term in self.bodies}
-        links = [found for term in self.facing for found in term.couplings()]
+        links = [*pairs, *(found for term in self.facing for found in term.couplings())]
         self.constraints: Constraints = constrain(self.spaces, couplings, base, links)
         unknowns = self.constraints.unknowns
-        #: Of the tangents of the bodies.
-        self.half_bandwidth: int = max(half_bandwidth(unknowns, found) for found in couplings.values())
+        #: Of the tangents of the bodies and of fixed pairs.
+        self.half_bandwidth: int = max(
+            half_bandwidth(unknowns, found) for found in (*couplings.values(), pairs)
+        )
         self.loads: tuple[LoadTerm, ...] = load_terms(self.spaces, self.constraints, base)
         #: Those that are held.
         self.held: tuple[LoadTerm, ...] = tuple(load for load in self.loads if not load.of_drive)
@@ -112,19 +118,20 @@ class System:
             self.constraints, driving, tuple(one.factor for one in problem.driven)
         )
         tangents = iter(check_start(self.spaces, faces, self.control, base))
-        self.interfaces: tuple[InterfaceTerm | FacingTerm, ...] = tuple(
+        self.interfaces: tuple[InterfaceTerm | FacingTerm | PairTerm, ...] = tuple(
             face
-            if isinstance(face, FacingTerm)
+            if isinstance(face, FacingTerm | PairTerm)
             else InterfaceTerm(interface, face, next(tangents), closed_opening(problem, interface))
             for interface, face in zip(problem.faces, faces, strict=True)
         )
         #: Whether an interface is damaged as it opens.
-        self.irreversible: bool = any(interface.irreversible for interface in problem.interfaces)
+        self.irreversible: bool = any(interface.has_history for interface in problem.interfaces)
         #: What forces and tangent are the sum of.
         self.terms: tuple[Term, ...] = *self.bodies, *self.interfaces, *self.loads
         #: Maximum openings at the points of the adhesive force, for irreversible adhesion: the history from
         #: which forces are evaluated. It is that of the undeformed bodies, unless `after` sets another one.
-        #: They are (E, Q), elements of one interface after those of another; (n, 1) where these differ in Q.
+        #: They are (E, Q), elements of one interface after those of another; (n, 1) where these differ in Q,
+        #: and where an interface has a joint law: then the variables of its history take their place.
         self.maximum_openings: FloatArray = self._shaped([term.initial() for term in self.interfaces])
         #: Young's modulus times the area of the bodies: what energies are measured against.
         self.energy_scale: float = sum(
@@ -147,8 +154,10 @@ class System:
         lighter.equations = lighter._equations()
         return lighter
 
-    def _face(self, interface: Interface, contact_points: int | None) -> SideTable | FacingTerm:
+    def _face(self, interface: Interface, contact_points: int | None) -> SideTable | FacingTerm | PairTerm:
         side = side_of(self.spaces, interface.boundary, contact_points)
+        if isinstance(interface.law, JointLaw):
+            return pair_term(self.spaces, interface, side)
         if not isinstance(interface.against, Boundary):
             # only the projected force needs the deformation gradient
             return side if interface.traction == "projected" else side.of_values()
@@ -199,17 +208,22 @@ class System:
         return self._shaped([term.commit(displacement, opened.ravel()) for term, opened in terms])
 
     def maximum_openings_of(self, maximum_openings: FloatArray) -> dict[str, FloatArray]:
-        """Return the maximum openings (E, Q) of each interface, by its name."""
+        """Return the maximum openings (E, Q) of each interface, of a joint variables (k, E, Q), by name."""
         found, start, flat = {}, 0, maximum_openings.ravel()
         for name, term in zip(self.problem.interface_names, self.interfaces, strict=True):
-            weights = term.table.weights
-            found[name] = flat[start : start + weights.size].reshape(weights.shape)
-            start += weights.size
+            shape: tuple[int, ...] = term.table.weights.shape
+            if isinstance(term, PairTerm):
+                shape = len(term.law.history), *shape
+            end = start + prod(shape)
+            found[name] = flat[start:end].reshape(shape)
+            start = end
         return found
 
     def _shaped(self, parts: Sequence[FloatArray]) -> FloatArray:
         """Return the maximum openings of all interfaces, from those (n,) of each."""
-        counts = {term.table.weights.shape[1] for term in self.interfaces}
+        counts = {
+            1 if isinstance(term, PairTerm) else term.table.weights.shape[1] for term in self.interfaces
+        }
         if len(parts) == 1:
             return parts[0].reshape(-1, counts.pop())
         joined = np.concatenate([np.zeros(0), *parts])

@@ -89,8 +89,8 @@ def mesh_changes(
         if system.irreversible:
             histories = [
                 one.history(state.displacement, state.maximum_openings)
-                if interface.irreversible
-                else np.zeros(one.parameters.shape)
+                if interface.has_history
+                else np.zeros((len(interface.history_variables), *one.parameters.shape))
                 for one, interface in zip(points, problem.faces, strict=True)
             ]
             joined = np.concatenate([one.ravel() for one in histories])

@@ -6,6 +6,7 @@ from typing import Literal, TypeVar, get_args
 
 from isopeel.common.errors import InputError
 from isopeel.physics.adhesion import AdhesionLaw, Contact
+from isopeel.physics.joints import HistoryVariable, JointLaw
 from isopeel.physics.materials import Material
 from isopeel.physics.substrates import Substrate
 from isopeel.problem.boundary import Boundary, Driven, boundary_names, driven_boundaries
@@ -19,6 +20,13 @@ Traction = Literal["reference", "projected"]
 #: Which sides of an interface between two bodies are integrated, and what the forces act on: both sides by
 #: halves, with one energy; the first side alone; or each side for the forces on itself alone.
 Scheme = Literal["unbiased", "biased", "two-half-pass"]
+
+#: The history of an interface with a law of the gap.
+MAXIMUM_OPENING = HistoryVariable(
+    "maximum_openings",
+    "L0",
+    "maximum opening so far at the Gauss points, -1 where it has not closed yet",
+)
 
 Part = TypeVar("Part")
 
@@ -55,6 +63,11 @@ class Interface:
         biased         int_A Phi(g) dA
         two-half-pass  each boundary is integrated and loads its own body only; there is no potential
                        (Sauer and De Lorenzis, Comput. Methods Appl. Mech. Eng. 253, 2013)
+
+    With a joint law (`physics.joints`) the points of the boundary are paired once with the closest points of
+    the undeformed other side, and the energy is the integral of the law over the boundary. The jump of a pair
+    is its distance x - y less the one at the start, along the mean direction t of both faces and the normal
+    n to it: d_n = (x - y) . n - d_n0, d_t = (x - y) . t - d_t0.
     """
 
     boundary: Boundary
@@ -85,6 +98,8 @@ class Interface:
             field = "irreversible" if self.irreversible else "sliding_length"
             allowed = "contact without adhesion has no joint that could be damaged or hold; leave it out"
             raise InputError(f"adhesion.{field}", getattr(self, field), allowed)
+        if isinstance(self.law, JointLaw):
+            self._check_joint()
         if self.sliding_length is None:
             return
         if not 0 < self.sliding_length < float("inf"):
@@ -92,6 +107,24 @@ class Interface:
         if self.irreversible or self.traction != "reference":
             allowed = "a joint that holds along the substrate is reversible, with 'reference' traction"
             raise InputError("adhesion.sliding_length", self.sliding_length, allowed)
+
+    def _check_joint(self) -> None:
+        if not isinstance(self.against, Boundary):
+            raise InputError("against", type(self.against).__name__, "a joint law needs another body")
+        if self.irreversible:
+            raise InputError("adhesion.irreversible", True, "a joint law states its damage itself")
+        if self.scheme != "unbiased":
+            raise InputError("scheme", self.scheme, "a joint law has none: its points are paired once")
+
+    @property
+    def has_history(self) -> bool:
+        """Whether the forces depend on the states before."""
+        return self.irreversible or (isinstance(self.law, JointLaw) and bool(self.law.history))
+
+    @property
+    def history_variables(self) -> tuple[HistoryVariable, ...]:
+        """What is stored at each point; of a reversible law of the gap zeros."""
+        return self.law.history if isinstance(self.law, JointLaw) else (MAXIMUM_OPENING,)
 
     @property
     def substrate(self) -> Substrate:
@@ -110,7 +143,8 @@ class Interface:
     @property
     def faces(self) -> tuple["Interface", ...]:
         """The interface as seen from each boundary that is integrated."""
-        if not isinstance(self.against, Boundary) or self.scheme == "biased":
+        one_sided = self.scheme == "biased" or isinstance(self.law, JointLaw)
+        if not isinstance(self.against, Boundary) or one_sided:
             return (self,)
         return self, replace(self, boundary=self.against, against=self.boundary)
 

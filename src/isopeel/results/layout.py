@@ -11,7 +11,9 @@ import numpy as np
 from isopeel.assembly.spaces import SpaceOfBodies, spaces_by_name
 from isopeel.assembly.tables import side_points
 from isopeel.common.arrays import FloatArray
+from isopeel.physics.joints import HistoryVariable
 from isopeel.problem import Problem
+from isopeel.problem.problem import MAXIMUM_OPENING
 from isopeel.results import untrusted
 from isopeel.results.schema import check_values, write_described
 from isopeel.results.spaces import write_space
@@ -21,19 +23,20 @@ from isopeel.splines.rows import RowSpace
 
 #: Interfaces that the file of a run may have.
 _MOST = 1000
-_OPENINGS = "maximum_openings"
-_HISTORY: dict[str, str | float] = {
-    "unit": "L0",
-    "description": "maximum opening so far at the Gauss points, -1 where it has not closed yet",
-}
+#: Variables that the history of one of them may have.
+_MOST_VARIABLES = 100
 
 
 @dataclass(frozen=True)
 class Layout:
-    """Spaces and shapes by the names of bodies, and elements and points of each interface by its name."""
+    """Spaces and shapes by the names of bodies, and elements and points of each interface by its name.
+
+    The variables are those of the history of an interface; by default the maximum opening.
+    """
 
     bodies: Mapping[str, tuple[RowSpace, NurbsSurface]] = field(default_factory=dict)
     interfaces: Mapping[str, tuple[int, ...]] = field(default_factory=dict)
+    variables: Mapping[str, tuple[HistoryVariable, ...]] = field(default_factory=dict)
 
     @classmethod
     def of(cls, problem: Problem, space: SpaceOfBodies, contact_points: int | None = None) -> Self:
@@ -46,6 +49,10 @@ class Layout:
         return cls(
             {body.name: (spaces[body.name], body.shape) for body in problem.bodies},
             dict(zip(problem.interface_names, shapes, strict=True)),
+            {
+                name: interface.history_variables
+                for name, interface in zip(problem.interface_names, problem.faces, strict=True)
+            },
         )
 
     def write_spaces(self, file: h5py.File) -> None:
@@ -57,19 +64,21 @@ class Layout:
             first += space.size
 
     def write_history(self, file: h5py.File, maximum_openings: Sequence[FloatArray]) -> None:
-        """Write maximum openings of states, `history/NAME/maximum_openings` (states, elements, points).
+        """Write the history of states, `history/NAME/VARIABLE` (states, elements, points).
 
-        The attribute `first` is the number of the first point among those of all interfaces.
+        The attribute `first` is the place of the first value among those of all interfaces and variables.
         """
         first, flat = 0, np.array([one.ravel() for one in maximum_openings])
         for name, shape in (self.interfaces or {"interface": maximum_openings[0].shape}).items():
-            values = flat[:, first : first + prod(shape)].reshape(-1, *shape)
-            write_described(file, f"history/{name}/{_OPENINGS}", values, first=first, **_HISTORY)
-            first += prod(shape)
+            for variable in self.variables.get(name, (MAXIMUM_OPENING,)):
+                values = flat[:, first : first + prod(shape)].reshape(-1, *shape)
+                described = {"unit": variable.unit, "description": variable.description}
+                write_described(file, f"history/{name}/{variable.name}", values, first=first, **described)
+                first += prod(shape)
 
 
 def read_history(file: h5py.File, states: int, shape: tuple[int, ...]) -> FloatArray | None:
-    """Return the maximum openings (states, *shape) of all interfaces; None if the file has none.
+    """Return the history (states, *shape) of all interfaces; None if the file has none.
 
     Raises UntrustedError if they have another number of states, or another shape than in the last state.
     """
@@ -81,9 +90,12 @@ def read_history(file: h5py.File, states: int, shape: tuple[int, ...]) -> FloatA
     found: dict[float, FloatArray] = {}
     for name in history:
         of_one = untrusted.group(history, name)
-        values = untrusted.floats(of_one, _OPENINGS, 3)
-        check_values(of_one[_OPENINGS], values, finite=True)
-        found[untrusted.number(of_one[_OPENINGS], "first")] = values.reshape(len(values), -1)
+        if len(of_one) > _MOST_VARIABLES:
+            raise UntrustedError(f"an interface has more than {_MOST_VARIABLES} variables")
+        for variable in of_one:
+            values = untrusted.floats(of_one, variable, 3)
+            check_values(of_one[variable], values, finite=True)
+            found[untrusted.number(of_one[variable], "first")] = values.reshape(len(values), -1)
     parts = [found[first] for first in sorted(found)]
     points = sum(part.shape[1] for part in parts)
     if {len(part) for part in parts} != {states} or points != prod(shape):

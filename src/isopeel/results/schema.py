@@ -80,7 +80,11 @@ SCHEMA: dict[str, DataSet] = {
         "float", ("functions", 2), "L0", "displacement coefficients of the last step", required=False
     ),
     "last/maximum_openings": DataSet(
-        "float", ("elements", "points"), "L0", "maximum openings at the last step", required=False
+        "float",
+        ("elements", "points"),
+        "L0",
+        "maximum openings at the last step; with a joint law, its variables in their units",
+        required=False,
     ),
     "base": DataSet(
         "float", ("functions", 2), "L0", "displacement that this stage began with", required=False
