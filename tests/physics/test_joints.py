@@ -163,6 +163,14 @@ def test_compression_is_linear_whatever_the_damage() -> None:
     np.testing.assert_allclose(apart.energies[1], 0.0)
 
 
+def test_a_point_that_is_pressed_together_and_hardly_slides_has_the_mixity_of_opening() -> None:
+    K_n, K_t = BILINEAR.stiffnesses
+    onset = BILINEAR.strength / K_n
+    jump = np.array([[-0.1 * onset, -0.1 * onset, 0.0], [1e-8 * onset, 0.5 * onset, 0.0]])
+    found = at(BILINEAR, jump, history_of(BILINEAR, 3)).history[1]
+    np.testing.assert_allclose(found, [K_t * 1e-16 / (K_n * 1e-2), 1.0, UNKNOWN], rtol=1e-12)
+
+
 def dissipated_as_the_mode_changes(steps: int) -> float:
     """Part the faces along an arc from opening to sliding, in a number of steps."""
     turn = np.linspace(0.0, 1.0, steps + 1)

@@ -10,6 +10,8 @@ from isopeel.physics.joints.base import HistoryVariable, JointLaw, joint_law
 UNKNOWN = -1.0
 #: Energies below this share of the one at which damage begins are round-off: they have no mixity.
 _NO_ENERGY = 1e-20
+#: Below this share a closed point is far from damage, and noise in its sliding would be a mixity of 1.
+_SMALL = 1e-2
 #: Damage that is reached again grows from here on: to the round-off of the mixity.
 _REACHED = 1e-12
 
@@ -33,7 +35,9 @@ class MixedModeBilinear(JointLaw):
     G is that of the mixity in the last accepted step, a history variable: so each step has an energy, and a
     symmetric tangent. With the present mixity the law would have none. The error is of first order in the
     step, and vanishes at a fixed mode ratio. A point that has not moved in any step has no mixity, and is not
-    damaged in the step in which it first moves.
+    damaged in the step in which it first moves. At a point that is pressed together and has slid little, w
+    below a hundredth of its value at onset, the energy of compression counts as that of opening: this point
+    is likely to open next.
 
     Energies are per area, and the strengths are stresses. `rise` is the share of the final jump at which
     damage begins; `initial_damage` is 1 for faces that are not joined but repel each other. Raises InputError
@@ -102,25 +106,28 @@ class MixedModeBilinear(JointLaw):
         by_sliding = 0.5 * shear * sliding
         w = 0.5 * pull * opening + by_sliding
         rate = 0.0  # of damage, by w
-        later = mixity
-        if w > _NO_ENERGY * rise * W:
-            later = by_sliding / w
-            if mixity >= 0.0 and damage < 1.0:
-                work = W + (shear_work - W) * mixity**exponent
-                y = np.sqrt(w / (rise * work))
-                before = 1.0 / (1.0 - (1.0 - rise) * damage)
-                if y >= before * (1.0 - _REACHED):
-                    if y < 1.0 / rise:
-                        damage = max(damage, (1.0 - 1.0 / y) / (1.0 - rise))
-                        rate = 0.5 / (w * y * (1.0 - rise))
-                    else:
-                        damage = 1.0
-                    end = min(y, 1.0 / rise)
-                    dissipated += rise * work * max(end - before, 0.0) / (1.0 - rise)
-        kept = 1.0 - damage
         repelled = K_n * min(opening, 0.0)
+        by_compression = 0.5 * repelled * opening
+        later = mixity
+        if w > _SMALL * rise * W:
+            later = by_sliding / w
+        elif w + by_compression > _NO_ENERGY * rise * W:
+            later = by_sliding / (w + by_compression)
+        if mixity >= 0.0 and damage < 1.0:
+            work = W + (shear_work - W) * mixity**exponent
+            y = np.sqrt(w / (rise * work))
+            before = 1.0 / (1.0 - (1.0 - rise) * damage)
+            if y >= before * (1.0 - _REACHED):
+                if y < 1.0 / rise:
+                    damage = max(damage, (1.0 - 1.0 / y) / (1.0 - rise))
+                    rate = 0.5 / (w * y * (1.0 - rise))
+                else:
+                    damage = 1.0
+                end = min(y, 1.0 / rise)
+                dissipated += rise * work * max(end - before, 0.0) / (1.0 - rise)
+        kept = 1.0 - damage
         return (
-            kept * w + 0.5 * repelled * opening,
+            kept * w + by_compression,
             dissipated,
             kept * pull + repelled,
             kept * shear,
