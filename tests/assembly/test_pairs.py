@@ -144,5 +144,5 @@ def test_a_joint_law_needs_another_body_and_a_side_that_faces_it() -> None:
     away = replace(
         joined(FLAT, BILINEAR), interfaces=(Interface(FLAT.side("top"), BILINEAR, LOWER.side("top")),)
     )
-    with pytest.raises(InputError, match="between: 'upper.top and lower.top' .*no point faces the other"):
+    with pytest.raises(InputError, match=r"between: 'upper\.top and lower\.top' .*no point faces the other"):
         system_of(away)

@@ -40,9 +40,9 @@ class AcceptedState(NamedTuple):
 class State(NamedTuple):
     """A state that a path can continue from: displacement coefficients (functions, 2) at a parameter.
 
-    Only irreversible adhesion needs the maximum openings (E, Q). From the displacement alone a path continues
-    to the tolerance of the solver. With the accepted states up to this one and the solver state it continues
-    bit for bit.
+    Only irreversible adhesion needs the maximum openings (E, Q), and a joint law its history in their place,
+    see `System`. From the displacement alone a path continues to the tolerance of the solver. With the
+    accepted states up to this one and the solver state it continues bit for bit.
     """
 
     parameter: float
