@@ -317,7 +317,8 @@ class System:
         """The same with the tangent dR/dz, in `general` storage where it may not be positive definite."""
         storage = storage or self.storage
         known, half_bandwidth = self._tangents.get(storage), self.half_bandwidth_at(displacement)
-        if known is not None and known.half_bandwidth >= half_bandwidth:
+        # not in a wider band of an earlier state: a resumed path would round in another way
+        if known is not None and known.half_bandwidth == half_bandwidth:
             matrix = known.zeroed()
         else:
             matrix = BandMatrix.zeros(self.constraints.count, half_bandwidth, storage)
