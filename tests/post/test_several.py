@@ -33,7 +33,7 @@ from isopeel.common.units import UnitSystem
 from isopeel.physics.substrates import Circle
 from isopeel.post.closed_form.expected import theory
 from isopeel.post.crack import fronts
-from isopeel.post.fields import depths_inside, sample_fields
+from isopeel.post.fields import Depth, depths_inside, sample_fields
 from isopeel.post.figures import front_figure, shapes_figure, tractions_figure
 from isopeel.post.findings import Findings, find
 from isopeel.post.front import POINTS, FrontProfile, front_profile, process_zone
@@ -222,7 +222,7 @@ def test_the_summary_names_the_interfaces() -> None:
     zone = summary["process_zone"]["first.bottom"]["measured"]
     assert zone["length"] == pytest.approx(found.fronts["first.bottom"][24].zone.length)
     texts = [note["text"] for note in summary["notes"]]
-    assert [text for text in texts if "one body with one interface only" in text]
+    assert "closed forms exist for one body with one interface only" in texts
     # the tape that is peeled has the estimate that it has alone
     own = estimated(alone(0, TURN), SPACES["first"])
     beside = estimated(problem, SPACES, "first.bottom")
@@ -236,15 +236,15 @@ def test_the_summary_names_the_interfaces() -> None:
 def test_the_note_on_penetration_names_the_side(single: dict[str, list[Step]]) -> None:
     """The deepest of several; a single interface has only the one face."""
     run = StoredRun("", Curve.of(single["first"], TURN), (), {}, "completed")
-    depths = {"first.bottom": 1.0, "second.bottom": 2.0}
+    depths = {"first.bottom": Depth(1.0, "substrate"), "second.bottom": Depth(2.0, "body third")}
     texts = {}
     for count in (1, 2):
         found = Findings(None, None, None, depths, fronts={name: {} for name in [*depths][:count]})
         notes = run_notes(run, found, 0.0)
         texts[count] = [note.text for note in notes if note.subject == "penetration"]
     assert texts == {
-        1: ["a part of the face without adhesion is up to 2 nm inside the substrate"],
-        2: ["a part of the side second.bottom without adhesion is up to 2 nm inside the substrate"],
+        1: ["a part of the face without adhesion is up to 2 nm inside the body third"],
+        2: ["a part of the side second.bottom without adhesion is up to 2 nm inside the body third"],
     }
 
 
@@ -308,7 +308,8 @@ def test_a_part_of_a_side_that_another_interface_holds_is_not_free() -> None:
     deep = problem.adhesion.substrate
     assert isinstance(deep, Flat)
     inside = depths_inside(problem, space, [StoredState(0, 0.0, down)])
-    assert inside == {"body.bottom": pytest.approx(1.0 + deep.height, rel=1e-12)}
+    assert inside["body.bottom"].depth == pytest.approx(1.0 + deep.height, rel=1e-12)
+    assert inside["body.bottom"].inside == "substrate"
     rest = replace(problem.adhesion, boundary=problem.body.side("bottom", 0.5, 1.0))
     whole = replace(problem, interfaces=(*problem.interfaces, rest))
     assert depths_inside(whole, space, [StoredState(0, 0.0, down)]) == {}

@@ -21,6 +21,8 @@ _QUADRATIC, _ROUND_OFF = 1e-8, 1e-16
 _PARALLEL = 1e-10
 #: A projection that leaves the end of a curve at a right angle, to round-off, is one on the curve.
 _UPRIGHT = 1e-9
+#: Distance of a point from a curve that is round-off, as a share of its coordinates.
+_ON_THE_END = 1e-14
 
 #: Kinds of partners.
 NONE, SMOOTH, CORNER = 0, 1, 2
@@ -277,8 +279,10 @@ def closest_point(
         if not 0 <= other < count:
             curve_at(curve, segment, s, basis, point)
             r_x, r_y = x - point[0, 0], y - point[0, 1]
-            size = np.hypot(r_x, r_y) * np.hypot(point[1, 0], point[1, 1])
-            if abs(r_x * point[1, 0] + r_y * point[1, 1]) > _UPRIGHT * size:
+            speed = np.hypot(point[1, 0], point[1, 1])
+            # of a point on the end itself, the direction is round-off
+            upright = _UPRIGHT * np.hypot(r_x, r_y) + _ON_THE_END * (abs(x) + abs(y) + speed)
+            if abs(r_x * point[1, 0] + r_y * point[1, 1]) > upright * speed:
                 kind = NONE
         else:
             curve_at(curve, other, 1.0 - s, basis, point)

@@ -130,8 +130,13 @@ class FacingTerm:
     def opening(self, displacement: FloatArray | None) -> FloatArray:
         """Return the openings (E Q,), gaps minus the equilibrium gap, at coefficients (size, 2) or zero."""
         u = np.zeros((self.size, 2)) if displacement is None else displacement
-        opening: FloatArray = self.partners(u).gap - self.adhesion.law.equilibrium_gap
+        opening: FloatArray = self.gap(u) - self.adhesion.law.equilibrium_gap
         return opening
+
+    def gap(self, displacement: FloatArray) -> FloatArray:
+        """Return the gaps (E Q,) at coefficients (size, 2); `far` at points without a partner."""
+        gap: FloatArray = self.partners(displacement).gap
+        return gap
 
     def respond(self, displacement: FloatArray, history: FloatArray) -> Response:
         """Return the state of all points, at coefficients (size, 2) after a history (E Q,)."""

@@ -162,6 +162,10 @@ class InterfacePoints:
             dissipated=(area * response.dissipated).reshape(shape),
         )
 
+    def gap(self, displacement: FloatArray) -> FloatArray:
+        """Return the gaps (n, k) at coefficients (size, 2); far from all bodies where there is no partner."""
+        return self._term.gap(self._checked(displacement)).reshape(self.parameters.shape)
+
     def _checked(self, displacement: FloatArray) -> FloatArray:
         """Return the coefficients (size, 2) with the types of compiled code."""
         check_coefficients(spaces_by_name(self._problem, self._spaces), displacement)
@@ -177,9 +181,8 @@ class InterfacePoints:
         adhesion = self._adhesion
         here = self._opening(u)
         if maximum_openings is not None and len(self._problem.faces) > 1:
-            maximum_openings = maximum_openings_by_name(self._problem, self._spaces, maximum_openings)[
-                self._name
-            ]
+            parts = maximum_openings_by_name(self._problem, self._spaces, maximum_openings)
+            maximum_openings = parts[self._name or self._problem.interface_names[0]]
         if maximum_openings is not None and np.isnan(maximum_openings).any():
             return here.reshape(self.parameters.shape)
         own = spaces_by_name(self._problem, self._spaces)[adhesion.boundary.body]

@@ -72,12 +72,16 @@ class InterfaceTerm:
 
     def opening(self, displacement: FloatArray | None) -> FloatArray:
         """Return the openings (E Q,), gaps minus the equilibrium gap, at coefficients (size, 2) or zero."""
-        adhesion, side = self.adhesion, self.table
+        return self.gap(displacement) - self.adhesion.law.equilibrium_gap
+
+    def gap(self, displacement: FloatArray | None) -> FloatArray:
+        """Return the gaps (E Q,) to the substrate, at coefficients (size, 2) or zero."""
+        substrate, side = self.adhesion.substrate, self.table
         position = side.positions
         if displacement is not None:
             position = position + np.einsum("eqm,emi->eqi", side.values, displacement[side.functions])
-        gap, _, _ = evaluate_substrate(adhesion.substrate.kernel, adhesion.substrate.parameters, position)
-        return (gap - adhesion.law.equilibrium_gap).ravel()
+        gap, _, _ = evaluate_substrate(substrate.kernel, substrate.parameters, position)
+        return gap.ravel()
 
 
 def substrate_tangents(substrate: Substrate, positions: FloatArray) -> FloatArray:

@@ -30,6 +30,11 @@ def paragraph(text: str, kind: str = "") -> str:
     return f"{opening}{escape(text)}</p>\n"
 
 
+def hatched(words: str) -> str:
+    """Return the entry of a legend for what pictures hatch, nothing without words."""
+    return f'<span class="entry"><span class="key hatched"></span>{escape(words)}</span>' if words else ""
+
+
 def ending(stored: StoredStage) -> str:
     """Return the ending of a stage, with cause and hint if it was not completed."""
     run, column = stored.run, stored.run.curve.parameter_column

@@ -99,7 +99,7 @@ def _section(name: str, stored: StoredStage, several: bool, most_bytes: int) -> 
         reaction=escape(column_words(run.curve.reaction_column)["words"]),
         curve_legend=markup.curve_legend(stored, found.plateau is not None),
         shapes="Deformed body" if len(stage.problem.bodies) == 1 else "Deformed bodies",
-        adheres_to=content["adheres_to"],
+        hatched=markup.hatched(content["hatched"]),
         summary=markup.summary(stored, summarize(stored.title, run, found, seconds, changes), found),
         table=markup.states_table(stored, len(content["states"])),
     )

@@ -77,11 +77,11 @@ def load_position(problem: Problem, interface: str = "") -> float | None:
     return length * (one.start + one.end) / 2
 
 
-def joint_ends(problem: Problem) -> tuple[float, float]:
+def joint_ends(problem: Problem, interface: str = "") -> tuple[float, float]:
     """Return the distances from the load to the ends of the adhering part, the nearer one first."""
-    adhesion = problem.adhesion
-    side = problem.body.shape.boundary(adhesion.side)
-    origin = load_position(problem) or 0.0
+    adhesion = problem.interface_of(interface)
+    side = problem.body_of(adhesion.boundary.body).shape.boundary(adhesion.side)
+    origin = load_position(problem, interface) or 0.0
     whole = side.length()
     # a side need not be parametrized by its length: lengths of its parts are sums of chords
     points = side.evaluate(np.linspace(0.0, 1.0, 401))
@@ -134,7 +134,21 @@ def opened(problem: Problem, curve: Curve) -> FloatArray:
     return (taken - taken[:1]) / problem.adhesion.law.work_of_adhesion
 
 
-def release(problem: Problem, curve: Curve, found: Fronts, start: float | None) -> Release | None:
+def work_between(problem: Problem, curve: Curve, first: int, last: int) -> float:
+    """Return the work of the drive and of the held loads between two steps, by the trapezoidal rule."""
+    part = slice(first, last + 1)
+    parameter = curve.parameter[part] / curve.parameter_column.factor
+    reaction = curve.reaction[part] / curve.reaction_column.factor
+    path, force = (reaction, parameter) if raises_load(problem.drive) else (parameter, reaction)
+    work = float(np.sum(np.diff(path) * (force[1:] + force[:-1]) / 2))
+    if curve.load_work.size:
+        work += float(curve.load_work[last] - curve.load_work[first])
+    return work
+
+
+def release(
+    problem: Problem, curve: Curve, found: Fronts, start: float | None, interface: str = ""
+) -> Release | None:
     """Return the energy release rate G = (work of the drive - stored energy gained)/(motion of the front).
 
     It is evaluated between the last state with a front and the first one from the parameter `start` on, or an
@@ -142,7 +156,7 @@ def release(problem: Problem, curve: Curve, found: Fronts, start: float | None) 
     energy released in jumps is left out, as there is no equilibrium during a jump. Returns None where there
     are no two such states, or where the path met one of their parameters more than once.
     """
-    near, far = joint_ends(problem)
+    near, far = joint_ends(problem, interface)
     steady = [
         (step, front.crack_length)
         for step, front in found.items()
@@ -161,16 +175,10 @@ def release(problem: Problem, curve: Curve, found: Fronts, start: float | None) 
     first, last = float(curve.parameter[i]), float(curve.parameter[j])
     if any(np.count_nonzero(curve.parameter == at) != 1 for at in (first, last)):
         return None
-    part = slice(i, j + 1)
-    parameter = curve.parameter[part] / curve.parameter_column.factor
-    reaction = curve.reaction[part] / curve.reaction_column.factor
-    path, force = (reaction, parameter) if raises_load(problem.drive) else (parameter, reaction)
-    work = float(np.sum(np.diff(path) * (force[1:] + force[:-1]) / 2))
     jumped = float(curve.released_energy[i + 1 : j + 1][jumps(curve)[i + 1 : j + 1]].sum())
     stored = float(curve.stored_energy[j] - curve.stored_energy[i])
-    if curve.load_work.size:
-        work += float(curve.load_work[j] - curve.load_work[i])
-    return Release((work - jumped - stored) / (longer - crack), (first, last))
+    gained = work_between(problem, curve, i, j) - jumped - stored
+    return Release(gained / (longer - crack), (first, last))
 
 
 def jumps(curve: Curve) -> np.ndarray[tuple[int], np.dtype[np.bool_]]:

@@ -2,14 +2,16 @@
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
+from isopeel.assembly.interface import InterfacePoints
 from isopeel.assembly.spaces import SpaceOfBodies, part_of_body, spaces_by_name
 from isopeel.assembly.tables import FLAT
 from isopeel.common.arrays import FloatArray, IntArray
 from isopeel.common.errors import InputError
-from isopeel.physics.batch import evaluate_material, evaluate_substrate
+from isopeel.physics.batch import evaluate_material
 from isopeel.problem import Body, Boundary, Problem
 from isopeel.results.fields import StoredState
 from isopeel.splines.nurbs import NurbsSurface, Side
@@ -33,6 +35,13 @@ class SampledFields:
     nominal_stress: FloatArray  # first Piola-Kirchhoff, P (..., 3, 3)
     cauchy_stress: FloatArray  # sigma (..., 3, 3)
     first_invariant: FloatArray  # I1 = tr(sigma) / E (...)
+
+
+class Depth(NamedTuple):
+    """How deep a part of a side lies inside of something, by its name: the substrate, or another body."""
+
+    depth: float
+    inside: str
 
 
 @dataclass(frozen=True, eq=False)
@@ -138,34 +147,31 @@ def side_positions(
     return x.reshape(-1, 2)
 
 
-def depths_inside(problem: Problem, space: SpaceOfBodies, states: Iterable[StoredState]) -> dict[str, float]:
-    """Return the largest depths in a substrate of the parts of adhesive sides that do not adhere.
+def depths_inside(problem: Problem, space: SpaceOfBodies, states: Iterable[StoredState]) -> dict[str, Depth]:
+    """Return the largest depths of the parts of adhesive sides that do not adhere, in what they lie against.
 
     The adhering part is repelled; the rest feels no force. Sides are named as `body.bottom`; one that is
     outside is left out.
     """
-    spaces, deepest = spaces_by_name(problem, space), dict[str, float]()
-    rests: dict[int, FloatArray] = {}
-    for number, interface in enumerate(problem.interfaces):
+    spaces, deepest = spaces_by_name(problem, space), dict[str, Depth]()
+    rests: dict[str, InterfacePoints] = {}
+    for name, interface in zip(problem.interface_names, problem.faces, strict=True):
         along = np.linspace(0.0, 1.0, 10 * max(spaces[interface.boundary.body].elements) + 1)
-        others = [other.boundary for other in problem.interfaces]
+        others = [other.boundary for other in problem.faces]
         beside = [one for one in others if _side_of(one) == _side_of(interface.boundary)]
         adheres = [(along >= one.start) & (along <= one.end) for one in beside]
-        rests[number] = along[~np.any(adheres, axis=0)]
+        rest = along[~np.any(adheres, axis=0)]
+        if rest.size:
+            rests[name] = InterfacePoints(problem, space, rest[:, None], interface=name)
     for state in states:
-        for number, rest in rests.items():
-            if not rest.size:
-                continue
-            interface = problem.interfaces[number]
-            body, substrate = problem.body_of(interface.boundary.body), interface.substrate
-            place = side_positions(
-                problem, space, state.displacement, interface.side, rest, interface.boundary.body
-            )
-            gap, _, _ = evaluate_substrate(substrate.kernel, substrate.parameters, place)
-            depth = float(-gap.min(initial=0.0))
-            if depth > 1e-6 * float(np.ptp(body.shape.control_points)):
+        for name, points in rests.items():
+            interface = problem.interface_of(name)
+            shape, against = problem.body_of(interface.boundary.body).shape, interface.against
+            inside = f"body {against.body}" if isinstance(against, Boundary) else "substrate"
+            depth = float(-points.gap(state.displacement).min(initial=0.0))
+            if depth > 1e-6 * float(np.ptp(shape.control_points)):
                 side = ".".join(_side_of(interface.boundary))
-                deepest[side] = max(deepest.get(side, 0.0), depth)
+                deepest[side] = max(deepest.get(side, Depth(depth, inside)), Depth(depth, inside))
     return deepest
 
 

@@ -8,8 +8,9 @@ import numpy as np
 from isopeel.assembly.spaces import SpaceOfBodies, spaces_by_name
 from isopeel.common.units import UnitSystem
 from isopeel.post.closed_form import Expected
-from isopeel.post.crack import Fronts, fronts, jumps
-from isopeel.post.fields import depths_inside
+from isopeel.post.crack import Fronts, fronts, jumps, release
+from isopeel.post.energy import balance
+from isopeel.post.fields import Depth, depths_inside
 from isopeel.post.laboratory import Laboratory
 from isopeel.post.locking import locking_notes
 from isopeel.post.overlap import overlap_notes
@@ -17,16 +18,17 @@ from isopeel.post.plateau import PlateauReading
 from isopeel.post.readings import (
     Reading,
     buckled,
-    cracks,
     drive_test,
+    fronts_at_the_end,
     halves,
     is_only_pressed,
     largest,
     pull_off,
     read,
+    release_reading,
 )
 from isopeel.post.resolution import Zones, elements_are_tall
-from isopeel.post.resolution_notes import oscillation_notes, peels, zone_notes
+from isopeel.post.resolution_notes import oscillation_notes, peels, zone_note
 from isopeel.post.steady_load import steady_load
 from isopeel.post.steady_part import any_steady_part, steady_part
 from isopeel.problem import Problem
@@ -41,8 +43,9 @@ class Findings:
     """The values read from a run beyond its curve, and the closed form for them.
 
     The plateau is read in the `window`, if the case names one. `inside` are the largest depths (in L0) in a
-    substrate, by names of sides, as `body.bottom`. `period` is that of the oscillation by the mesh, in the
-    unit of the parameter; it is also given if the closed form is not valid, for the reason `unproven`.
+    substrate or another body, by names of sides, as `body.bottom`. `period` is that of the oscillation by the
+    mesh, in the unit of the parameter; it is also given if the closed form is not valid, for the reason
+    `unproven`.
     `fronts` are those of the stored states, and `zones` the elements there, both by the names of interfaces.
     `readings` are the quantities of interest of the drive, and `notes` those on the discretization.
     `tall` is whether the elements at the contact are too high.
@@ -51,7 +54,7 @@ class Findings:
     window: tuple[float, float] | None
     plateau: PlateauReading | None
     closed_form: Expected | None
-    inside: Mapping[str, float]
+    inside: Mapping[str, Depth]
     period: float | None = None
     unproven: str = ""
     fronts: Mapping[str, Fronts] = field(default_factory=dict)
@@ -64,10 +67,7 @@ class Findings:
 
 
 #: The note on a run of several bodies or interfaces.
-_OF_ONE_BODY = (
-    "closed forms, energy release rates and checks of the discretization exist for one body with one"
-    " interface only"
-)
+_OF_ONE_BODY = "closed forms exist for one body with one interface only"
 
 
 def find(
@@ -76,12 +76,28 @@ def find(
     run: StoredRun,
     window: tuple[float, float] | None,
     laboratory: Laboratory | None = None,
+    contact_points: int | None = None,
 ) -> Findings:
-    """Return the findings of a run of a problem on a space, shown in the units of a laboratory."""
+    """Return the findings of a run of a problem on a space, shown in the units of a laboratory.
+
+    The adhesive forces have `contact_points` Gauss points per element, as in `System`.
+    """
     laboratory = laboratory or Laboratory.of(UnitSystem(), problem)
     if problem.is_single:
         own = spaces_by_name(problem, space)[problem.body.name]
         return _of_one_body(problem, own, run, window, laboratory)
+    return _of_several(problem, space, run, window, laboratory, contact_points)
+
+
+def _of_several(
+    problem: Problem,
+    space: SpaceOfBodies,
+    run: StoredRun,
+    window: tuple[float, float] | None,
+    laboratory: Laboratory,
+    contact_points: int | None,
+) -> Findings:
+    """Return the findings of a run of several bodies, or of one with several interfaces."""
     curve = run.curve
     steady = any_steady_part(curve, window)
     found = {name: fronts(problem, space, run.states, name) for name in problem.interface_names}
@@ -89,11 +105,19 @@ def find(
     if len(curve):
         readings = [*_listed(steady.reading(curve)), largest(curve), *buckled(curve)]
         for name, there in found.items():
-            readings += cracks(curve, there, f", {name}" if len(found) > 1 else "")
+            readings += fronts_at_the_end(curve, there, f", {name}" if len(found) > 1 else "")
+        readings += _release_of_bodies(problem, space, curve, found, window)
+        if len(problem.bodies) > 1:
+            readings += balance(problem, space, run, contact_points)
     zones = {
         name: Zones.of(problem, space, curve, {step: front.zone for step, front in there.items()}, name)
         for name, there in found.items()
     }
+    resolved = [
+        zone_note(problem, space, zones[name], laboratory, name)
+        for name in found
+        if zones[name].measured or peels(problem, space, run.states, name)
+    ]
     return Findings(
         window,
         steady.plateau,
@@ -105,6 +129,8 @@ def find(
         notes=[
             Note("reading", _OF_ONE_BODY),
             *overlap_notes(problem, space, run.states, laboratory),
+            *(note for note in resolved if note is not None),
+            *locking_notes(problem, space, laboratory),
         ],
         laboratory=laboratory,
     )
@@ -125,7 +151,11 @@ def _of_one_body(
     readings: list[Reading] = []
     if len(curve):
         load = steady_load(problem, space, curve) if test == "tape" and run.base is None else None
-        readings = [*_listed(load), *_listed(steady.reading(curve)), *read(problem, curve, found, window)]
+        readings = [
+            *_listed(load),
+            *_listed(steady.reading(curve)),
+            *read(problem, space, curve, found, window),
+        ]
     used = {step: front.zone for step, front in _used(problem, curve, found).items()}
     zones = Zones.of(problem, space, curve, used)
     # Kendall's force does not depend on the bending of a tape; the start of peeling does
@@ -133,7 +163,8 @@ def _of_one_body(
     bends = steady.closed_form is None or test != "tape" or starts
     notes = locking_notes(problem, space, laboratory, bends=bends)
     if not is_only_pressed(problem, curve) and (zones.measured or peels(problem, space, run.states)):
-        notes = zone_notes(problem, space, zones, laboratory) + notes
+        note = zone_note(problem, space, zones, laboratory, name)
+        notes = notes if note is None else [note, *notes]
     if not notes:
         notes = oscillation_notes(problem, curve, steady.plateau, steady.window)
     return Findings(
@@ -151,6 +182,21 @@ def _of_one_body(
         laboratory,
         elements_are_tall(problem, space),
     )
+
+
+def _release_of_bodies(
+    problem: Problem,
+    space: SpaceOfBodies,
+    curve: Curve,
+    found: Mapping[str, Fronts],
+    window: tuple[float, float] | None,
+) -> list[Reading]:
+    """Return the energy release rate of the only interface between two bodies, along its first face."""
+    (name, there), *_ = [*found.items(), ("", {})]
+    if len(problem.interfaces) != 1 or len(problem.bodies) == 1:
+        return []
+    released = release(problem, curve, there, window[0] if window else None, name)
+    return _listed(released and release_reading(problem, space, released, name))
 
 
 def _listed(reading: Reading | None) -> list[Reading]:

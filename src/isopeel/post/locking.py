@@ -14,11 +14,13 @@ from isopeel.assembly.spaces import SpaceOfBodies, spaces_by_name
 from isopeel.common.arrays import FloatArray
 from isopeel.physics.materials.base import plane_strain_modulus
 from isopeel.post.closed_form import expected
+from isopeel.post.driven import driven_on
 from isopeel.post.laboratory import Laboratory
-from isopeel.post.resolution import lies_flat
-from isopeel.problem import Constraint, Problem, RotatedSide
+from isopeel.post.resolution import body_height, compliant, is_held, lies_flat
+from isopeel.problem import Boundary, Constraint, Problem, RotatedSide
 from isopeel.results.notes import Note, Remedy
 from isopeel.splines.names import parse_space_name
+from isopeel.splines.nurbs import NurbsSurface, Side
 from isopeel.splines.rows import RowSpace
 from isopeel.splines.space import SplineSpace
 
@@ -27,6 +29,8 @@ from isopeel.splines.space import SplineSpace
 LOCKED = 0.02
 #: Ratio of length and height above which a body deforms by bending.
 _SLENDER = 4.0
+#: Sides along the length of a strip.
+_ALONG: tuple[Side, ...] = ("bottom", "top")
 #: Number of element columns that are bent: two have no inner one, and more bend like four.
 _COLUMNS = 4
 #: The force of steady peeling of a tape does not depend on its bending; its start and its stresses do.
@@ -56,21 +60,26 @@ class Bending:
         return self.linear + self.volume
 
 
-def bending(problem: Problem, space: RowSpace) -> Bending | None:
-    """Return the excess of the bending stiffness of a body on a space; None if it is thick or moved flat.
+def bending(problem: Problem, space: RowSpace, interface: str = "") -> Bending | None:
+    """Return the excess of the bending stiffness of a body on a space; None if it is thick or kept flat.
 
-    It is the mean over the body's length under a uniform moment.
+    The body is that of the only interface, or of a named one. The excess is the mean over its length under a
+    uniform moment.
     """
-    lengths, heights = _sizes(problem, space)
-    moved_flat = isinstance(problem.drive, Constraint) and problem.driven_side in ("bottom", "top")
-    if lengths.sum() < _SLENDER * heights.mean() or moved_flat:
+    name = problem.interface_of(interface).boundary.body
+    body = problem.body_of(name)
+    lengths, heights = _sizes(body.shape, space)
+    along = {one.side for one in driven_on(problem, name)} & {"bottom", "top"}
+    moved_flat = isinstance(problem.drive, Constraint) and bool(along)
+    held_flat = len(problem.bodies) > 1 and any(is_held(problem, name, side) for side in _ALONG)
+    if lengths.sum() < _SLENDER * heights.mean() or moved_flat or held_flat:
         return None
-    nu = problem.body.material.poissons_ratio
+    nu = body.material.poissons_ratio
     linear = _linear(space, lengths, heights, nu)
     if space.across.degree != 2:
         return Bending(linear, 0.0)
-    modulus = plane_strain_modulus(problem.body.material)
-    work = problem.adhesion.law.work_of_adhesion
+    modulus = plane_strain_modulus(body.material)
+    work = _work_of_bending(problem, interface)
     # W = E'I/(2 R^2) at the front of a strip that a moment peels; h/R is below 1 where strains are
     bent = np.minimum(24 * work / (modulus * heights.mean()), 1.0)
     parts = np.diff(space.across.breakpoints) ** 5
@@ -78,22 +87,38 @@ def bending(problem: Problem, space: RowSpace) -> Bending | None:
     return Bending(linear, volume)
 
 
+def _work_of_bending(problem: Problem, interface: str) -> float:
+    """Return the part of the work of adhesion that one of two bodies releases where equal moments bend them.
+
+    Their energies are as their compliances in bending, 1/(E'I).
+    """
+    adhesion = problem.interface_of(interface)
+    work = adhesion.law.work_of_adhesion
+    if not isinstance(adhesion.against, Boundary):
+        return work
+    modulus = plane_strain_modulus(problem.body_of(adhesion.boundary.body).material)
+    both, height = compliant(problem, interface)
+    return work * both * height**3 / (modulus * body_height(problem, interface) ** 3)
+
+
 def locking_notes(
     problem: Problem, space: SpaceOfBodies, laboratory: Laboratory, *, bends: bool = True
 ) -> list[Note]:
     """Return notes on how much too stiff the body is, if this affects the reaction, and on a remedy.
 
-    `bends` is whether the values read from the run depend on the bending of the body. The notes are known for
-    one body with one interface only.
+    `bends` is whether the values read from the run depend on the bending of the body. Several bodies have
+    notes each, with their names.
     """
-    if not problem.is_single:
-        return []
-    own = spaces_by_name(problem, space)[problem.body.name]
-    notes = _bending_notes(problem, own, laboratory) if bends else []
-    return notes + _volume_notes(problem, own)
+    spaces, notes = spaces_by_name(problem, space), list[Note]()
+    for name, one in zip(problem.interface_names, problem.faces, strict=True):
+        own = spaces[one.boundary.body]
+        found = _bending_notes(problem, own, laboratory, name) if bends else []
+        found += _volume_notes(problem, spaces, name)
+        notes += [note for note in found if note not in notes]
+    return notes
 
 
-def confined(problem: Problem, space: RowSpace) -> float | None:
+def confined(problem: Problem, spaces: SpaceOfBodies, interface: str = "") -> float | None:
     """Return the excess of stiffness of a nearly incompressible body that lies flat and is pulled.
 
     It is that of a block with both sides held: the stiffness in this space over that with one degree more in
@@ -101,11 +126,18 @@ def confined(problem: Problem, space: RowSpace) -> float | None:
     material. Large spaces are coarsened; the error is assumed to be inversely proportional to the number of
     elements. Returns None for other bodies.
     """
-    nu = problem.body.material.poissons_ratio
-    drive, adhesion = problem.driven_side, problem.adhesion.side
-    if nu <= _COMPRESSIBLE or {drive, adhesion} != {"bottom", "top"} or not lies_flat(problem):
+    boundary = problem.interface_of(interface).boundary
+    body = problem.body_of(boundary.body)
+    nu = body.material.poissons_ratio
+    drive = problem.driven_side if driven_on(problem, body.name) else None
+    if (
+        nu <= _COMPRESSIBLE
+        or {drive, boundary.side} != {"bottom", "top"}
+        or not lies_flat(problem, spaces, interface)
+    ):
         return None
-    lengths, heights = _sizes(problem, space)
+    space = spaces_by_name(problem, spaces)[body.name]
+    lengths, heights = _sizes(body.shape, space)
     aspect = float(lengths.sum() / heights.mean())
     step = 1
     while (coarse := _coarser(space, step)).size > _MOST_FUNCTIONS:
@@ -115,17 +147,20 @@ def confined(problem: Problem, space: RowSpace) -> float | None:
     return max(rough[0] / fine[0] - rough[1] / fine[1], 0.0) / step
 
 
-def _volume_notes(problem: Problem, space: RowSpace) -> list[Note]:
-    found = confined(problem, space)
+def _volume_notes(problem: Problem, spaces: SpaceOfBodies, interface: str) -> list[Note]:
+    found = confined(problem, spaces, interface)
     if found is None or found <= LOCKED:
         return []
-    degree = space.across.degree
+    name = problem.interface_of(interface).boundary.body
+    material, space = problem.body_of(name).material, spaces_by_name(problem, spaces)[name]
+    degree, body = space.across.degree, _body_in_words(problem, interface)
     higher = f" and across_degree = {degree + 1}" if degree < _ENOUGH else ""
     text = (
-        f"volume: the body, whose Poisson's ratio is {problem.body.material.poissons_ratio:g}, is at least "
+        f"volume: the {body}, whose Poisson's ratio is {material.poissons_ratio:g}, is at least "
         f"{_by(found)} too stiff next to the sides that hold it; use more elements in both directions{higher}"
     )
-    return [Note("locking", text, Remedy((2 * space.elements[0], 2 * space.elements[1])))]
+    finer = Remedy((2 * space.elements[0], 2 * space.elements[1]))
+    return [Note("locking", text, finer if len(problem.bodies) == 1 else None)]
 
 
 def _coarser(space: RowSpace, step: int) -> RowSpace:
@@ -177,20 +212,26 @@ def _block_stiffness(space: RowSpace, aspect: float, poissons_ratios: Sequence[f
     return found
 
 
-def _bending_notes(problem: Problem, space: RowSpace, laboratory: Laboratory) -> list[Note]:
-    found = bending(problem, space)
+def _bending_notes(problem: Problem, space: RowSpace, laboratory: Laboratory, interface: str) -> list[Note]:
+    found = bending(problem, space, interface)
     if found is None or not _matters(problem, space, found):
         return []
-    along, across = (laboratory.text(size, "length", 3) for size in _largest(problem, space))
+    shape = problem.body_of(problem.interface_of(interface).boundary.body).shape
+    along, across = (laboratory.text(size, "length", 3) for size in _largest(shape, space))
     message = (
-        f"bending: the body is {_by(found.excess)} too stiff on elements of {along} x {across} "
-        f"(space {space.name}, degree {space.across.degree} across)"
+        f"bending: the {_body_in_words(problem, interface)} is {_by(found.excess)} too stiff on elements of "
+        f"{along} x {across} (space {space.name}, degree {space.across.degree} across)"
     )
     for richer, words in _richer(space):
-        better = bending(problem, richer)
+        better = bending(problem, richer, interface)
         if better is not None and not _matters(problem, richer, better):
             return [Note("locking", f"{message}; {words} is sufficient ({_by(better.excess)})")]
     return [Note("locking", f"{message}; use smaller elements and space N2.1 with across_degree = 3")]
+
+
+def _body_in_words(problem: Problem, interface: str) -> str:
+    name = problem.interface_of(interface).boundary.body
+    return "body" if len(problem.bodies) == 1 else f"body {name}"
 
 
 def _by(excess: float) -> str:
@@ -231,18 +272,18 @@ def _on_the_same_elements(space: RowSpace, name: str, across_degree: int) -> Row
     return RowSpace(name, across, (contact,) * at_contact + (bulk,) * (across.size - at_contact))
 
 
-def _sizes(problem: Problem, space: RowSpace) -> tuple[FloatArray, FloatArray]:
-    """Return length and height (elements,) of the body at its elements along xi."""
-    shape, ends = problem.body.shape, space.rows[0].breakpoints
+def _sizes(shape: NurbsSurface, space: RowSpace) -> tuple[FloatArray, FloatArray]:
+    """Return length and height (elements,) of a body at its elements along xi."""
+    ends = space.rows[0].breakpoints
     middle = (shape.evaluate(ends, 0.0) + shape.evaluate(ends, 1.0)) / 2
     at = (ends[1:] + ends[:-1]) / 2
     through = shape.evaluate(at, 1.0) - shape.evaluate(at, 0.0)
     return np.linalg.norm(np.diff(middle, axis=0), axis=1), np.linalg.norm(through, axis=1)
 
 
-def _largest(problem: Problem, space: RowSpace) -> tuple[float, float]:
+def _largest(shape: NurbsSurface, space: RowSpace) -> tuple[float, float]:
     """Return length and height of the longest element."""
-    lengths, heights = _sizes(problem, space)
+    lengths, heights = _sizes(shape, space)
     at = int(np.argmax(lengths))
     return float(lengths[at]), float(heights[at] * np.diff(space.across.breakpoints).max())
 

@@ -27,8 +27,8 @@ def run_notes(run: StoredRun, found: Findings, onset: float | None) -> list[Note
     if found.inside:
         side, deepest = max(found.inside.items(), key=itemgetter(1))
         face = f"the side {side}" if len(found.fronts) > 1 else "the face"
-        depth = laboratory.text(deepest, "length", 2)
-        text = f"a part of {face} without adhesion is up to {depth} inside the substrate"
+        depth = laboratory.text(deepest.depth, "length", 2)
+        text = f"a part of {face} without adhesion is up to {depth} inside the {deepest.inside}"
         notes.append(Note("penetration", text))
     notes += stability_notes(run.curve, laboratory)
     for reading in found.readings:

@@ -7,6 +7,7 @@ from typing import Literal, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from isopeel.assembly.spaces import SpaceOfBodies
 from isopeel.common.arrays import FloatArray
 from isopeel.physics.adhesion import Contact
 from isopeel.physics.adhesion.mirrored import Mirrored
@@ -14,7 +15,7 @@ from isopeel.physics.batch import evaluate_substrate
 from isopeel.physics.materials.base import plane_strain_modulus
 from isopeel.post.closed_form.expected import reach_behind
 from isopeel.post.closed_form.opening import opening
-from isopeel.post.crack import Fronts, load_position, opened, release
+from isopeel.post.crack import Fronts, Release, load_position, opened, release
 from isopeel.post.laboratory import Kind, kind_of
 from isopeel.post.resolution import lies_flat
 from isopeel.problem import Load, Problem
@@ -124,6 +125,7 @@ def halves(problem: Problem, test: Test) -> str | None:
 
 def read(
     problem: Problem,
+    space: SpaceOfBodies,
     curve: Curve,
     found: Fronts,
     window: tuple[float, float] | None,
@@ -157,23 +159,28 @@ def read(
     readings += cracks(curve, found)
     released = release(problem, curve, found, window[0] if window else None)
     if released is not None:
-        both = 2 if mirrored else 1
-        # a body that touches in part, such as a strip on waves, takes W on a part of its face: G is right,
-        # but W is not its theory
-        flat = lies_flat(problem)
-        work = both * problem.adhesion.law.work_of_adhesion if flat else None
-        readings.append(
-            Reading(
-                "energy release rate",
-                both * released.rate,
-                "toughness",
-                theory=work,
-                source="W" if flat else "",
-                words="by the drive" if flat else "by the drive, per area of the face; a part of it adheres",
-                between=released.between,
-            )
-        )
+        readings.append(release_reading(problem, space, released))
     return readings
+
+
+def release_reading(
+    problem: Problem, space: SpaceOfBodies, released: Release, interface: str = ""
+) -> Reading:
+    """Return the energy release rate of an interface, with the work of adhesion of its law."""
+    law = problem.interface_of(interface).law
+    both = 2 if isinstance(law, Mirrored) else 1
+    # a body that touches in part, such as a strip on waves, takes W on a part of its face: G is right, but W
+    # is not its theory
+    flat = lies_flat(problem, space, interface)
+    return Reading(
+        "energy release rate",
+        both * released.rate,
+        "toughness",
+        theory=both * law.work_of_adhesion if flat else None,
+        source="W" if flat else "",
+        words="by the drive" if flat else "by the drive, per area of the face; a part of it adheres",
+        between=released.between,
+    )
 
 
 def steady_window(curve: Curve, share: float = LAST[0]) -> tuple[float, float] | None:
@@ -335,6 +342,19 @@ def cracks(curve: Curve, found: Fronts, of: str = "") -> list[Reading]:
         return [zone]
     words = "from the loaded end to the largest traction"
     return [Reading(f"crack length{of}", front.crack_length, "length", words=words), zone]
+
+
+def fronts_at_the_end(curve: Curve, found: Fronts, of: str) -> list[Reading]:
+    """Return the front of one of several interfaces at the last step: its place, traction and lengths."""
+    readings = cracks(curve, found, of)
+    if not readings:
+        return []
+    zone, words = found[max(found)].zone, "along the side at rest, from where its parameter begins"
+    return [
+        Reading(f"front{of}", zone.position, "length", words=words),
+        Reading(f"largest traction{of}", zone.peak, "stress", words="at the front"),
+        *readings,
+    ]
 
 
 def _away(problem: Problem) -> float:

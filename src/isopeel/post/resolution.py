@@ -18,6 +18,13 @@ The reach of the law is the length over which the attraction falls from its peak
 front the gap grows with the square of the distance. So the reach is 0.88 sqrt(d_r/d_z) process zones, where
 the attraction has fallen to a fiftieth at the opening d_r and to a half at d_z (fitted in the same way).
 
+Two bodies that adhere to each other have the process zone of one body on a rigid substrate with
+
+    1/E' = 1/E'_1 + 1/E'_2,    1/(E' h^3) = 1/(E'_1 h_1^3) + 1/(E'_2 h_2^3),
+
+as the openings of both add up: those of half spaces, and those of bent strips. Of two equal bodies this is
+one of them and its mirror image.
+
 A body that touches the substrate, such as a cylinder, is attracted where its shape leaves a small gap: where
 that part is shorter than the estimate, its length is used.
 """
@@ -29,6 +36,7 @@ from typing import Self
 
 import numpy as np
 
+from isopeel.assembly.interface import InterfacePoints
 from isopeel.assembly.spaces import SpaceOfBodies, spaces_by_name
 from isopeel.common.arrays import BoolArray, FloatArray
 from isopeel.common.errors import InputError
@@ -38,7 +46,7 @@ from isopeel.physics.materials.base import plane_strain_modulus
 from isopeel.post.driven import driven_on
 from isopeel.post.front import ProcessZone
 from isopeel.post.law import law_character
-from isopeel.problem import Problem
+from isopeel.problem import Boundary, Problem
 from isopeel.results.curve import Curve
 from isopeel.splines.nurbs import Side
 from isopeel.splines.space import SplineSpace
@@ -47,6 +55,7 @@ from isopeel.splines.space import SplineSpace
 _SLENDER, _THICK, _REACH = 0.47, 1.45, 0.88
 #: Number of places along the adhering side at which its gap at rest is evaluated.
 _PLACES = 2001
+_OPPOSITE: dict[Side, Side] = {"left": "right", "right": "left", "bottom": "top", "top": "bottom"}
 #: Variation of a gap, as a share of the length of the joint, that is round-off.
 EVEN = 1e-9
 
@@ -122,22 +131,19 @@ def estimated(problem: Problem, space: SpaceOfBodies, interface: str = "") -> Re
     body that touches it begins at the edge of the contact: that given by its shape and the law, or that of
     Johnson, Kendall and Roberts at pull-off where it is wider.
     """
-    adhesion = problem.interface_of(interface)
-    law, body = adhesion.law, problem.body_of(adhesion.boundary.body)
+    law = problem.interface_of(interface).law
     try:
         character = law_character(law)
     except InputError:
         return None
-    places, gap = _at_rest(problem, interface)
+    places, gap = _at_rest(problem, space, interface)
     opened = character.softened_gap - law.equilibrium_gap
-    modulus = plane_strain_modulus(body.material)
+    modulus, height = compliant(problem, interface)
     irwin = modulus * character.work_of_adhesion / character.strength**2
     touches, lowest = gap - gap.min() < opened, int(np.argmin(gap))
     edge = None
     if touches.all():
-        loaded = {one.side for one in driven_on(problem, body.name)}
-        ends = [end for side, end in (("left", 0), ("right", -1)) if side in loaded] or [0, -1]
-        fronts = [float(places[end]) for end in ends]
+        fronts = [float(places[end]) for end in _ends_at_the_drive(problem, interface)]
         limit = float(places[-1] - places[0])
     else:
         limit = _beside(places, touches, lowest)
@@ -145,7 +151,7 @@ def estimated(problem: Problem, space: SpaceOfBodies, interface: str = "") -> Re
         edge = max(limit, float((2 * character.work_of_adhesion * radius**2 / (np.pi * modulus)) ** (1 / 3)))
         around = places[lowest] + np.array([-edge, edge])
         fronts = [float(front) for front in around if places[0] <= front <= places[-1]] or [float(places[-1])]
-    zone = min(process_zone_length(irwin, body_height(problem, interface)), limit)
+    zone = min(process_zone_length(irwin, height), limit)
     stretches = tuple((front - zone, front + zone) for front in fronts)
     return _resolution(problem, space, zone, stretches, edge, interface)
 
@@ -180,30 +186,49 @@ def elements_are_tall(problem: Problem, space: SpaceOfBodies, body: str = "") ->
         max(shape.boundary(side).length() for side in pair) for pair in (("bottom", "top"), ("left", "right"))
     )
     first = height * np.diff(own.across.breakpoints)[0]
-    lower = any(one.boundary.body == name and one.side == "bottom" for one in problem.interfaces)
+    lower = any(one.boundary.body == name and one.side == "bottom" for one in problem.faces)
     return bool(lower and first > 2 * length * np.diff(own.rows[0].breakpoints).min())
 
 
-def lies_flat(problem: Problem) -> bool:
-    """Return whether the adhering part is everywhere as far from the substrate at rest."""
-    places, gap = _at_rest(problem)
+def lies_flat(problem: Problem, space: SpaceOfBodies, interface: str = "") -> bool:
+    """Return whether the adhering part is everywhere as far from what it adheres to at rest."""
+    places, gap = _at_rest(problem, space, interface)
     return bool(np.ptp(gap) <= EVEN * (places[-1] - places[0]))
 
 
-def parts_at_once(problem: Problem) -> bool:
-    """Return whether a joint opens uniformly, without a front, as below a bar that is pulled."""
-    adhesion, driven = problem.adhesion, problem.driven_side
-    opposite = {"bottom": "top", "top": "bottom", "left": "right", "right": "left"}
-    across = 0 if adhesion.side in ("bottom", "top") else 1
+def parts_at_once(problem: Problem, space: SpaceOfBodies, interface: str = "") -> bool:
+    """Return whether a joint opens uniformly, without a front, as below a bar that is pulled.
+
+    Of several bodies each must be so, or have both of these sides held.
+    """
+    adhesion = problem.interface_of(interface)
+    boundaries = [adhesion.boundary]
+    if isinstance(adhesion.against, Boundary):
+        boundaries.append(adhesion.against)
+    flat = all(one.is_whole and _stays_flat(problem, one) for one in boundaries)
+    return bool(flat and lies_flat(problem, space, interface))
+
+
+def _stays_flat(problem: Problem, boundary: Boundary) -> bool:
+    """Return whether a body is driven, or held beside another one, on the side opposite to a boundary."""
+    opposite = _OPPOSITE[boundary.side]
+    across = 0 if boundary.side in ("bottom", "top") else 1
     beside = {"left", "right"} if across == 0 else {"bottom", "top"}
-    held = beside <= {
-        support.side
-        for support in problem.supports
-        if across in support.components and support.boundary.is_whole
-    }
-    whole = adhesion.boundary.is_whole
-    alone = held or problem.body.material.poissons_ratio == 0
-    return bool(driven == opposite[adhesion.side] and whole and alone and lies_flat(problem))
+    supports = [one for one in problem.supports if one.boundary.body == boundary.body]
+    held = beside <= {one.side for one in supports if across in one.components and one.boundary.is_whole}
+    alone = held or problem.body_of(boundary.body).material.poissons_ratio == 0
+    driven = problem.driven_side == opposite and driven_on(problem, boundary.body)
+    fixed = len(problem.bodies) > 1 and is_held(problem, boundary.body, opposite)
+    return bool(alone and (driven or fixed))
+
+
+def is_held(problem: Problem, body: str, side: Side) -> bool:
+    """Return whether a whole side of a body is held: a lower or upper one along y, another one along x."""
+    across = 1 if side in ("bottom", "top") else 0
+    return any(
+        (one.boundary.body, one.side) == (body, side) and across in one.components and one.boundary.is_whole
+        for one in problem.supports
+    )
 
 
 @dataclass(frozen=True)
@@ -288,14 +313,39 @@ def _longest(ends: FloatArray, start: float, end: float) -> float:
     return float(np.diff(ends)[covered].max()) if covered.any() else float(np.diff(ends)[-1])
 
 
-def _at_rest(problem: Problem, interface: str = "") -> tuple[FloatArray, FloatArray]:
+def _ends_at_the_drive(problem: Problem, interface: str) -> list[int]:
+    """Return the ends of an adhering part that face the drive, 0 and -1 for its start and its end.
+
+    Where the drive acts on the other body only, they are the ends next to it; without such a drive both.
+    """
+    boundary, against = problem.interface_of(interface).boundary, problem.interface_of(interface).against
+    loaded = {one.side for one in driven_on(problem, boundary.body)}
+    ends = [end for side, end in (("left", 0), ("right", -1)) if side in loaded]
+    if loaded or not isinstance(against, Boundary):
+        return ends or [0, -1]
+    drives = [one for one in driven_on(problem, against.body) if one.side in ("left", "right")]
+    if not drives:
+        return [0, -1]
+    side = problem.body_of(boundary.body).shape.boundary(boundary.side)
+    at = side.evaluate(np.array(boundary.part))
+    other = problem.body_of(against.body).shape
+    distances = [np.linalg.norm(at - other.boundary(one.side).evaluate([0.5]), axis=1) for one in drives]
+    return sorted({-int(np.argmin(one)) for one in distances}, reverse=True)
+
+
+def _at_rest(problem: Problem, space: SpaceOfBodies, interface: str) -> tuple[FloatArray, FloatArray]:
     """Return places (n,) along the adhering part, from the start of its side, and the gaps at rest there."""
     adhesion = problem.interface_of(interface)
     curve = problem.body_of(adhesion.boundary.body).shape.boundary(adhesion.side)
-    points = curve.evaluate(np.linspace(adhesion.start, adhesion.end, _PLACES))
+    along = np.linspace(adhesion.start, adhesion.end, _PLACES)
+    points = curve.evaluate(along)
     first = curve.length(adhesion.start) if adhesion.start > 0 else 0.0
     steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
-    gap, _, _ = evaluate_substrate(adhesion.substrate.kernel, adhesion.substrate.parameters, points)
+    if isinstance(adhesion.against, Boundary):
+        at_rest = np.zeros((sum(one.size for one in spaces_by_name(problem, space).values()), 2))
+        gap = InterfacePoints(problem, space, along[:, None], interface=interface).gap(at_rest)[:, 0]
+    else:
+        gap, _, _ = evaluate_substrate(adhesion.against.kernel, adhesion.against.parameters, points)
     return first + np.concatenate([[0.0], np.cumsum(steps)]), gap
 
 
@@ -311,10 +361,27 @@ def _beside(places: FloatArray, touches: BoolArray, lowest: int) -> float:
 
 def body_height(problem: Problem, interface: str = "") -> float:
     """Return the thickness of the body above the adhering side, in the middle of the adhering part."""
+    return _height_above(problem, problem.interface_of(interface).boundary)
+
+
+def compliant(problem: Problem, interface: str = "") -> tuple[float, float]:
+    """Return E' and height of the body that has the front of an interface on a rigid substrate, see above."""
     adhesion = problem.interface_of(interface)
-    shape = problem.body_of(adhesion.boundary.body).shape
-    at, ends = (adhesion.start + adhesion.end) / 2, (0.0, 1.0)
-    if adhesion.side in ("bottom", "top"):
+    boundaries = [adhesion.boundary]
+    if not isinstance(adhesion.against, Boundary):
+        modulus = plane_strain_modulus(problem.body_of(adhesion.boundary.body).material)
+        return modulus, _height_above(problem, adhesion.boundary)
+    boundaries.append(adhesion.against)
+    moduli = np.array([plane_strain_modulus(problem.body_of(one.body).material) for one in boundaries])
+    heights = np.array([_height_above(problem, one) for one in boundaries])
+    modulus = 1 / float(np.sum(1 / moduli))
+    return modulus, float((modulus * np.sum(1 / (moduli * heights**3))) ** (-1 / 3))
+
+
+def _height_above(problem: Problem, boundary: Boundary) -> float:
+    shape = problem.body_of(boundary.body).shape
+    at, ends = (boundary.start + boundary.end) / 2, (0.0, 1.0)
+    if boundary.side in ("bottom", "top"):
         points = shape.evaluate(np.full(2, at), np.array(ends))
     else:
         points = shape.evaluate(np.array(ends), np.full(2, at))

@@ -7,10 +7,9 @@ import numpy as np
 
 from isopeel.assembly.spaces import SpaceOfBodies, spaces_by_name
 from isopeel.common.errors import InputError
-from isopeel.physics.materials.base import plane_strain_modulus
 from isopeel.post.closed_form.strip import free_strip
 from isopeel.post.crack import jumps
-from isopeel.post.front import front_profile
+from isopeel.post.front import POINTS, front_profile
 from isopeel.post.laboratory import Laboratory
 from isopeel.post.law import law_character
 from isopeel.post.plateau import PlateauReading, read_window, rising
@@ -20,6 +19,7 @@ from isopeel.post.resolution import (
     Resolution,
     Zones,
     body_height,
+    compliant,
     ends_along,
     estimated,
     needed_elements,
@@ -51,50 +51,54 @@ _SPARE, _SPARE_GRADED = 1.1, 1.4
 
 
 def estimate_notes(problem: Problem, space: SpaceOfBodies, laboratory: Laboratory) -> list[Note]:
-    """Return notes, before the first step, where a front has too few elements, with a remedy.
-
-    They are known for one body with one interface only.
-    """
-    if not problem.is_single:
-        return []
-    own = spaces_by_name(problem, space)[problem.body.name]
-    found = estimated(problem, own)
-    if found is None or found.is_enough or parts_at_once(problem):
-        return []
-    return [_zone_note(problem, own, found, laboratory, "estimated from law, material and thickness")]
+    """Return notes, before the first step, where a front has too few elements, with a remedy."""
+    found = (_estimate_note(problem, space, laboratory, name) for name in problem.interface_names)
+    return [note for note in found if note is not None]
 
 
-def peels(problem: Problem, space: RowSpace, states: Sequence[StoredState]) -> bool:
+def _estimate_note(
+    problem: Problem, space: SpaceOfBodies, laboratory: Laboratory, interface: str
+) -> Note | None:
+    found = estimated(problem, space, interface)
+    if found is None or found.is_enough or parts_at_once(problem, space, interface):
+        return None
+    source = "estimated from law, material and thickness"
+    return _zone_note(problem, space, found, laboratory, source, interface)
+
+
+def peels(problem: Problem, space: SpaceOfBodies, states: Sequence[StoredState], interface: str = "") -> bool:
     """Return whether half of a joint's strength was reached somewhere in one of the last and largest states.
 
     A joint without such a place is a support, which has no front.
     """
     try:
-        strength = law_character(problem.adhesion.law).strength
+        strength = law_character(problem.interface_of(interface).law).strength
     except InputError:
         return False
     looked_at = [max(states, key=lambda state: abs(state.parameter)), states[-1]] if states else []
     pulls = (
         -front_profile(
-            problem, space, state.displacement, maximum_openings=state.maximum_openings
+            problem, space, state.displacement, POINTS, state.maximum_openings, interface
         ).adhesive_traction.min()
         for state in looked_at
     )
     return not states or any(pull > strength / 2 for pull in pulls)
 
 
-def zone_notes(problem: Problem, space: RowSpace, zones: Zones, laboratory: Laboratory) -> list[Note]:
-    """Return notes where a measured front, or else the estimated one, has too few elements."""
+def zone_note(
+    problem: Problem, space: SpaceOfBodies, zones: Zones, laboratory: Laboratory, interface: str
+) -> Note | None:
+    """Return a note where a measured front, or else the estimated one, has too few elements, else None."""
     if zones.worst is None:
-        return estimate_notes(problem, space, laboratory)
+        return _estimate_note(problem, space, laboratory, interface)
     value, front = zones.worst
     if front.is_enough:
-        return []
+        return None
     # a front that the elements do not resolve is as long as an element
     if zones.estimated is not None and zones.estimated.elements < front.elements:
-        return estimate_notes(problem, space, laboratory)
+        return _estimate_note(problem, space, laboratory, interface)
     where = f"measured at the front at {laboratory.parameter(problem.drive.parameter_column, value)}"
-    return [_zone_note(problem, space, front, laboratory, where)]
+    return _zone_note(problem, space, front, laboratory, where, interface)
 
 
 def oscillation_notes(
@@ -138,28 +142,42 @@ def _about_a_line(curve: Curve, window: tuple[float, float]) -> PlateauReading |
 
 
 def _zone_note(
-    problem: Problem, space: RowSpace, found: Resolution, laboratory: Laboratory, source: str
+    problem: Problem,
+    space: SpaceOfBodies,
+    found: Resolution,
+    laboratory: Laboratory,
+    source: str,
+    interface: str,
 ) -> Note:
     """Return the note on an insufficient resolution, with the source of its numbers."""
+    name = problem.interface_of(interface).boundary.body
+    own = spaces_by_name(problem, space)[name]
     element, zone, reach = (
         laboratory.text(length, "length", 3) for length in (found.element, found.zone, found.reach)
     )
     text = (
         f"{found.elements:.2g} elements of {element} in the process zone of {zone}, and "
-        f"{found.elements_in_reach:.2g} in the reach of the law, {reach} ({source}); space {space.name} "
+        f"{found.elements_in_reach:.2g} in the reach of the law, {reach} ({source}); space {own.name} "
         f"needs {found.needed:.2g} in the process zone"
     )
-    remedy = _remedy(problem, space, found)
+    remedy = _remedy(problem, space, found, interface)
     if remedy is None:
-        text += f"; {_softer(problem, space, found, laboratory)}"
+        text += f"; {_softer(problem, own, found, laboratory, interface)}"
+    if len(problem.interface_names) > 1:
+        text = f"{interface}: {text}"
+    if remedy is not None and len(problem.bodies) > 1:
+        # each body has its own mesh
+        return Note("resolution", f"{text}; use {remedy.text} for the body {name}")
     return Note("resolution", text, remedy)
 
 
-def _remedy(problem: Problem, space: RowSpace, found: Resolution) -> Remedy | None:
+def _remedy(problem: Problem, spaces: SpaceOfBodies, found: Resolution, interface: str) -> Remedy | None:
     """Return a discretization that resolves the process zone and on which a run takes minutes, or None."""
+    adhesion = problem.interface_of(interface)
+    space = spaces_by_name(problem, spaces)[adhesion.boundary.body]
     along, across = space.elements
     more = _SPARE * found.needed / found.elements
-    if problem.adhesion.side in ("left", "right"):
+    if adhesion.side in ("left", "right"):
         mesh = (along, _rounded_up(more * across))
         return Remedy(mesh) if _affordable(space, mesh) else None
     usual = SplineSpace.uniform(3, 1, 2)
@@ -172,7 +190,7 @@ def _remedy(problem: Problem, space: RowSpace, found: Resolution) -> Remedy | No
     # a front that stays near its start needs few small elements
     stays = problem.driven_side in ("bottom", "top")
     if stays and wanted[0] > _FEW_MORE * along:
-        graded = _graded(problem, space, found)
+        graded = _graded(problem, spaces, found, interface)
         if graded is not None:
             return graded._replace(instead=instead)
     return Remedy(wanted, None, instead) if _affordable(space, wanted) else None
@@ -183,16 +201,19 @@ def _affordable(space: RowSpace, mesh: tuple[int, int]) -> bool:
     return mesh[0] * (mesh[1] + space.across.degree) <= _MOST_COLUMNS
 
 
-def _graded(problem: Problem, space: RowSpace, found: Resolution) -> Remedy | None:
+def _graded(problem: Problem, spaces: SpaceOfBodies, found: Resolution, interface: str) -> Remedy | None:
     """Return the first graded mesh, of few elements first, that resolves a front in one half of the side."""
+    adhesion, of = problem.interface_of(interface), spaces_by_name(problem, spaces)
+    body = problem.body_of(adhesion.boundary.body)
+    space = of[body.name]
     along, across = space.elements
-    middle = float(ends_along(problem, space)[-1]) / 2
+    middle = float(ends_along(problem, spaces, interface)[-1]) / 2
     sides = {np.sign(sum(stretch) / 2 - middle) for stretch in found.stretches}
     if len(sides) > 1:
         return None
     towards = -1 if 1.0 in sides else 1
-    upwards = 1 if problem.adhesion.side == "bottom" else -1
-    rows, steep = _rows(problem, across, found.contact)
+    upwards = 1 if adhesion.side == "bottom" else -1
+    rows, steep = _rows(body_height(problem, interface), across, found.contact)
     for times in _TIMES:
         mesh = (_rounded_up(times * along), rows)
         if not _affordable(space, mesh):
@@ -202,22 +223,21 @@ def _graded(problem: Problem, space: RowSpace, found: Resolution) -> Remedy | No
                 break
             grading = (float(ratio) ** towards, float(steep) ** upwards)
             try:
-                tried = row_space(space.name, mesh, space.across.degree, grading, problem.body.shape)
+                tried = row_space(space.name, mesh, space.across.degree, grading, body.shape)
             except InputError:
                 continue
-            there = found.on(problem, tried)
+            there = found.on(problem, {**of, body.name: tried}, interface)
             if there.elements >= _SPARE * there.needed:
                 return Remedy(mesh, grading)
     return None
 
 
-def _rows(problem: Problem, across: int, contact: float | None) -> tuple[int, int]:
+def _rows(height: float, across: int, contact: float | None) -> tuple[int, int]:
     """Return elements across and their grading with a first row no higher than a contact is wide.
 
     With a first row of 4 contact widths the pull-off force of a cylinder is 3.4 % too large, with one of 0.9
     widths 0.2 %.
     """
-    height = body_height(problem)
     if contact is None:
         return across, 1
     for rows in sorted({across, *(count for count in _ROWS if count > across)}):
@@ -231,13 +251,14 @@ def _rows(problem: Problem, across: int, contact: float | None) -> tuple[int, in
     return max(across, _ROWS[-1]), _GRADINGS[-2]
 
 
-def _softer(problem: Problem, space: RowSpace, found: Resolution, laboratory: Laboratory) -> str:
+def _softer(
+    problem: Problem, space: RowSpace, found: Resolution, laboratory: Laboratory, interface: str
+) -> str:
     """Return a text on the strength whose estimated process zone an affordable mesh resolves."""
     from scipy.optimize import brentq
 
-    law = problem.adhesion.law
-    character = law_character(law)
-    modulus = plane_strain_modulus(problem.body.material)
+    character = law_character(problem.interface_of(interface).law)
+    modulus, height = compliant(problem, interface)
     along, across = space.elements
     most = _MOST_COLUMNS / (across + space.across.degree) / along
     # more than needed, as numbers of elements are rounded up
@@ -245,7 +266,7 @@ def _softer(problem: Problem, space: RowSpace, found: Resolution, laboratory: La
 
     def misses(logarithm: float) -> float:
         irwin = modulus * character.work_of_adhesion / character.strength**2
-        height, softer = body_height(problem), float(np.exp(-2 * logarithm))
+        softer = float(np.exp(-2 * logarithm))
         return process_zone_length(irwin * softer, height) / process_zone_length(irwin, height) - longer
 
     # a zone of a slender body is longer by the root of the strength at least

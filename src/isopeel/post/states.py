@@ -13,7 +13,7 @@ from isopeel.physics.adhesion.mirrored import Mirrored
 from isopeel.physics.substrates import Substrate
 from isopeel.post.driven import driven_boundaries
 from isopeel.post.fields import SampledFields, sample_fields, side_positions
-from isopeel.problem import Problem
+from isopeel.problem import Boundary, Problem
 from isopeel.results.fields import StoredState
 from isopeel.splines.nurbs import Side
 from isopeel.splines.rows import RowSpace
@@ -142,23 +142,27 @@ def front_window(problem: Problem, state: DrawnState, interface: str) -> Window:
 def substrates(problem: Problem, interface: str = "") -> list[Substrate]:
     """Return the substrates of all interfaces, each once; or those of the body of one interface.
 
-    A substrate of another body does not attract this body, and may be in the gap of this body.
+    A substrate of another body does not attract this body, and may be in the gap of this body. Bodies that
+    adhere to each other only have none.
     """
     body = problem.interface_of(interface).boundary.body if interface else ""
     found: list[Substrate] = []
     for one in problem.interfaces:
-        if one.substrate not in found and body in ("", one.boundary.body):
-            found.append(one.substrate)
+        if isinstance(one.against, Boundary):
+            continue
+        if one.against not in found and body in ("", one.boundary.body):
+            found.append(one.against)
     return found
 
 
-def adheres_to(problem: Problem) -> str:
-    """Return what the bodies adhere to, in words."""
+def hatched(problem: Problem) -> str:
+    """Return in words what pictures hatch; nothing where bodies adhere to each other only."""
     words = [
         "mirror plane" if isinstance(interface.law, Mirrored) else "substrate"
         for interface in problem.interfaces
+        if not isinstance(interface.against, Boundary)
     ]
-    return ", ".join(dict.fromkeys(words)) or "substrate"
+    return ", ".join(dict.fromkeys(words))
 
 
 def common_view(

@@ -86,7 +86,7 @@ def _row(reading: Reading, parameter: Column, laboratory: Laboratory) -> Row:
     words = reading.words
     if reading.between is not None:
         first, last = (laboratory.parameter(parameter, end) for end in reading.between)
-        words += f", {first} to {last}"
+        words += f"{', ' if words else ''}{first} to {last}"
     if words:
         value += f"\n  {words}"
     if reading.theory is None:

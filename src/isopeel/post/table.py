@@ -38,7 +38,7 @@ def write_curve(
     for name in problem.interface_names:
         if load_position(problem, name) is None:
             continue
-        column = Column(f"crack_length {name}" if len(problem.interfaces) > 1 else "crack_length", "L0")
+        column = Column(f"crack_length {name}" if len(problem.interface_names) > 1 else "crack_length", "L0")
         lengths = crack_lengths(curve, fronts.get(name, {})) * laboratory.column(column).factor
         table[laboratory.heading(column)] = [
             None if length != length else length for length in lengths.tolist()

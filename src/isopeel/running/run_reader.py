@@ -33,7 +33,8 @@ class StoredStage:
 
     def found(self) -> Findings:
         """Read the run."""
-        return find(self.stage.problem, self.spaces, self.run, self.stage.window, self.laboratory)
+        points = self.case.discretization.contact_points
+        return find(self.stage.problem, self.spaces, self.run, self.stage.window, self.laboratory, points)
 
 
 def read_stages(folder: Path) -> tuple[StoredStage, ...]:

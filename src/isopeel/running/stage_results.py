@@ -31,11 +31,11 @@ class Results(NamedTuple):
 def write_results(one: StageRun, run: StoredRun, wall_time: float) -> Results:
     """Write curve, summary and, unless the run was interrupted, figures."""
     out, problem = one.place.folder, one.stage.problem
-    found = find(problem, one.spaces, run, one.stage.window, one.laboratory)
+    points = one.case.discretization.contact_points
+    found = find(problem, one.spaces, run, one.stage.window, one.laboratory, points)
     write_curve(out / "curve.csv", run.curve, problem, found.laboratory, found.fronts)
     # after Ctrl-C a finer mesh and figures would take too long
     interrupted = run.ending == "interrupted"
-    points = one.case.discretization.contact_points
     changes = [] if interrupted else mesh_changes(problem, one.spaces, run, points)
     summary = summarize(one.place.title, run, found, wall_time, changes)
     text = json.dumps(summary, indent=2, allow_nan=False)

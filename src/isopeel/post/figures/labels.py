@@ -74,7 +74,7 @@ def rows_of(figure: Figure, heights: Sequence[float]) -> list[Figure | SubFigure
 
 def of_interface(problem: Problem, name: str) -> str:
     """Return " of upper.bottom" where a problem has several interfaces, else nothing."""
-    return f" of {name}" if len(problem.interfaces) > 1 else ""
+    return f" of {name}" if len(problem.interface_names) > 1 else ""
 
 
 def power_of_ten(values: FloatArray, scale: float) -> int:

@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 
 import numpy as np
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
@@ -16,9 +17,9 @@ from isopeel.post.figures.labels import of_interface, plane_axes, shown_paramete
 from isopeel.post.laboratory import Laboratory
 from isopeel.post.states import (
     DrawnState,
-    adheres_to,
     drawn_state,
     front_window,
+    hatched,
     stress_scale,
     substrates,
     whole_window,
@@ -82,13 +83,13 @@ def shapes_figure(
             mark_adhering(axes, last.faces.values(), 1.8, 4)
             axes.set_title(f"front{of_interface(problem, name)} at {at_last}", loc="left")
         figure.colorbar(mesh, ax=panels, label=FIELD_LABEL, aspect=40, pad=0.02)
-        handles = [
+        handles: list[Artist] = [
             Line2D([], [], color=VERMILION, linewidth=1.5, label="face that adheres"),
-            Patch(
-                facecolor=SHADE, edgecolor="black", linewidth=0.5, hatch="/////", label=adheres_to(problem)
-            ),
             Line2D([], [], color="black", linewidth=0.8, linestyle=DASHES, label="enlarged below"),
         ]
+        if words := hatched(problem):
+            shaded = Patch(facecolor=SHADE, edgecolor="black", linewidth=0.5, hatch="/////", label=words)
+            handles.insert(1, shaded)
         if fronts:
             figure.legend(handles=handles, loc="outside upper left", ncols=3)
         return figure
