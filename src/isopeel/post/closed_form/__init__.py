@@ -14,7 +14,8 @@ from isopeel.post.closed_form.cohesive_cylinder import (
 from isopeel.post.closed_form.expected import Expected, expected
 from isopeel.post.closed_form.line_contact import HertzLine, hertz_line, jkr_line_load, jkr_line_pull_off
 from isopeel.post.closed_form.strip import BeamPeeling, beam_peeling
-from isopeel.post.closed_form.tape import kendall_force, sliding_tape_force
+from isopeel.post.closed_form.t_peel import t_peel
+from isopeel.post.closed_form.tape import kendall_force, sliding_tape_force, t_peel_force
 
 __all__ = [
     "BeamPeeling",
@@ -33,4 +34,6 @@ __all__ = [
     "maugis_cylinder",
     "maugis_cylinder_pull_off",
     "sliding_tape_force",
+    "t_peel",
+    "t_peel_force",
 ]

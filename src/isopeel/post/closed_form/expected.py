@@ -7,8 +7,10 @@ from math import cos, pi, remainder, sqrt
 import numpy as np
 
 from isopeel.common.errors import InputError
+from isopeel.physics.adhesion import AdhesionLaw
 from isopeel.physics.adhesion.mirrored import Mirrored
 from isopeel.physics.batch import evaluate_material, evaluate_substrate
+from isopeel.physics.materials import Material
 from isopeel.physics.materials.base import plane_strain_modulus
 from isopeel.post.closed_form.finite_strain import bent_strip, peeled_tape
 from isopeel.post.closed_form.strip import FreeStrip, beam_peeling, free_strip
@@ -17,18 +19,18 @@ from isopeel.post.law import law_character
 from isopeel.problem import Problem, PulledSide
 from isopeel.splines.rows import RowSpace
 
-_ROUND_OFF = 1e-9
-_SLENDER = 8.0  # lengths over heights from which a strip is a beam
+ROUND_OFF = 1e-9  # relative
+SLENDER = 8.0  # lengths over heights from which a strip is a beam
 #: A small-strain form is valid where it is within this share of the finite-strain one: half of the 1 % that a
 #: closed form is to be right within.
 SMALL_STRAIN = 0.005
 #: Lengths sqrt(E'I/S) of elastica from which the free arm of a tape points along its force: what is left of
 #: its turn changes the balance of energies by exp(-2 x 3) = 0.25 % (`tests/validation`, tapes).
-_ARM = 3.0
+ARM = 3.0
 #: Decay lengths (4 E'I/k)^(1/4) of a beam on springs that the joint must have opened by, and be closed beyond
 #: the front. With the mean stiffness k of the law during separation they are the longest decay lengths: the
 #: moment of the published strip, whose law has a long range, is 0.1 % below its plateau there.
-_DECAY = 2.0
+DECAY = 2.0
 
 
 @dataclass(frozen=True)
@@ -70,9 +72,7 @@ def theory(problem: Problem, space: RowSpace) -> Theory:
     strip = free_strip(problem)
     if strip is None or not lies_free(problem, strip):
         return Theory()
-    sizes = np.diff(space.rows[0].breakpoints)
-    # uniform breakpoints are rounded quotients
-    element = strip.length / len(sizes) if np.ptp(sizes) < _ROUND_OFF * sizes[0] else None
+    element = equal_element(strip, space)
     for find in (_beam, _tape):
         found = find(problem, strip, element)
         if found is not None:
@@ -108,18 +108,29 @@ def invalid(
     return None
 
 
+def equal_element(strip: FreeStrip, space: RowSpace) -> float | None:
+    """Return the length of the elements along a strip; None where they are not equal."""
+    sizes = np.diff(space.rows[0].breakpoints)
+    # uniform breakpoints are rounded quotients
+    return strip.length / len(sizes) if np.ptp(sizes) < ROUND_OFF * sizes[0] else None
+
+
 def decay_length(problem: Problem, height: float) -> float | None:
     """Return the length (4 E'I/k)^(1/4) that a front reaches into a joint; None without attraction.
 
     Of a beam on springs (Hetenyi, Beams on Elastic Foundation, 1946) with the mean stiffness
     k = strength^2/(2 W) of the law during separation; at least the height of the strip, as for a layer.
     """
-    law = problem.adhesion.law
+    return decay_of(problem.adhesion.law, problem.body.material, height)
+
+
+def decay_of(law: AdhesionLaw, material: Material, height: float) -> float | None:
+    """Return the `decay_length` of a strip of a material that adheres by a law."""
     try:
         strength = law_character(law).strength
     except InputError:
         return None
-    bending = plane_strain_modulus(problem.body.material) * height**3 / 12
+    bending = plane_strain_modulus(material) * height**3 / 12
     stiffness = strength**2 / (2 * law.work_of_adhesion)
     return max(float((4 * bending / stiffness) ** 0.25), height)
 
@@ -129,25 +140,24 @@ def lies_free(problem: Problem, strip: FreeStrip) -> bool:
     adhesion, substrate, driven = problem.adhesion, problem.adhesion.substrate, problem.driven_side
     place = problem.body.shape.boundary(adhesion.side).evaluate([adhesion.start])
     gap, _, _ = evaluate_substrate(substrate.kernel, substrate.parameters, place)
-    at_rest = abs(float(gap[0]) - adhesion.law.equilibrium_gap) < _ROUND_OFF * strip.length
+    at_rest = abs(float(gap[0]) - adhesion.law.equilibrium_gap) < ROUND_OFF * strip.length
     up_to_the_end = (adhesion.start if driven == "right" else 1 - adhesion.end) == 0
     far = {"left": "right", "right": "left"}.get(driven or "")
     held_there = all(support.side == far and support.boundary.is_whole for support in problem.supports)
-    slender = strip.length > _SLENDER * strip.height
+    slender = strip.length > SLENDER * strip.height
     return at_rest and up_to_the_end and held_there and slender
 
 
-def _tension(problem: Problem, strip: FreeStrip) -> float:
-    """Return the tension per width with which the strip was laid."""
-    material = problem.body.material
+def tension_of(material: Material, strip: FreeStrip) -> float:
+    """Return the tension per width with which a strip was laid."""
     stress = evaluate_material(material.kernel, material.parameters, np.eye(2)[None])[1]
     tension = strip.height * float(stress[0, 0, 0])
-    return tension if abs(tension) > _ROUND_OFF * material.youngs_modulus * strip.height else 0.0
+    return tension if abs(tension) > ROUND_OFF * material.youngs_modulus * strip.height else 0.0
 
 
 def _beam(problem: Problem, strip: FreeStrip, element: float | None) -> Theory | None:
     beam = beam_peeling(problem)
-    if beam is None or _tension(problem, strip):
+    if beam is None or tension_of(problem.body.material, strip):
         return None
     work, material = problem.adhesion.law.work_of_adhesion, problem.body.material
     exact = bent_strip(material, strip.height, work, 1 / beam.radius)
@@ -166,8 +176,8 @@ def _beam(problem: Problem, strip: FreeStrip, element: float | None) -> Theory |
             beam.moment if small else exact.moment,
             beam.onset_deg if small else float(np.degrees(strip.free_length * curvature)),
             period,
-            strip.free_length + _DECAY * reach,
-            _DECAY * reach,
+            strip.free_length + DECAY * reach,
+            DECAY * reach,
         )
     )
 
@@ -182,7 +192,7 @@ def _tape(problem: Problem, strip: FreeStrip, element: float | None) -> Theory |
     if adhesion.side != "bottom" or isinstance(adhesion.law, Mirrored):
         return None
     angle = remainder(load.angle if problem.driven_side == "right" else pi - load.angle, 2 * pi)
-    tension = _tension(problem, strip)
+    tension = tension_of(problem.body.material, strip)
     held = adhesion.sliding_length is not None
     if angle <= 0 or (tension and not held):
         return None
@@ -208,14 +218,14 @@ def _tape(problem: Problem, strip: FreeStrip, element: float | None) -> Theory |
         return Theory(reason="the traction acts on projected areas, which the stretch of the tape changes")
     period = None if element is None else element * (1 - cos(angle) if small else exact.rate)
     reach = decay_length(problem, strip.height) or strip.height
-    arm = max(_ARM * sqrt(modulus * strip.height**3 / 12 / force), strip.free_length + _DECAY * reach)
+    arm = max(ARM * sqrt(modulus * strip.height**3 / 12 / force), strip.free_length + DECAY * reach)
     behind = reach_behind(problem, strip.height)
     return Theory(Expected(name, force, None, period, arm, behind))
 
 
 def reach_behind(problem: Problem, height: float) -> float:
     """Return the reach of a front into a joint by bending and shear; with a shorter rest it is not steady."""
-    return _DECAY * max(decay_length(problem, height) or height, _shear_lag(problem, height))
+    return DECAY * max(decay_length(problem, height) or height, _shear_lag(problem, height))
 
 
 def _shear_lag(problem: Problem, height: float) -> float:

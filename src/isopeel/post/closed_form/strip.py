@@ -9,7 +9,8 @@ from isopeel.physics.adhesion import Contact
 from isopeel.physics.materials.base import plane_strain_modulus
 from isopeel.physics.substrates import Flat
 from isopeel.post.closed_form.beams import beam_moment
-from isopeel.problem import Problem, RotatedSide
+from isopeel.problem import Boundary, Problem, RotatedSide
+from isopeel.splines.nurbs import NurbsSurface, Side
 
 
 @dataclass(frozen=True)
@@ -50,8 +51,16 @@ def free_strip(problem: Problem) -> FreeStrip | None:
         or isinstance(adhesion.law, Contact)
     ):
         return None
-    side = shape.boundary(adhesion.side)
-    ends = side.evaluate([0.0, adhesion.start, adhesion.end, 1.0])
+    return strip_of(shape, adhesion.boundary, driven)
+
+
+def strip_of(shape: NurbsSurface, boundary: Boundary, driven: Side) -> FreeStrip | None:
+    """Measure a strip along the x axis that adheres with a boundary and is driven at its left or right side.
+
+    Returns None for other shapes.
+    """
+    side = shape.boundary(boundary.side)
+    ends = side.evaluate([0.0, boundary.start, boundary.end, 1.0])
     corners = shape.control_points.reshape(-1, 2)
     length, height = np.ptp(corners, axis=0)
     # only a rectangle along the axes fills the box around its control points

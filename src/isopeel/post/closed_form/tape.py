@@ -44,3 +44,13 @@ def sliding_tape_force(work: float, stiffness: float, angle: float) -> float:
         raise InputError("angle", angle, "it must lie in (0, pi]")
     lever = 2 * sin(angle / 2) ** 2
     return 2 * work / (lever + sqrt(lever**2 + 2 * work / stiffness * sin(angle) ** 2))
+
+
+def t_peel_force(work: float, stiffness: float) -> float:
+    """Return the force S on each of two equal tapes that are pulled off each other at 90 degrees.
+
+    2 S + S^2/(E' h) = W: for each length that peels, both loads do the work S (1 + e) with e = S/(E' h), and
+    each tape stores S e/2. By symmetry this is Kendall's tape with half of the work of adhesion. Sliding
+    along the other tape changes nothing, as the forces have no component along the joint.
+    """
+    return kendall_force(work / 2, stiffness, pi / 2)
