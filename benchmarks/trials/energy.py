@@ -66,7 +66,7 @@ def gain_in_parts(case: Case, stage_number: int, gain: Gain) -> Gain:
 
     The path is computed again up to the step, which gives the same bits.
     """
-    space = case.space()
+    space = case.spaces()
     base: State | None = None
     for number, stage in enumerate(case.stages()):
         settings = NewtonSettings(path_control=stage.path_control)
@@ -96,20 +96,24 @@ def _gained(path: list[Step], problem: Problem) -> float:
 
 
 def _round_off(problem: Problem) -> float:
-    """Round-off of the stored energy: the double precision of E times the area of the body."""
-    shape = problem.body.shape
+    """Round-off of the stored energy: the double precision of E times the area of each body."""
     xi, weights = np.polynomial.legendre.leggauss(20)
     places = [(x, y) for x in 0.5 + xi / 2 for y in 0.5 + xi / 2]
-    areas = np.abs(np.linalg.det(shape.jacobian(*np.array(places).T)))
-    area = float(np.outer(weights, weights).ravel() @ areas) / 4
-    return float(np.finfo(float).eps) * problem.body.material.youngs_modulus * area
+    total = 0.0
+    for body in problem.bodies:
+        areas = np.abs(np.linalg.det(body.shape.jacobian(*np.array(places).T)))
+        area = float(np.outer(weights, weights).ravel() @ areas) / 4
+        total += float(np.finfo(float).eps) * body.material.youngs_modulus * area
+    return total
 
 
 def _worth(problem: Problem) -> float:
-    """Return the work of adhesion times the adhering length."""
-    side = problem.body.shape.boundary(problem.adhesion.side)
-    adhering = side.length() * (problem.adhesion.end - problem.adhesion.start)
-    return problem.adhesion.law.work_of_adhesion * adhering
+    """Return the work of adhesion times the adhering length, of all interfaces."""
+    total = 0.0
+    for interface in problem.interfaces:
+        side = problem.body_of(interface.boundary.body).shape.boundary(interface.side)
+        total += interface.law.work_of_adhesion * side.length() * (interface.end - interface.start)
+    return total
 
 
 def works(along: FloatArray, force: FloatArray, *, jumped: np.ndarray) -> tuple[FloatArray, FloatArray]:

@@ -91,7 +91,7 @@ step = "20 um"
 
 def message(case: Case) -> str:
     laboratory = Laboratory.of(UnitSystem(), case.problem())
-    return " ".join(note.text for note in locking_notes(case.problem(), case.space(), laboratory))
+    return " ".join(note.text for note in locking_notes(case.problem(), case.spaces(), laboratory))
 
 
 @pytest.mark.parametrize(

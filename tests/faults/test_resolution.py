@@ -132,7 +132,7 @@ def ungraded(case: Case) -> str:
 def message(case: Case) -> str:
     """What is said before the first step."""
     laboratory = Laboratory.of(case.units.system(), case.problem())
-    notes = with_one_remedy(estimate_notes(case.problem(), case.space(), laboratory))
+    notes = with_one_remedy(estimate_notes(case.problem(), case.spaces(), laboratory))
     return " ".join(note.text for note in notes)
 
 
@@ -193,9 +193,11 @@ def test_the_notes_of_a_run_name_one_sufficient_mesh(case: Case, tmp_path: Path)
 def test_shipped_cases_resolve_their_fronts(name: str) -> None:
     case = load_case(name)
     assert not message(case)
-    found = estimated(case.problem(), case.space())
-    assert found is not None
-    assert found.elements_in_reach > found.elements > 1.4
+    problem = case.problem()
+    for name in problem.interface_names:
+        found = estimated(problem, case.spaces(), name)
+        assert found is not None
+        assert found.elements_in_reach > found.elements > 1.4
 
 
 def test_a_strict_run_is_refused_in_one_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

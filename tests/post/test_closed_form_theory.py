@@ -23,6 +23,7 @@ from isopeel.post.closed_form import (
     maugis_cylinder,
     maugis_cylinder_pull_off,
     sliding_tape_force,
+    t_peel_force,
 )
 from isopeel.post.closed_form.rigid_cylinder import rigid_cylinder_pull_off
 
@@ -82,6 +83,21 @@ def test_a_tape_that_holds_minimises_its_energy(angle: float, prestrain_force: f
     expected = peel_force(potential_energy, 60.0)
     force = kendall_force(WORK, STIFFNESS, angle, prestrain_force)
     assert force == pytest.approx(expected, rel=1e-7)  # as above
+
+
+def test_two_tapes_that_are_pulled_apart_minimise_their_energy() -> None:
+    """At right angles; the strains of both free parts are unknown. The force on each is half of the slope."""
+
+    def potential_energy(force: float, adhering: float) -> float:
+        def energy(strains: FloatArray) -> float:
+            free = 1 - adhering
+            stored = free * STIFFNESS / 2 * np.sum(strains**2)
+            return float(stored - force * free * np.sum(1 + strains) - WORK * adhering)
+
+        return minimum(energy, 2)
+
+    expected = peel_force(potential_energy, 60.0)
+    assert t_peel_force(WORK, STIFFNESS) == pytest.approx(expected, rel=1e-7)  # as above
 
 
 def test_limits_of_tapes() -> None:

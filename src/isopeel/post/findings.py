@@ -30,7 +30,7 @@ from isopeel.post.readings import (
 from isopeel.post.resolution import Zones, elements_are_tall
 from isopeel.post.resolution_notes import oscillation_notes, peels, zone_note
 from isopeel.post.steady_load import steady_load
-from isopeel.post.steady_part import any_steady_part, steady_part
+from isopeel.post.steady_part import steady_part, steady_part_of_bodies
 from isopeel.problem import Problem
 from isopeel.results.curve import Curve
 from isopeel.results.notes import Note
@@ -67,7 +67,7 @@ class Findings:
 
 
 #: The note on a run of several bodies or interfaces.
-_OF_ONE_BODY = "closed forms exist for one body with one interface only"
+_NO_CLOSED_FORM = "closed forms exist for one body with one interface, and for a T-peel of two equal strips"
 
 
 def find(
@@ -99,8 +99,8 @@ def _of_several(
 ) -> Findings:
     """Return the findings of a run of several bodies, or of one with several interfaces."""
     curve = run.curve
-    steady = any_steady_part(curve, window)
     found = {name: fronts(problem, space, run.states, name) for name in problem.interface_names}
+    steady = steady_part_of_bodies(problem, space, run, window, found, laboratory)
     readings: list[Reading] = []
     if len(curve):
         readings = [*_listed(steady.reading(curve)), largest(curve), *buckled(curve)]
@@ -121,13 +121,15 @@ def _of_several(
     return Findings(
         window,
         steady.plateau,
-        None,
+        steady.closed_form,
         depths_inside(problem, space, run.states),
+        steady.period,
+        steady.unproven,
         fronts=found,
         readings=readings,
         zones=zones,
         notes=[
-            Note("reading", _OF_ONE_BODY),
+            *([] if steady.closed_form or steady.unproven else [Note("reading", _NO_CLOSED_FORM)]),
             *overlap_notes(problem, space, run.states, laboratory),
             *(note for note in resolved if note is not None),
             *locking_notes(problem, space, laboratory),

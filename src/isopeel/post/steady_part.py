@@ -1,10 +1,12 @@
 """The steady part of a run: its window, the closed form for it, and the reading of its mean reaction."""
 
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import NamedTuple
 
-from isopeel.post.closed_form import Expected
-from isopeel.post.closed_form.expected import invalid, theory
+from isopeel.assembly.spaces import SpaceOfBodies
+from isopeel.post.closed_form import Expected, t_peel
+from isopeel.post.closed_form.expected import Theory, invalid, theory
 from isopeel.post.crack import Fronts, crack_length_at, joint_ends
 from isopeel.post.laboratory import Laboratory, kind_of
 from isopeel.post.plateau import PlateauReading, plateau_mean, read_plateau
@@ -48,11 +50,38 @@ class SteadyPart(NamedTuple):
         return Reading(name, mean, kind_of(column), None, expected, source, words, window)
 
 
-def any_steady_part(curve: Curve, window: tuple[float, float] | None) -> SteadyPart:
-    """Return the steady part of a curve for which no closed form is known."""
-    plateau = read_plateau(curve, window, None) if window else None
+def steady_part_of_bodies(
+    problem: Problem,
+    space: SpaceOfBodies,
+    run: StoredRun,
+    window: tuple[float, float] | None,
+    found: Mapping[str, Fronts],
+    laboratory: Laboratory,
+) -> SteadyPart:
+    """Return the steady part of a run of several bodies or interfaces, whose fronts have their names.
+
+    The closed form is that of a T-peel test that begins at rest; others have none.
+    """
+    curve = run.curve
+    expected = t_peel(problem, space) if run.base is None else Theory()
+    form, unproven = expected.form, expected.reason
+    period = form.period if form else None
+    plateau = read_plateau(curve, window, period) if window else None
     given = window if window and plateau_mean(curve, window) is not None else None
-    return SteadyPart(given or steady_window(curve), plateau, None)
+    if form is None:
+        return SteadyPart(given or steady_window(curve), plateau, None, None, unproven)
+    name, there = next(iter(found.items()))
+    steady = given
+    reason: str | None = None
+    if given is not None:
+        reason = _invalid(problem, curve, there, form, given, laboratory, name)
+    else:
+        steady, reason = _own_window(problem, curve, there, form, laboratory, name)
+        if steady is None:
+            reason = f"no part of the run has a steady {curve.reaction_column.name}"
+    if reason:
+        unproven, form = f"{form.source} is not shown: {reason}", None
+    return SteadyPart(steady, plateau, form, period, unproven)
 
 
 def steady_part(
@@ -97,6 +126,7 @@ def _own_window(
     found: Fronts,
     form: Expected | None,
     laboratory: Laboratory,
+    interface: str = "",
 ) -> tuple[tuple[float, float] | None, str | None]:
     """Return a window where the case names none, and why the closed form is not valid there, or None.
 
@@ -104,7 +134,7 @@ def _own_window(
     valid if there is one.
     """
     windows = [window for share in LAST if (window := steady_window(curve, share))]
-    reasons = [_invalid(problem, curve, found, form, window, laboratory) for window in windows]
+    reasons = [_invalid(problem, curve, found, form, window, laboratory, interface) for window in windows]
     for window, reason in zip(windows, reasons, strict=True):
         if reason is None:
             return window, None
@@ -118,12 +148,13 @@ def _invalid(
     form: Expected | None,
     window: tuple[float, float],
     laboratory: Laboratory,
+    interface: str = "",
 ) -> str | None:
     """Return why a closed form is not valid in a window; None where it is, or where there is none."""
     if form is None:
         return None
     lengths = [crack_length_at(problem, curve, found, at) for at in window]
-    return invalid(form, lengths, joint_ends(problem)[1], laboratory.length)
+    return invalid(form, lengths, joint_ends(problem, interface)[1], laboratory.length)
 
 
 def _drift_in_words(rise: float) -> str:

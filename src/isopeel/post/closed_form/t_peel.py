@@ -5,6 +5,7 @@ from math import cos, pi, sin, sqrt
 import numpy as np
 
 from isopeel.assembly.spaces import SpaceOfBodies, spaces_by_name
+from isopeel.common.arrays import FloatArray
 from isopeel.physics.adhesion import Contact
 from isopeel.physics.adhesion.mirrored import Mirrored
 from isopeel.physics.materials.base import plane_strain_modulus
@@ -73,7 +74,7 @@ def _arms(problem: Problem) -> tuple[FreeStrip, FreeStrip] | None:
     if len(pulled) != len(problem.driven) or len(pulled) != 2 or abs(cos(drive.angle)) > ROUND_OFF:
         return None
     pair = interface.boundary, interface.against
-    upper, lower = sorted(pair, key=lambda boundary: -_level(problem, boundary))
+    upper, lower = sorted(pair, key=lambda one: -_middle(problem, one)[1])
     # of a parameter above zero
     forces = [pulled[one.body].factor * sin(drive.angle) for one in (upper, lower)]
     above, below = (_arm(problem, one, pulled[one.body].boundary) for one in (upper, lower))
@@ -114,6 +115,11 @@ def _level(problem: Problem, boundary: Boundary) -> float:
 
 def _points_right(problem: Problem, end: Boundary) -> bool:
     """Return whether an end of a strip along the x axis is the one at larger x."""
-    shape = problem.body_of(end.body).shape
-    middle = shape.control_points[..., 0].mean()
-    return bool(shape.boundary(end.side).control_points[0, 0] > middle)
+    side = problem.body_of(end.body).shape.boundary(end.side)
+    return bool(side.control_points[0, 0] > _middle(problem, end)[0])
+
+
+def _middle(problem: Problem, boundary: Boundary) -> FloatArray:
+    """Return the mean of the control points of the body of a boundary."""
+    middle: FloatArray = problem.body_of(boundary.body).shape.control_points.reshape(-1, 2).mean(axis=0)
+    return middle
