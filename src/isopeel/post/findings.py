@@ -67,7 +67,10 @@ class Findings:
 
 
 #: The note on a run of several bodies or interfaces.
-_NO_CLOSED_FORM = "closed forms exist for one body with one interface, and for a T-peel of two equal strips"
+_NO_CLOSED_FORM = (
+    "closed forms exist for one body with one interface, and for a tape that is peeled off another body or"
+    " off an equal tape at 90 degrees"
+)
 
 
 def find(

@@ -5,7 +5,7 @@ from dataclasses import replace
 from typing import NamedTuple
 
 from isopeel.assembly.spaces import SpaceOfBodies
-from isopeel.post.closed_form import Expected, t_peel
+from isopeel.post.closed_form import Expected, t_peel, tape_on_body
 from isopeel.post.closed_form.expected import Theory, invalid, theory
 from isopeel.post.crack import Fronts, crack_length_at, joint_ends
 from isopeel.post.laboratory import Laboratory, kind_of
@@ -50,6 +50,12 @@ class SteadyPart(NamedTuple):
         return Reading(name, mean, kind_of(column), None, expected, source, words, window)
 
 
+def theory_of_bodies(problem: Problem, space: SpaceOfBodies) -> Theory:
+    """Return the closed form of several bodies that begin at rest, or why there is none."""
+    found = t_peel(problem, space)
+    return found if found != Theory() else tape_on_body(problem, space)
+
+
 def steady_part_of_bodies(
     problem: Problem,
     space: SpaceOfBodies,
@@ -60,10 +66,10 @@ def steady_part_of_bodies(
 ) -> SteadyPart:
     """Return the steady part of a run of several bodies or interfaces, whose fronts have their names.
 
-    The closed form is that of a T-peel test that begins at rest; others have none.
+    Two bodies that begin at rest may have a closed form; others have none.
     """
     curve = run.curve
-    expected = t_peel(problem, space) if run.base is None else Theory()
+    expected = theory_of_bodies(problem, space) if run.base is None else Theory()
     form, unproven = expected.form, expected.reason
     period = form.period if form else None
     plateau = read_plateau(curve, window, period) if window else None

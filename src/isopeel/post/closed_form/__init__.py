@@ -16,6 +16,7 @@ from isopeel.post.closed_form.line_contact import HertzLine, hertz_line, jkr_lin
 from isopeel.post.closed_form.strip import BeamPeeling, beam_peeling
 from isopeel.post.closed_form.t_peel import t_peel
 from isopeel.post.closed_form.tape import kendall_force, sliding_tape_force, t_peel_force
+from isopeel.post.closed_form.tape_on_body import tape_on_body
 
 __all__ = [
     "BeamPeeling",
@@ -36,4 +37,5 @@ __all__ = [
     "sliding_tape_force",
     "t_peel",
     "t_peel_force",
+    "tape_on_body",
 ]

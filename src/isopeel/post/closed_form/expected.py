@@ -124,14 +124,19 @@ def decay_length(problem: Problem, height: float) -> float | None:
     return decay_of(problem.adhesion.law, problem.body.material, height)
 
 
-def decay_of(law: AdhesionLaw, material: Material, height: float) -> float | None:
-    """Return the `decay_length` of a strip of a material that adheres by a law."""
+def decay_of(law: AdhesionLaw, material: Material, height: float, compliance: float = 0.0) -> float | None:
+    """Return the `decay_length` of a strip of a material that adheres by a law.
+
+    `compliance` is that of what it adheres to: the displacement by the stress.
+    """
     try:
         strength = law_character(law).strength
     except InputError:
         return None
     bending = plane_strain_modulus(material) * height**3 / 12
     stiffness = strength**2 / (2 * law.work_of_adhesion)
+    if compliance:
+        stiffness = 1 / (1 / stiffness + compliance)
     return max(float((4 * bending / stiffness) ** 0.25), height)
 
 

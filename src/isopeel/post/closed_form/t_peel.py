@@ -74,24 +74,24 @@ def _arms(problem: Problem) -> tuple[FreeStrip, FreeStrip] | None:
     if len(pulled) != len(problem.driven) or len(pulled) != 2 or abs(cos(drive.angle)) > ROUND_OFF:
         return None
     pair = interface.boundary, interface.against
-    upper, lower = sorted(pair, key=lambda one: -_middle(problem, one)[1])
+    upper, lower = sorted(pair, key=lambda one: -middle(problem, one)[1])
     # of a parameter above zero
     forces = [pulled[one.body].factor * sin(drive.angle) for one in (upper, lower)]
-    above, below = (_arm(problem, one, pulled[one.body].boundary) for one in (upper, lower))
+    above, below = (peeled_strip(problem, one, pulled[one.body].boundary) for one in (upper, lower))
     if above is None or below is None or not np.allclose(forces, (1, -1), rtol=0, atol=ROUND_OFF):
         return None
     top, base = (problem.body_of(one.body) for one in (upper, lower))
     if top.material != base.material or abs(above.height / below.height - 1) > ROUND_OFF:
         return None
     ends = [_points_right(problem, one.boundary) for one in pulled.values()]
-    gap = _level(problem, upper) - _level(problem, lower)
+    gap = level(problem, upper) - level(problem, lower)
     at_rest = abs(gap - interface.law.equilibrium_gap) < ROUND_OFF * above.length
     if ends[0] != ends[1] or not at_rest or tension_of(top.material, above):
         return None
     return above, below
 
 
-def _arm(problem: Problem, boundary: Boundary, driven: Boundary) -> FreeStrip | None:
+def peeled_strip(problem: Problem, boundary: Boundary, driven: Boundary) -> FreeStrip | None:
     """Measure a slender strip that adheres up to the end that is not driven, and is held only there."""
     far: dict[Side, Side] = {"left": "right", "right": "left"}
     if driven.side not in far or boundary.side not in ("bottom", "top") or not driven.is_whole:
@@ -107,7 +107,7 @@ def _arm(problem: Problem, boundary: Boundary, driven: Boundary) -> FreeStrip | 
     return strip if up_to_the_end and held_there and slender else None
 
 
-def _level(problem: Problem, boundary: Boundary) -> float:
+def level(problem: Problem, boundary: Boundary) -> float:
     """Return the height of the start of a boundary."""
     side = problem.body_of(boundary.body).shape.boundary(boundary.side)
     return float(side.evaluate([boundary.start])[0, 1])
@@ -116,10 +116,10 @@ def _level(problem: Problem, boundary: Boundary) -> float:
 def _points_right(problem: Problem, end: Boundary) -> bool:
     """Return whether an end of a strip along the x axis is the one at larger x."""
     side = problem.body_of(end.body).shape.boundary(end.side)
-    return bool(side.control_points[0, 0] > _middle(problem, end)[0])
+    return bool(side.control_points[0, 0] > middle(problem, end)[0])
 
 
-def _middle(problem: Problem, boundary: Boundary) -> FloatArray:
+def middle(problem: Problem, boundary: Boundary) -> FloatArray:
     """Return the mean of the control points of the body of a boundary."""
-    middle: FloatArray = problem.body_of(boundary.body).shape.control_points.reshape(-1, 2).mean(axis=0)
-    return middle
+    mean: FloatArray = problem.body_of(boundary.body).shape.control_points.reshape(-1, 2).mean(axis=0)
+    return mean

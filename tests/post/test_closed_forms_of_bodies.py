@@ -1,4 +1,4 @@
-"""The closed form of a T-peel test is shown where it is valid, and nowhere else."""
+"""The closed forms of two bodies: shown where they are valid, and nowhere else."""
 
 from dataclasses import replace
 from math import pi
@@ -19,7 +19,7 @@ from isopeel import (
     row_space,
 )
 from isopeel.physics.materials.prestretched import Prestretched
-from isopeel.post.closed_form import t_peel, t_peel_force
+from isopeel.post.closed_form import kendall_force, t_peel, t_peel_force, tape_on_body
 from isopeel.problem.place import placed
 from isopeel.splines.nurbs import rectangle
 
@@ -108,3 +108,45 @@ def test_two_half_passes_have_none_for_a_reason() -> None:
     found = t_peel(replace(PEELED, interfaces=(replace(JOINT, scheme="two-half-pass"),)), SPACES)
     assert found.form is None
     assert found.reason.startswith("two half-passes have no energy")
+
+
+BASE = Body(placed(rectangle(16.0, 1.0), (-2.0, -1.0), 0.0), NeoHooke(0.01, 0.3), "base")
+ON_BASE = Problem(
+    "on a soft body",
+    (UPPER, BASE),
+    (Interface(JOINT.boundary, LAW, BASE.side("top", 0.125, 0.75)),),
+    (Support(UPPER.side("left"), (0,)), Support(BASE.side("bottom"), (0, 1))),
+    PulledSide(UPPER.side("right"), pi / 2),
+)
+ON_BASE_SPACES = {"upper": SPACE, "base": row_space("N2", (80, 2))}
+
+
+def test_a_tape_on_a_soft_body_needs_the_force_of_kendall() -> None:
+    form = tape_on_body(ON_BASE, ON_BASE_SPACES).form
+    assert form is not None
+    stiffness = HEIGHT / (1 - 0.3**2)
+    assert (form.source, form.reaction) == ("Kendall's tape", kendall_force(2e-4, stiffness, pi / 2))
+    assert form.period == pytest.approx(0.1, rel=3e-3)  # an element, stretched by 2e-3
+    # the soft body makes the front longer than a stiff one
+    stiff = replace(BASE, material=NeoHooke(100.0, 0.3))
+    other = tape_on_body(replace(ON_BASE, bodies=(UPPER, stiff)), ON_BASE_SPACES).form
+    assert other is not None
+    assert other.reaction == form.reaction
+    assert other.behind <= form.behind
+    exchanged = replace(ON_BASE.interfaces[0], boundary=BASE.side("top", 0.125, 0.75), against=JOINT.boundary)
+    assert tape_on_body(replace(ON_BASE, interfaces=(exchanged,)), ON_BASE_SPACES).form == form
+
+
+@pytest.mark.parametrize(
+    "changed",
+    [
+        pytest.param({"drive": PulledSide(UPPER.side("right"), 1.0)}, id="not at a right angle"),
+        pytest.param({"drive": PulledSide(UPPER.side("right"), -pi / 2)}, id="pressed"),
+        pytest.param({"drive": PulledSide(BASE.side("right"), -pi / 2)}, id="the thick body is pulled"),
+        pytest.param({"supports": (Support(UPPER.side("top"), (0,)), ON_BASE.supports[1])}, id="held on top"),
+        pytest.param({"bodies": (FAR, BASE)}, id="not at the equilibrium gap"),
+        pytest.param({"bodies": (replace(UPPER, material=TENSE["upper"]), BASE)}, id="tense"),
+    ],
+)
+def test_other_problems_of_a_tape_have_none(changed: dict[str, Any]) -> None:
+    assert tape_on_body(replace(ON_BASE, **changed), ON_BASE_SPACES).form is None
