@@ -107,6 +107,11 @@ class PairTerm:
         opening: FloatArray = jumps.jump[0]
         return opening
 
+    def gap(self, displacement: FloatArray) -> FloatArray:
+        """Return the distances (E Q,) along the normal, at coefficients (size, 2); inf without a partner."""
+        jumps: Jumps = find_jumps(self._pairs, _read_only(displacement))
+        return np.where(self.paired.ravel(), jumps.distance[0], np.inf)
+
     def respond(self, displacement: FloatArray, history: FloatArray) -> Response:
         """Return the state of all points, at coefficients (size, 2) after a history.
 
