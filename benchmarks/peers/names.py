@@ -25,3 +25,10 @@ PROGRAMS = {
     "nutils": Peer("peers.nutils_strip", "Nutils", ("nutils", "pypardiso", "mkl")),
 }
 PEERS = [name for name in PROGRAMS if name != ISOPEEL]
+
+#: Two arms that peel off each other.
+ARMS = {
+    "isopeel-arms": Peer("peers.isopeel_arms", "isopeel", PROGRAMS[ISOPEEL].libraries),
+    "ngsolve-arms": Peer("peers.ngsolve_arms", "NGSolve", ("ngsolve",)),
+}
+PROGRAMS |= ARMS

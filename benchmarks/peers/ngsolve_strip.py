@@ -29,11 +29,7 @@ class NgsolveStrip:
     def __init__(self, grid: Grid) -> None:
         corners = Grid(1, grid.elements)
         mesh = _mesh(corners)
-        component = ng.H1(mesh, order=1)
-        for edge in mesh.edges:
-            if np.ptp([mesh[vertex].point[1] for vertex in edge.vertices]) == 0:
-                component.SetOrder(edge, grid.degree)
-        component.UpdateDofTables()
+        component = higher_along_x(mesh, grid.degree)
         space = component**2
         self._form, self._last_column = _forms(space, grid.degree)
         self._u, self._forces = (self._form.mat.CreateRowVector() for _ in range(2))
@@ -76,6 +72,16 @@ class NgsolveStrip:
         return self._condensation.moment(self._forces.FV().NumPy(), theta)
 
 
+def higher_along_x(mesh: ng.Mesh, degree: int) -> ng.FESpace:
+    """Return the space of one component: Lagrange of a degree along x times linear along y."""
+    component = ng.H1(mesh, order=1)
+    for edge in mesh.edges:
+        if np.ptp([mesh[vertex].point[1] for vertex in edge.vertices]) == 0:
+            component.SetOrder(edge, degree)
+    component.UpdateDofTables()
+    return component
+
+
 def _mesh(grid: Grid) -> ng.Mesh:
     """Return the mesh, its last column and its adhering boundary by name."""
     mesh = netgen.Mesh(dim=2)
@@ -107,8 +113,8 @@ def _forms(space: ng.FESpace, degree: int) -> tuple[ng.BilinearForm, ng.Bilinear
     bulk = {ng.ET.QUAD: ng.IntegrationRule(points, np.outer(weight_y, weight_x).ravel().tolist())}
     face = {ng.ET.SEGM: ng.IntegrationRule([(a,) for a in x], weight_x.tolist())}
     u, v = space.TnT()
-    work = _compiled(ng.InnerProduct(_stress(ng.Grad(u)), ng.Grad(v)))
-    adhesive = _compiled(-_traction(EQUILIBRIUM_GAP + u[1]) * v[1])
+    work = compiled(ng.InnerProduct(stress(ng.Grad(u)), ng.Grad(v)))
+    adhesive = compiled(-_traction(EQUILIBRIUM_GAP + u[1]) * v[1])
     whole, last = (ng.BilinearForm(space, symmetric=True) for _ in range(2))
     whole += work * ng.dx(intrules=bulk)
     whole += adhesive * ng.ds("adhering", intrules=face)
@@ -118,14 +124,16 @@ def _forms(space: ng.FESpace, degree: int) -> tuple[ng.BilinearForm, ng.Bilinear
     return whole, last
 
 
-def _compiled(integrand: ng.CoefficientFunction) -> ng.CoefficientFunction:
+def compiled(integrand: ng.CoefficientFunction) -> ng.CoefficientFunction:
+    """Return the integrand compiled to machine code if there is a compiler."""
     try:
         return integrand.Compile(realcompile=True, wait=True)
     except Exception:  # NGSolve raises it without a compiler
         return integrand.Compile()
 
 
-def _stress(gradient: ng.CoefficientFunction) -> ng.CoefficientFunction:
+def stress(gradient: ng.CoefficientFunction) -> ng.CoefficientFunction:
+    """Return the nominal stress of the neo-Hooke law at a displacement gradient."""
     F = gradient + ng.Id(2)
     factor = LAME_LAMBDA * ng.log(ng.Det(F)) - SHEAR_MODULUS
     return SHEAR_MODULUS * F + factor * ng.Inv(F).trans
