@@ -53,8 +53,8 @@ def test_ngsolve_finds_the_same_gaps_and_forces() -> None:
     assert found.adhesive_energy < -0.5
     for motion in ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (1.0, 0.0, 1.0)):
         their, our = moved(*motion)
-        # the forces feel that error itself: measured 4e-11
-        assert their @ forces == pytest.approx(np.sum(our * found.forces), rel=1e-9)
+        # the forces do too, because the gap is stationary at a partner: measured 3e-15
+        assert their @ forces == pytest.approx(np.sum(our * found.forces), rel=1e-12)
 
 
 def test_both_programs_find_the_same_forces() -> None:
@@ -74,8 +74,8 @@ def test_both_programs_find_the_same_forces() -> None:
         assert found.stopped is None
         forces.append([step.moment for step in found.steps])
     largest = max(forces[0])
-    # both stop at the same energy residual; those of NGSolve's last correction are 1e-8 at most
-    np.testing.assert_allclose(forces[1], forces[0], rtol=0, atol=1e-7 * largest)
+    # both stop at the same energy residual, which leaves up to 6e-8 of the largest force on a mesh of 200x10
+    np.testing.assert_allclose(forces[1], forces[0], rtol=0, atol=1e-6 * largest)
 
 
 def test_the_deviation_is_that_of_the_step_where_forces_differ_most() -> None:
