@@ -61,6 +61,7 @@ class NgsolveArms:
         self._unknown = np.full(2 * count, -1)
         self._unknown[self._free] = np.arange(self.unknowns)
         self._solid.AssembleLinearization(self.held.vec)
+        self._inverse: ng.BaseMatrix | None = None
         self._keys = self._of_solid = np.empty(0, dtype=np.int64)
 
     def displacement(self, state: FloatArray, apart: float) -> FloatArray:
@@ -111,7 +112,8 @@ class NgsolveArms:
     def _entries(self, form: ng.BilinearForm) -> tuple[IntArray, FloatArray]:
         """Return the places of a form's entries, row times unknowns plus column, and the entries."""
         entries, columns, starts = (np.asarray(part) for part in form.mat.CSR())
-        row = self._unknown[np.repeat(np.arange(starts.size - 1), np.diff(starts.astype(np.int64)))]
+        counts: IntArray = np.diff(starts).astype(np.int64)
+        row = self._unknown[np.repeat(np.arange(starts.size - 1), counts)]
         column = self._unknown[columns]
         kept = (row >= 0) & (column >= 0)
         return row[kept] * self.unknowns + column[kept], entries[kept]
@@ -126,7 +128,7 @@ class NgsolveArms:
             rows.tolist(), columns.tolist(), [0.0] * rows.size, self.unknowns, self.unknowns
         )
         self._values = self._tangent.AsVector().FV().NumPy()
-        self._inverse: ng.BaseMatrix | None = None
+        self._inverse = None
 
 
 def _mesh(elements: tuple[int, int]) -> ng.Mesh:
