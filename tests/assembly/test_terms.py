@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
+from numba import njit
 from numba.core.dispatcher import Dispatcher
 
 from isopeel.assembly.equations import Iterate, evaluate
@@ -68,7 +69,8 @@ def test_data_is_read_back_bit_for_bit() -> None:
         True,
     )
     read = reader(Sample)
-    for found in (read(*packed(data)), read.py_func(*packed(data))):
+    compiled = njit(lambda integers, floats: read(integers, floats))
+    for found in (compiled(*packed(data)), read.py_func(*packed(data))):
         for one, other in zip(found, data, strict=True):
             np.testing.assert_array_equal(np.asarray(one), np.asarray(other))
             assert np.asarray(one).shape == np.asarray(other).shape

@@ -1,5 +1,6 @@
 """What is compiled is kept, as long as no source of the package changes."""
 
+import ast
 import os
 import re
 import subprocess
@@ -7,6 +8,8 @@ import sys
 from pathlib import Path
 
 import pytest
+from numba import njit
+from numba.core.errors import TypingError
 
 from isopeel.common import compilation
 
@@ -80,10 +83,63 @@ def test_a_compiled_function_is_used_until_a_source_file_changes(tmp_path: Path,
 def test_compiled_functions_stand_in_the_layers_whose_sources_are_watched() -> None:
     package = Path(compilation.__file__).parents[1]
     compiles = re.compile(
-        r"^from isopeel.common.compilation import .*(compiled|inlined)|^(from|import) numba", re.M
+        r"^from isopeel.common.compilation import .*(compiled|inlined|inner)|^(from|import) numba", re.M
     )
     files = [path for path in package.rglob("*.py") if compiles.search(path.read_text())]
     users = {path.relative_to(package).as_posix() for path in files}
     layers = {name if name.startswith("common/") else name.partition("/")[0] for name in users}
     assert layers == {"common/compilation.py", "physics", "matrix", "assembly", "solve"}
     assert layers < set(compilation.COMPILED)
+
+
+def test_only_compiled_functions_call_inner_functions() -> None:
+    # Python would jump to code that does not exist
+    package = Path(compilation.__file__).parents[1]
+    trees = {path: ast.parse(path.read_text()) for path in package.rglob("*.py")}
+    functions = [
+        (path, node)
+        for path, tree in trees.items()
+        for node in tree.body
+        if isinstance(node, ast.FunctionDef)
+    ]
+
+    def marks(function: ast.FunctionDef) -> set[str]:
+        return {ast.unparse(mark) for mark in function.decorator_list}
+
+    inner = {(path, node.name) for path, node in functions if marks(node) & {"inner", "inner_reordered"}}
+    assert len(inner) > 20
+    compiles = {"compiled", "compiled_reordered", "inlined", "inner", "inner_reordered"}
+    for path, tree in trees.items():
+        imported = {
+            (package.parent / f"{str(node.module).replace('.', '/')}.py", alias.name)
+            for node in ast.walk(tree)
+            if isinstance(node, ast.ImportFrom)
+            for alias in node.names
+        }
+        known = {name for file, name in inner if file == path or (file, name) in imported}
+        # the loops of terms are compiled without a mark
+        calling = [
+            node.name
+            for node in ast.walk(tree)
+            if isinstance(node, ast.FunctionDef) and not marks(node) & compiles and "add_" not in node.name
+            for call in ast.walk(node)
+            if isinstance(call, ast.Call) and isinstance(call.func, ast.Name) and call.func.id in known
+        ]
+        assert not calling, path
+
+
+SIZE = 3.0
+
+
+def times(x: float) -> float:
+    if SIZE > 1:
+        return SIZE * x
+    return unknown(x)  # type: ignore[name-defined, no-any-return]  # noqa: F821
+
+
+def test_code_that_constants_exclude_is_not_compiled() -> None:
+    other = compilation.specialized(times, "five_times", SIZE=5.0)
+    assert njit(other)(2.0) == 10.0
+    assert other.__name__ == other.__qualname__ == "five_times"
+    with pytest.raises(TypingError, match="unknown"):
+        njit(compilation.specialized(times, "less", SIZE=1.0))(2.0)

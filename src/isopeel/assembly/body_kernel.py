@@ -35,7 +35,7 @@ from isopeel.assembly.element_batch import (
     set_weighted_products,
     sum_of_products,
 )
-from isopeel.assembly.loops import Energies
+from isopeel.assembly.loops import Energies, Loops
 from isopeel.assembly.packing import (
     Flags2,
     Floats1,
@@ -47,13 +47,16 @@ from isopeel.assembly.packing import (
     Integers4,
     reader,
 )
+from isopeel.assembly.tables import BodyTable
 from isopeel.common.arrays import FloatArray, IntArray
-from isopeel.common.compilation import inlined
+from isopeel.common.compilation import inlined, specialized
 from isopeel.physics.batch import material_at
 
 #: Most elements of a batch: so many that the test for overlapping arrays before each innermost loop costs
 #: little, and so few that their data fit into the first-level cache.
 _BATCH = 256
+#: Whether all elements are equal rectangles; see `add_rectangles`.
+_ONLY_RECTANGLES = False
 # Numba takes seconds to compile an assignment to a part of an array, but not its fill.
 
 
@@ -166,7 +169,7 @@ def add_body(
             for r in range(R):
                 to_X, areas = maps[map_kinds[y, r]], weights[weight_kinds[y, r]]
                 for p in range(P):
-                    if rectangles[y, r]:
+                    if _ONLY_RECTANGLES or rectangles[y, r]:
                         _deform_rectangles(F, lines, across[y], to_X, p, r, row, n)
                     else:
                         _deform(F, lines, across[y], to_X, p, r, row, batch, channel, n)
@@ -177,13 +180,15 @@ def add_body(
                     material(F, parameters, n, density, stress, A[p], with_tangent)
                     area = areas[p, batch]
                     energy += sum_of_products(area, density, n)
-                    if rectangles[y, r]:
+                    if _ONLY_RECTANGLES or rectangles[y, r]:
                         _load_rectangles(loads, stress, area[0], across[y], to_X, p, r, row, n)
                     else:
                         _load(loads, stress, area, across[y], to_X, p, r, row, batch, channel[0], n)
-                if with_tangent and rectangles[y, r]:
+                if not with_tangent:
+                    continue
+                if _ONLY_RECTANGLES or rectangles[y, r]:
                     add_rectangles_to_pairs(pairs, A, to_X, areas, across[y], r, row, n)
-                elif with_tangent:
+                else:
                     pull_back(A, to_X, areas, start, n, half, moduli)
                     add_to_pairs(pairs, moduli, across[y], r, row, channels, n)
             # rows that no other row of elements adds to
@@ -316,3 +321,12 @@ def _load_rectangles(
             add_scaled_to_both(one, scale * factors[0], two, scale * factors[1], stress[i, J], n)
             for c in range(2, C):
                 add_scaled(loads[(row + c) % C, order, i, p], scale * factors[c], stress[i, J], n)
+
+
+#: The same for a body of equal rectangles, compiled without the code for others.
+add_rectangles = specialized(add_body, "add_rectangles", _ONLY_RECTANGLES=True)
+
+
+def loops_of(table: BodyTable) -> Loops:
+    """Return the loops over a body."""
+    return add_rectangles if table.rectangles.all() else add_body

@@ -13,11 +13,11 @@ from isopeel.assembly.element_batch import (
     set_products,
     set_weighted_products,
 )
-from isopeel.common.compilation import compiled_reordered, inlined
+from isopeel.common.compilation import inlined, inner_reordered
 from isopeel.matrix.band import entry_place
 
 
-@compiled_reordered
+@inner_reordered
 def pull_back(A: Any, maps: Any, weights: Any, start: int, n: int, half: Any, moduli: Any) -> None:
     """Set moduli of channels, their lower half: w sum_JL maps_hJ A_iJkL maps_gL at [2 h + i, 2 g + k]."""
     P, channels = maps.shape[0], maps.shape[1]
@@ -52,7 +52,7 @@ def pull_back(A: Any, maps: Any, weights: Any, start: int, n: int, half: Any, mo
                             )
 
 
-@compiled_reordered
+@inner_reordered
 def add_to_pairs(pairs: Any, moduli: Any, across: Any, r: int, row: int, channels: int, n: int) -> None:
     """Add a row of points to the pairs of rows row + c and row + c + d, pairs[., d, orders, i, k]."""
     C = across.shape[2]
@@ -72,7 +72,7 @@ def add_to_pairs(pairs: Any, moduli: Any, across: Any, r: int, row: int, channel
                                 add_scaled(pair[p], factor, moduli[one, other, p * n : (p + 1) * n], n)
 
 
-@compiled_reordered
+@inner_reordered
 def add_rectangles_to_pairs(
     pairs: Any, A: Any, maps: Any, weights: Any, across: Any, r: int, row: int, n: int
 ) -> None:
@@ -93,7 +93,7 @@ def add_rectangles_to_pairs(
                                 add_scaled(pair[p], scale, A[p, i, h, k, g], n)
 
 
-@compiled_reordered
+@inner_reordered
 def spread(
     pair: Any,
     one: Any,

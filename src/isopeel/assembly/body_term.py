@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from isopeel.assembly.body_kernel import BodyData, add_body
+from isopeel.assembly.body_kernel import BodyData
 from isopeel.assembly.loops import Loops
 from isopeel.assembly.packing import Packed, packed
 from isopeel.assembly.tables import BodyTable
@@ -17,7 +17,7 @@ class BodyTerm(WithoutHistory):
 
     body: Body
     table: BodyTable
-    loops: Loops = add_body
+    loops: Loops
 
     @property
     def has_potential(self) -> bool:

@@ -10,7 +10,7 @@ import numpy as np
 
 from isopeel.assembly.packing import Floats1, Floats2, Floats3, Floats4, Integers2, Integers3, reader
 from isopeel.common.arrays import FloatArray, IntArray
-from isopeel.common.compilation import compiled_reordered
+from isopeel.common.compilation import compiled_reordered, inner_reordered
 from isopeel.physics.adhesion.irreversible import damaged
 from isopeel.physics.adhesion.sliding import slipped
 from isopeel.physics.batch import BatchFunction, law_at, substrate_at
@@ -55,7 +55,7 @@ class Response(NamedTuple):
     shear: FloatArray  # V_s, V_ss and V_rs (3, n) of a joint that slides, else zero
 
 
-@compiled_reordered
+@inner_reordered
 def respond_normally(
     law: BatchFunction,
     parameters: FloatArray,
@@ -164,7 +164,7 @@ def respond(interface: InterfaceData, maximum_openings: FloatArray, u: FloatArra
     return Response(x, gap, n, curvature, potential, T, dT, lost, shear)
 
 
-@compiled_reordered
+@inner_reordered
 def project(
     u: FloatArray,
     functions: IntArray,

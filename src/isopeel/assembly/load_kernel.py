@@ -7,7 +7,7 @@ import numpy as np
 from isopeel.assembly.loops import Energies
 from isopeel.assembly.packing import Floats2, Floats5, Integers1, Integers2, Integers3, reader
 from isopeel.common.arrays import FloatArray, IntArray
-from isopeel.common.compilation import compiled
+from isopeel.common.compilation import inner
 from isopeel.matrix.band import entry_place
 
 
@@ -47,7 +47,7 @@ def add_load(
 
 
 # products are rounded before they are subtracted: so a load that has been balanced leaves nothing
-@compiled
+@inner
 def _subtract(load: LoadData, size: float, u: FloatArray, forces: FloatArray) -> None:
     for n in range(len(load.functions)):
         for i in range(2):
@@ -63,7 +63,7 @@ def _subtract(load: LoadData, size: float, u: FloatArray, forces: FloatArray) ->
                 forces[load.elements[e, a], i] -= size * total
 
 
-@compiled
+@inner
 def _subtract_stiffness(load: LoadData, size: float, band: FloatArray, diagonal: int) -> None:
     flat, stride = band.ravel(), band.shape[1] - 1
     for e in range(len(load.elements)):

@@ -8,9 +8,9 @@ arrays.
 from typing import Annotated, Any, NamedTuple, TypeAlias, get_args, get_type_hints
 
 import numpy as np
-from numba import njit
 
 from isopeel.common.arrays import BoolArray, FloatArray, IntArray
+from isopeel.common.compilation import inner_of_text
 
 Integers1: TypeAlias = Annotated[IntArray, 1]
 Integers2: TypeAlias = Annotated[IntArray, 2]
@@ -79,7 +79,7 @@ def reader(kind: type) -> Any:
     source = f"def read(integers, floats):\n    return Kind({', '.join(views)})\n"
     names: dict[str, Any] = {"Kind": kind}
     exec(source, names)
-    return njit(names["read"])
+    return inner_of_text(names["read"])
 
 
 def _fields(kind: type) -> dict[str, tuple[bool, int]]:

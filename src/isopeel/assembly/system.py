@@ -1,6 +1,6 @@
 """The assembled system: a problem on a spline space, as the solver sees it."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from copy import copy
 from dataclasses import dataclass, replace
 from math import prod
@@ -9,7 +9,7 @@ from typing import ClassVar, Self
 import numpy as np
 from psutil import virtual_memory
 
-from isopeel.assembly.body_kernel import add_body
+from isopeel.assembly.body_kernel import loops_of
 from isopeel.assembly.body_term import BodyTerm
 from isopeel.assembly.constraints import Constraints, constrain, half_bandwidth
 from isopeel.assembly.contact import with_contact_stiffness
@@ -74,7 +74,7 @@ class System:
     """
 
     #: What the forces of a body are made by.
-    body_loops: ClassVar[tuple[Loops]] = (add_body,)
+    body_loops: ClassVar[Callable[[BodyTable], Loops]] = staticmethod(loops_of)
 
     def __init__(
         self,
@@ -94,8 +94,10 @@ class System:
             raise InputError("mesh", ", ".join("{}x{}".format(*one.elements) for one in given), allowed)
         for body in problem.bodies:
             check_rigid(self.spaces.of[body.name], body.shape)
+        tables = [body_of(self.spaces, body) for body in problem.bodies]
         self.bodies: tuple[BodyTerm, ...] = tuple(
-            BodyTerm(body, body_of(self.spaces, body), *self.body_loops) for body in problem.bodies
+            BodyTerm(body, table, self.body_loops(table))
+            for body, table in zip(problem.bodies, tables, strict=True)
         )
         faces = [self._face(interface, contact_points) for interface in problem.faces]
         #: The sides that face other bodies.

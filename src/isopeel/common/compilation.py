@@ -12,6 +12,7 @@ from collections.abc import Callable, Iterator
 from functools import cache
 from hashlib import sha256
 from pathlib import Path
+from types import FunctionType
 from typing import Any, TypeVar, cast
 
 # Numba reads settings from the current folder, which anybody may have written: settings that name code to run
@@ -39,14 +40,35 @@ EXACT: dict[str, Any] = {"error_model": "numpy"}
 REORDERED: dict[str, Any] = {"error_model": "numpy", "fastmath": {"contract", "reassoc", "nsz"}}
 
 
+#: Without code by which compiled functions are called through their address.
+_NO_ADDRESS: dict[str, Any] = {"no_cfunc_wrapper": True}
+#: Without code by which they are called from Python, too: it takes up to half of their compilation.
+_INNER: dict[str, Any] = {**_NO_ADDRESS, "no_cpython_wrapper": True}
+
+
 def compiled(function: Function) -> Function:
     """Return a function that is compiled when it is first called, with sums in their order."""
-    return cast("Function", njit(cache=can_cache(function), **EXACT)(function))
+    return cast("Function", njit(cache=can_cache(function), **EXACT, **_NO_ADDRESS)(function))
 
 
 def compiled_reordered(function: Function) -> Function:
     """Return a function that is compiled when it is first called, with sums in any order."""
-    return cast("Function", njit(cache=can_cache(function), **REORDERED)(function))
+    return cast("Function", njit(cache=can_cache(function), **REORDERED, **_NO_ADDRESS)(function))
+
+
+def inner(function: Function) -> Function:
+    """Return a function for compiled functions to call, with sums in their order; Python must not call it."""
+    return cast("Function", njit(cache=can_cache(function), **EXACT, **_INNER)(function))
+
+
+def inner_reordered(function: Function) -> Function:
+    """Return a function for compiled functions to call, with sums in any order; Python must not call it."""
+    return cast("Function", njit(cache=can_cache(function), **REORDERED, **_INNER)(function))
+
+
+def inner_of_text(function: Callable[..., Any]) -> Any:
+    """Return a function of a source text for compiled functions to call; it is compiled in each process."""
+    return njit(**_INNER)(function)
 
 
 def inlined(function: Function) -> Function:
@@ -59,6 +81,17 @@ def compiled_now(
 ) -> Any:
     """Return a compiled function with an `address`, by which other compiled code may call it."""
     return cfunc(signature, cache=keep and can_cache(function), **options)(function)
+
+
+def specialized(function: Function, name: str, **constants: object) -> Function:
+    """Return a function to compile that reads other values of some global constants of its module.
+
+    Code that these values exclude is not compiled.
+    """
+    other = FunctionType(function.__code__, {**function.__globals__, **constants}, name)
+    # the cache distinguishes functions by this name
+    other.__qualname__, other.__doc__ = name, function.__doc__
+    return cast("Function", other)
 
 
 def is_cached(function: Callable[..., Any]) -> bool:

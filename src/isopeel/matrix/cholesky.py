@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from isopeel.common.arrays import FloatArray, IntArray
-from isopeel.common.compilation import compiled_reordered
+from isopeel.common.compilation import compiled_reordered, inner_reordered
 from isopeel.matrix.factor import NotPositiveDefiniteError
 from isopeel.matrix.simd_kernels import COLUMNS, backward, forward, set_product, take_off_product
 
@@ -116,7 +116,7 @@ def _factorize(columns: FloatArray, reach: IntArray, values: Floats, starts: Int
     return 0
 
 
-@compiled_reordered
+@inner_reordered
 def _enter(columns: FloatArray, block: int, A: FloatArray) -> None:
     """Set A (8, rows), by columns, to a block of the columns (n, width); beyond all, to the identity."""
     n, width = columns.shape
@@ -131,7 +131,7 @@ def _enter(columns: FloatArray, block: int, A: FloatArray) -> None:
             A[c, c] = 1.0
 
 
-@compiled_reordered
+@inner_reordered
 def _invert(A: FloatArray, inverse: FloatArray) -> int:
     """Set the inverse of the Cholesky factor of the first rows of A; return the first failed pivot, or 0."""
     for c in range(COLUMNS):

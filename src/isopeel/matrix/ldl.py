@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from isopeel.common.arrays import FloatArray
-from isopeel.common.compilation import compiled
+from isopeel.common.compilation import compiled, inner
 from isopeel.matrix.band import BandMatrix
 from isopeel.matrix.factor import SingularError
 
@@ -75,7 +75,7 @@ def _factorize(entries: FloatArray, most: float) -> bool:
     return True
 
 
-@compiled
+@inner
 def _subtract(columns: FloatArray, start: int, shares: FloatArray, target: FloatArray) -> None:
     one, two, three, four = columns[0], columns[1], columns[2], columns[3]
     a, b, c, d = shares[0], shares[1], shares[2], shares[3]

@@ -13,7 +13,7 @@ from time import perf_counter
 
 import numpy as np
 
-from isopeel.assembly.body_kernel import BodyData, add_body, read_body
+from isopeel.assembly.body_kernel import BodyData, add_body, add_rectangles, read_body
 from isopeel.assembly.loops import Energies
 from isopeel.assembly.system import System
 from isopeel.common.arrays import FloatArray, IntArray
@@ -35,7 +35,8 @@ _STIFFNESS = 10.0
 @contextmanager
 def warmed_up_beside() -> Iterator[None]:
     """Compile the other kernels in a second process, as long as the body's kernel is not cached."""
-    if is_cached(add_body) or not can_cache(add_body) or cores() == 1:
+    cached = is_cached(add_body) or is_cached(add_rectangles)
+    if cached or not can_cache(add_body) or cores() == 1:
         yield
         return
     # a process of a pool would run the calling script again
@@ -96,7 +97,7 @@ def _springs(
 class _OnSprings(System):
     """A system whose elements are held by springs, far stiffer than the adhesion."""
 
-    body_loops = (_springs,)
+    body_loops = staticmethod(lambda _: _springs)
 
 
 if __name__ == "__main__":

@@ -6,7 +6,7 @@ from isopeel.assembly.constraints import displace
 from isopeel.assembly.equations import Equations, Iterate, evaluate
 from isopeel.assembly.loops import Energies
 from isopeel.common.arrays import FloatArray, IntArray
-from isopeel.common.compilation import compiled_reordered
+from isopeel.common.compilation import compiled_reordered, inner_reordered
 from isopeel.matrix.cholesky import Floats
 from isopeel.solve.lbfgs import Singles, correct, follow
 
@@ -97,7 +97,7 @@ def corrected(
     return FAILED, made, first, end, threshold, energies
 
 
-@compiled_reordered
+@inner_reordered
 def _product(one: FloatArray, other: FloatArray) -> float:
     total = 0.0
     for i in range(len(one)):
@@ -105,7 +105,7 @@ def _product(one: FloatArray, other: FloatArray) -> float:
     return total
 
 
-@compiled_reordered
+@inner_reordered
 def _is_well_predicted(guess: FloatArray, correction: FloatArray, last: FloatArray) -> bool:
     """Return whether the first correction of a guess (count,) is small against its distance from `last`."""
     largest, distance = 0.0, 0.0

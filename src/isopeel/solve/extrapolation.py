@@ -9,7 +9,7 @@ extrapolated by a polynomial. Names: s is the path measure (`measure`), p the pa
 import numpy as np
 
 from isopeel.common.arrays import FloatArray
-from isopeel.common.compilation import compiled
+from isopeel.common.compilation import inner
 from isopeel.solve.polynomials import (
     NODES,
     evaluate_newton_form,
@@ -26,7 +26,7 @@ _FARTHEST = 4.0  # last steps
 _CLOSE = 1e-12  # to the end of the step, of the step
 
 
-@compiled
+@inner
 def set_weights(
     measure: FloatArray,
     parameters: FloatArray,

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from isopeel.common.arrays import FloatArray, IntArray
-from isopeel.common.compilation import compiled_reordered
+from isopeel.common.compilation import compiled_reordered, inner_reordered
 from isopeel.matrix.cholesky import BandCholesky, Floats, scaled, solve
 
 #: Pairs are stored in single precision: the update is no more exact, and half of the memory takes half of the
@@ -121,7 +121,7 @@ def follow(
     return max(first, end - MOST_PAIRS + 1), end + 1
 
 
-@compiled_reordered
+@inner_reordered
 def _keep(correction: FloatArray, change: FloatArray, one: Singles, other: Singles) -> float:
     """Store a pair in single precision; return the product of the stored vectors."""
     total = 0.0
@@ -132,7 +132,7 @@ def _keep(correction: FloatArray, change: FloatArray, one: Singles, other: Singl
     return total
 
 
-@compiled_reordered
+@inner_reordered
 def _take_off(
     corrections: Singles, changes: Singles, products: FloatArray, x: Floats, shares: Floats, n: int
 ) -> None:
@@ -151,7 +151,7 @@ def _take_off(
             x[i] -= share * changes[k, i]
 
 
-@compiled_reordered
+@inner_reordered
 def _put_back(
     corrections: Singles, changes: Singles, products: FloatArray, x: Floats, shares: Floats, n: int
 ) -> None:

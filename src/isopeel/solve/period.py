@@ -6,14 +6,14 @@ After a period, a state translated by one element (see `solve.translation_predic
 import numpy as np
 
 from isopeel.common.arrays import FloatArray
-from isopeel.common.compilation import compiled
+from isopeel.common.compilation import inner
 from isopeel.solve.polynomials import NODES, first_monotonic, lagrange, nearest_nodes
 
 _ITERATIONS = 40
 _PLACED = 1e-6  # of the last step
 
 
-@compiled
+@inner
 def translation_period(measure: FloatArray, samples: FloatArray) -> float:
     """Return the period after which a translated state equals the last one; zero where none does.
 
@@ -67,7 +67,7 @@ def translation_period(measure: FloatArray, samples: FloatArray) -> float:
     return 0.0
 
 
-@compiled
+@inner
 def _square(samples: FloatArray, k: int, kind: int) -> float:
     """Return the squared distance of the last state from another, as it is (0) or translated (1)."""
     last = samples.shape[0] - 1

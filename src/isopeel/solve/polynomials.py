@@ -3,7 +3,7 @@
 import numpy as np
 
 from isopeel.common.arrays import FloatArray
-from isopeel.common.compilation import compiled
+from isopeel.common.compilation import compiled, inner
 
 #: States around a place that are interpolated there; 8 to 12 are no better.
 NODES = 6
@@ -22,7 +22,7 @@ def lagrange(nodes: FloatArray, start: int, count: int, at: float, basis: FloatA
         basis[0, i], basis[1, i] = value, slope
 
 
-@compiled
+@inner
 def evaluate_newton_form(form: FloatArray, nodes: FloatArray, start: int, at: float) -> tuple[float, float]:
     """Return value and slope of a polynomial in Newton's form (n,), whose nodes begin at a start."""
     last = len(form) - 1
@@ -33,7 +33,7 @@ def evaluate_newton_form(form: FloatArray, nodes: FloatArray, start: int, at: fl
     return value, slope
 
 
-@compiled
+@inner
 def nearest_nodes(nodes: FloatArray, first: int, n: int, at: float) -> int:
     """Return the first of the NODES rising nodes, from `first` to n, nearest to a place; -1 beyond all."""
     if n - first < NODES or not nodes[first] <= at <= nodes[n - 1]:
@@ -43,7 +43,7 @@ def nearest_nodes(nodes: FloatArray, first: int, n: int, at: float) -> int:
     return first
 
 
-@compiled
+@inner
 def interpolate(
     nodes: FloatArray, values: FloatArray, start: int, at: float, basis: FloatArray
 ) -> tuple[float, float]:
@@ -56,7 +56,7 @@ def interpolate(
     return value, slope
 
 
-@compiled
+@inner
 def first_monotonic(measure: FloatArray, n: int) -> int:
     """Return the first of n states from which on the path measure is monotonic up to the last one."""
     first = n - 1

@@ -7,7 +7,7 @@ translation predictor (see `solve.extrapolation`).
 import numpy as np
 
 from isopeel.common.arrays import FloatArray
-from isopeel.common.compilation import compiled, compiled_reordered
+from isopeel.common.compilation import compiled, inner, inner_reordered
 from isopeel.solve.extrapolation import MOST_STATES, set_weights
 from isopeel.solve.period import translation_period
 
@@ -89,7 +89,7 @@ def select_predictor(
     return weights, best_kind != _BY_PARAMETER
 
 
-@compiled
+@inner
 def _copy(values: FloatArray, to: FloatArray) -> None:
     """Copy weights (2, n). Numba takes seconds to compile the assignment of arrays."""
     for kind in range(2):
@@ -97,7 +97,7 @@ def _copy(values: FloatArray, to: FloatArray) -> None:
             to[kind, i] = values[kind, i]
 
 
-@compiled_reordered
+@inner_reordered
 def _missed(samples: FloatArray, weights: FloatArray, n: int, difference: FloatArray) -> float:
     """Return the squared error at state n of the weights of the n states before; set difference (m,)."""
     for j in range(len(difference)):
@@ -113,7 +113,7 @@ def _missed(samples: FloatArray, weights: FloatArray, n: int, difference: FloatA
     return total
 
 
-@compiled
+@inner
 def _jumps(measure: FloatArray, parameters: FloatArray, target: float, rise: float) -> bool:
     """Return whether the path measure grows much more per parameter to the target than in the last steps."""
     n = len(measure)

@@ -13,7 +13,7 @@ import numpy as np
 from isopeel.assembly.constraints import condense
 from isopeel.assembly.system import System
 from isopeel.common.arrays import FloatArray, IntArray
-from isopeel.common.compilation import compiled
+from isopeel.common.compilation import compiled, inner
 from isopeel.splines.nurbs import Side
 from isopeel.splines.space import SplineSpace
 
@@ -106,7 +106,7 @@ def _extent(points: FloatArray) -> float:
     return float(np.linalg.norm(points[-1] - points[0]))
 
 
-@compiled
+@inner
 def _turn(points: FloatArray, displacement: FloatArray, hinge: IntArray) -> tuple[float, float]:
     """Return cosine and sine of the rotation from one element to the next, at the hinge."""
     at = np.empty((3, 2))
@@ -174,7 +174,7 @@ def _translate(
         result[n] /= followers[n]
 
 
-@compiled
+@inner
 def _angle(position: FloatArray, change: FloatArray, one: int, other: int) -> float:
     """Return the rotation of the line between two positions by a small change of all positions (size, 2)."""
     x, y = position[other, 0] - position[one, 0], position[other, 1] - position[one, 1]

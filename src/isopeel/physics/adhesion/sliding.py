@@ -15,10 +15,10 @@ The slip of a point is its displacement along the tangent that the substrate has
 
 import numpy as np
 
-from isopeel.common.compilation import compiled
+from isopeel.common.compilation import inner
 
 
-@compiled
+@inner
 def slipped(
     s: float, d: float, law: tuple[float, float, float], worn: tuple[float, float, float]
 ) -> tuple[float, float, float, float, float, float]:

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from isopeel.common.arrays import FloatArray
-from isopeel.common.compilation import compiled
+from isopeel.common.compilation import inner
 from isopeel.physics.batch import MATERIAL_SIGNATURE, BatchFunction
 from isopeel.physics.differentiation import FUNCTIONS, Jet, Term
 from isopeel.physics.logarithm import log
@@ -77,7 +77,7 @@ def _text(stored_energy: Callable[..., Any]) -> str:
     return text + "".join(f"        {name}[n] = {value!r}\n" for name, value in results.items()) + _TAIL
 
 
-@compiled
+@inner
 def _stress_and_tangent(
     F: FloatArray,
     count: int,
