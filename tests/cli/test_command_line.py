@@ -2,6 +2,7 @@
 
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 from command_output import the_error
@@ -28,3 +29,14 @@ def test_help_does_not_wait_for_a_compiler() -> None:
     ).stdout
     assert "--traction" in message
     assert message.splitlines()[-1] == "False"
+
+
+def test_a_run_imports_no_slow_package_that_it_does_not_need(tmp_path: Path) -> None:
+    script = (
+        "import sys; from isopeel.cli import main;"
+        "assert main(['run', 'strip', '--to', '0.1', '--mesh', '40x2', '--out', sys.argv[1]]) == 0;"
+        "print(sorted({'scipy.optimize', 'pint', 'sympy', 'pyvista'} & set(sys.modules)))"
+    )
+    command = [sys.executable, "-c", script, str(tmp_path / "out")]
+    message = subprocess.run(command, capture_output=True, text=True, check=True).stdout
+    assert message.splitlines()[-1] == "[]"
