@@ -1,5 +1,6 @@
 """Roots, compared with those of SciPy."""
 
+from collections.abc import Callable
 from math import cos, exp, inf, nan
 
 import numpy as np
@@ -8,7 +9,7 @@ from scipy.optimize import brentq, newton
 
 from isopeel.common.roots import brent, secant
 
-FUNCTIONS = {
+FUNCTIONS: dict[str, Callable[[float], float]] = {
     "line": lambda x: 3 * x - 0.7,
     "cosine": lambda x: cos(x) - x,
     "flat": lambda x: (x - 0.3) ** 9,
@@ -26,12 +27,16 @@ def test_a_root_is_that_of_scipy_to_the_bit(name: str, absolute: float, relative
     places: list[float] = []
     theirs: list[float] = []
 
-    def noted(into: list[float]) -> object:
-        return lambda x: into.append(x) or FUNCTIONS[name](x)  # type: ignore[no-untyped-call]
+    def noted(into: list[float]) -> Callable[[float], float]:
+        def value(x: float) -> float:
+            into.append(x)
+            return FUNCTIONS[name](x)
+
+        return value
 
     options = {"xtol": absolute, "rtol": relative, "maxiter": 2000}
     expected = brentq(noted(theirs), -1.0, 2.0, **options)
-    found = brent(noted(places), -1.0, 2.0, absolute=absolute, relative=relative, most=2000)  # type: ignore[arg-type]
+    found = brent(noted(places), -1.0, 2.0, absolute=absolute, relative=relative, most=2000)
     assert found == expected
     assert places == theirs
 

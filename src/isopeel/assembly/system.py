@@ -1,10 +1,10 @@
 """The assembled system: a problem on a spline space, as the solver sees it."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from copy import copy
 from dataclasses import dataclass, replace
 from math import prod
-from typing import ClassVar, Self
+from typing import Self
 
 import numpy as np
 from psutil import virtual_memory
@@ -73,9 +73,6 @@ class System:
     Tangents share one array per storage: each call of `linearize` overwrites the last one's.
     """
 
-    #: What the forces of a body are made by.
-    body_loops: ClassVar[Callable[[BodyTable], Loops]] = staticmethod(loops_of)
-
     def __init__(
         self,
         problem: Problem,
@@ -141,6 +138,11 @@ class System:
         )
         self._tangents: dict[Storage, BandMatrix] = {}
         self.equations = self._equations()
+
+    @staticmethod
+    def body_loops(table: BodyTable) -> Loops:
+        """Return what makes the forces of a body."""
+        return loops_of(table)
 
     def _equations(self) -> Equations:
         held = self.constraints
