@@ -42,17 +42,24 @@ class Path:
         return sum(step.seconds for step in self.steps)
 
 
-def run(paths: list[Path], displacements: FloatArray, block: int) -> None:
-    """Trace both paths in turn, by blocks of load steps. Raises ArithmeticError where one finds no step."""
+def run(paths: list[Path], displacements: FloatArray, block: int) -> str | None:
+    """Trace both paths in turn, by blocks of load steps, and return where and why one ends early."""
     for first in range(0, displacements.size, block):
         part = displacements[first : first + block].tolist()
+        ends = []
         for path in paths:
             path.program.begin(part)
             found = path.program.finish()
             path.steps += found.steps
             if found.stopped:
                 at = part[len(found.steps)]
-                raise ArithmeticError(f"{path.program.label} finds no step at {at:g}: {found.stopped}")
+                ends.append(f"no equilibrium at {at:g} nm: {path.program.label} ({found.stopped})")
+        if ends:
+            count = min(len(path.steps) for path in paths)
+            for path in paths:
+                del path.steps[count:]
+            return "; ".join(ends)
+    return None
 
 
 def table(paths: list[Path]) -> Table:
@@ -87,7 +94,7 @@ def deviation(path: Path, other: Path) -> float:
 
 def main(
     mesh: Annotated[str, typer.Option(help="Elements of one arm along length x height.")] = "200x10",
-    to: Annotated[float, typer.Option(help="Last displacement of each end, in nm.")] = 20.0,
+    to: Annotated[float, typer.Option(help="Last displacement of each end, in nm.")] = 18.0,
     step: Annotated[float, typer.Option(help="Displacement per load step, in nm.")] = 0.1,
     block: Annotated[int, typer.Option(min=1, help="Load steps of one program in one turn.")] = 10,
 ) -> None:
@@ -99,8 +106,13 @@ def main(
         raise isopeel.InputError("--to, --step", f"{to:g}, {step:g}", "0 < step <= to is needed")
     paths = [Path(Program(name, 2, elements)) for name in ARMS]
     count = round(to / step)
-    run(paths, np.linspace(0.0, step * count, count + 1), block)
+    ended = run(paths, np.linspace(0.0, step * count, count + 1), block)
     console = Console(highlight=False)
+    if ended:
+        console.print(ended, soft_wrap=True)
+    count = len(paths[0].steps) - 1
+    if count < 1:
+        raise ArithmeticError("no step was timed")
     forces = paths[0].forces
     console.print(f"two arms of {mesh}, L2: {count + 1} load steps of {step:g} nm, 0 to {step * count:g} nm")
     console.print(f"the largest force is {forces.max():.8f} E0 L0, the last is {forces[-1]:.8f}")
