@@ -11,7 +11,6 @@ from isopeel.assembly.spaces import SpaceOfBodies, spaces_by_name
 from isopeel.assembly.tables import element_ends
 from isopeel.common.arrays import FloatArray, frozen
 from isopeel.common.errors import InputError
-from isopeel.common.roots import secant
 from isopeel.physics.batch import evaluate_law
 from isopeel.physics.materials.base import plane_strain_modulus
 from isopeel.post.closed_form import beam_peeling
@@ -196,6 +195,8 @@ def layer_decay(problem: Problem) -> Decay | None:
     of which that with the least real part decays last. Soft springs give `beam_decay`, rigid ones
     1/z = 1/(2.106 + 1.125 i): then the height alone sets the decay.
     """
+    from scipy.optimize import newton
+
     strip = _held_strip(problem)
     if strip is None:
         return None
@@ -207,7 +208,7 @@ def layer_decay(problem: Problem) -> Decay | None:
         value: complex = z + sine * cosine + softness * z * (z**2 - sine**2)
         return value
 
-    root = secant(determinant, _RIGID, absolute=1e-13, most=200)
+    root = complex(newton(determinant, _RIGID, tol=1e-13, maxiter=200))
     return Decay(height / root.real, 2 * np.pi * height / root.imag)
 
 

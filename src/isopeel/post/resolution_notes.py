@@ -7,7 +7,6 @@ import numpy as np
 
 from isopeel.assembly.spaces import SpaceOfBodies, spaces_by_name
 from isopeel.common.errors import InputError
-from isopeel.common.roots import brent
 from isopeel.post.closed_form.strip import free_strip
 from isopeel.post.crack import jumps
 from isopeel.post.front import POINTS, front_profile
@@ -256,6 +255,8 @@ def _softer(
     problem: Problem, space: RowSpace, found: Resolution, laboratory: Laboratory, interface: str
 ) -> str:
     """Return a text on the strength whose estimated process zone an affordable mesh resolves."""
+    from scipy.optimize import brentq
+
     character = law_character(problem.interface_of(interface).law)
     modulus, height = compliant(problem, interface)
     along, across = space.elements
@@ -269,7 +270,7 @@ def _softer(
         return process_zone_length(irwin * softer, height) / process_zone_length(irwin, height) - longer
 
     # a zone of a slender body is longer by the root of the strength at least
-    strength = character.strength * float(np.exp(brent(misses, -2 * log(longer) - 1, 0.0)))
+    strength = character.strength * float(np.exp(brentq(misses, -2 * log(longer) - 1, 0.0)))
     return (
         "no mesh on which a run takes minutes has enough; but with a strength of "
         f"{laboratory.text(strength, 'stress', 3)} or less and the same work of adhesion, the zone is "

@@ -10,7 +10,6 @@ import numpy as np
 from isopeel.common.arrays import FloatArray
 from isopeel.common.errors import InputError
 from isopeel.common.quantities import LENGTH, SURFACE_ENERGY
-from isopeel.common.roots import brent
 from isopeel.physics.adhesion.normal import law_kernel
 from isopeel.physics.batch import BatchFunction
 from isopeel.physics.formula import (
@@ -94,6 +93,8 @@ class FormulaAdhesion:
     @cached_property
     def equilibrium_gap(self) -> float:
         """The smallest gap at which T falls from repulsion to attraction; nan where there is none."""
+        from scipy.optimize import brentq
+
         traction = self._function(1)
         # a law that is finite at contact may have its equilibrium there, as the exponential one
         gaps = _GAPS if self._positive_gaps_only else np.concatenate([[-_GAPS[0], 0.0], _GAPS])
@@ -105,12 +106,8 @@ class FormulaAdhesion:
             return float("nan")
         bracket = gaps[falls[0]], gaps[falls[0] + 1]
         return float(
-            brent(
-                lambda gap: float(traction(np.array(gap))),
-                *bracket,
-                absolute=1e-300,
-                relative=1e-14,
-                most=2000,
+            brentq(
+                lambda gap: float(traction(np.array(gap))), *bracket, xtol=1e-300, rtol=1e-14, maxiter=2000
             )
         )
 

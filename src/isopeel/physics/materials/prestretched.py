@@ -7,7 +7,6 @@ import numpy as np
 
 from isopeel.common.arrays import FloatArray
 from isopeel.common.errors import InputError
-from isopeel.common.roots import brent
 from isopeel.physics.batch import (
     MATERIAL_SIGNATURE,
     BatchFunction,
@@ -45,13 +44,15 @@ class Prestretched:
     @cached_property
     def transverse_stretch(self) -> float:
         """The s nearest to 1 at which the stress P_22 rises through zero; nan where there is none."""
+        from scipy.optimize import brentq
+
         stress = self._transverse_stress(_STRETCHES)
         rises = np.flatnonzero((stress[:-1] < 0) & (stress[1:] >= 0))
         if not rises.size:
             return float("nan")
         at = rises[np.argmin(np.abs(np.log(_STRETCHES[rises])))]
         bracket = _STRETCHES[at], _STRETCHES[at + 1]
-        return brent(lambda s: self._transverse_stress(np.array([s]))[0], *bracket, absolute=1e-300)
+        return float(brentq(lambda s: self._transverse_stress(np.array([s]))[0], *bracket, xtol=1e-300))
 
     @property
     def youngs_modulus(self) -> float:

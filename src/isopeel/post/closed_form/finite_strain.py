@@ -16,7 +16,6 @@ from math import cos
 import numpy as np
 
 from isopeel.common.arrays import FloatArray
-from isopeel.common.roots import brent
 from isopeel.physics.batch import evaluate_material
 from isopeel.physics.materials import Material
 
@@ -25,7 +24,7 @@ _STEP = 1.05  # factor from one tried stretch to the next
 # of the polynomial across a bent section, and its Gauss points: round-off at strain 0.3
 _ORDER, _POINTS = 8, 10
 _NEWTON = 30  # iterations: the first guess is a beam's, from which a few are enough at moderate strain
-# where a formula is nan at large strains, `brent` and `numpy.linalg` raise kinds of ValueError
+# where a formula is nan at large strains, `brentq` and `numpy.linalg` raise kinds of ValueError
 _NONE = (ArithmeticError, ValueError)
 
 
@@ -94,6 +93,8 @@ def peeled_tape(
 
     At small strain they are `kendall_force`, of tapes laid under tension too, and `sliding_tape_force`.
     """
+    from scipy.optimize import brentq
+
     tape, cosine = Membrane(material, height), cos(angle)
 
     def released(stretch: float) -> float:
@@ -113,7 +114,7 @@ def peeled_tape(
             low, high = high, 1 + _STEP * (high - 1) + 1e-3
             if high > _FURTHEST:
                 return None
-        stretch = brent(released, low, high, absolute=1e-15, relative=1e-14)
+        stretch = float(brentq(released, low, high, xtol=1e-15, rtol=1e-14))
         force = tape.state(stretch)[1]
         behind = 1.0 if held else tape.stretch(force * cosine)
     except _NONE:
@@ -126,6 +127,8 @@ def _root_around(function: Callable[[float], float], start: float) -> float:
 
     Raises ArithmeticError.
     """
+    from scipy.optimize import brentq
+
     value = function(start)
     if value == 0:
         return start
@@ -137,7 +140,7 @@ def _root_around(function: Callable[[float], float], start: float) -> float:
             raise ArithmeticError("no root")
     if not np.isfinite(function(other)):
         raise ArithmeticError("no root")
-    return brent(function, *sorted((one, other)), absolute=1e-15, relative=1e-14)
+    return float(brentq(function, *sorted((one, other)), xtol=1e-15, rtol=1e-14))
 
 
 @dataclass(frozen=True)
@@ -156,6 +159,8 @@ def bent_strip(material: Material, height: float, work: float, curvature: float)
     becomes a sector of circles r(Y) with F = diag(kappa r, r'), and r follows from the equilibrium
     d(P_22)/dY = kappa P_11 with free faces: the least energy, found here among polynomials.
     """
+    from scipy.optimize import brentq
+
     section = _Section(material, height)
 
     def excess(kappa: float) -> float:
@@ -168,7 +173,7 @@ def bent_strip(material: Material, height: float, work: float, curvature: float)
             low, high = 0.8 * low, low
         while excess(high) < 0:
             low, high = high, 1.2 * high
-        kappa = brent(excess, low, high, relative=1e-10)
+        kappa = float(brentq(excess, low, high, rtol=1e-10))
         return BentStrip(section.bent(kappa)[1], kappa)
     except _NONE:
         return None

@@ -3,7 +3,6 @@
 from dataclasses import dataclass
 from math import pi, remainder, sqrt
 
-from isopeel.common.roots import brent
 from isopeel.physics.materials.base import plane_strain_modulus
 from isopeel.post.closed_form.expected import decay_length, lies_free
 from isopeel.post.closed_form.strip import free_strip
@@ -50,6 +49,7 @@ class LiftedArm:
         Lifts much larger than sqrt(E'I/W) rotate the arm by 90 degrees: then P = W, as for a tape.
         """
         from scipy.integrate import quad
+        from scipy.optimize import brentq
 
         # with c = sin(phi), sin(theta) = c (1 - u^2) takes the root out of the integral
         longest = sqrt(self.bending_stiffness / self.work)
@@ -60,7 +60,7 @@ class LiftedArm:
 
         if lift >= lifted(1 - 1e-9):
             return self.work
-        return self.work / brent(lambda c: lifted(c) - lift, 0.0, 1 - 1e-9, absolute=1e-14)
+        return self.work / float(brentq(lambda c: lifted(c) - lift, 0.0, 1 - 1e-9, xtol=1e-14))
 
 
 @dataclass(frozen=True)

@@ -5,7 +5,6 @@ from math import sqrt
 
 import numpy as np
 
-from isopeel.common.roots import brent
 from isopeel.physics.adhesion import AdhesionLaw
 from isopeel.post.law import evaluate_flat, law_character
 
@@ -21,7 +20,7 @@ def rigid_cylinder_pull_off(law: AdhesionLaw, radius: float) -> float:
     InputError as `law_character`.
     """
     from scipy.integrate import quad
-    from scipy.optimize import minimize_scalar
+    from scipy.optimize import brentq, minimize_scalar
 
     character = law_character(law)
     strongest, spent = character.strongest_gap, character.spent_gap
@@ -30,9 +29,7 @@ def rigid_cylinder_pull_off(law: AdhesionLaw, radius: float) -> float:
         return float(evaluate_flat(law, np.array([gap]))[1][0])
 
     # quadrature would miss a narrow rise or fall inside a part: parts end there
-    fallen = brent(
-        lambda gap: traction(gap) + character.strength / 2, strongest, spent, absolute=1e-12 * spent
-    )
+    fallen = brentq(lambda gap: traction(gap) + character.strength / 2, strongest, spent, xtol=1e-12 * spent)
 
     def push(closest: float) -> float:
         ends = (sqrt(2 * radius * (gap - closest)) for gap in (closest, strongest, fallen, spent))

@@ -4,7 +4,6 @@ from math import inf
 from typing import ClassVar, Protocol
 
 from isopeel.common.errors import InputError
-from isopeel.common.roots import brent
 from isopeel.splines.nurbs import NurbsCurve, NurbsSurface, Side
 
 ROUND_OFF = 1e-12  # relative: a length that exceeds the whole by at most this share is the whole
@@ -51,9 +50,12 @@ def check_length(length: float, total: float) -> None:
 
 def parameter_at_length(curve: NurbsCurve, length: float) -> float:
     """Return the parameter of a curve at an arc length from its start, exact to round-off."""
+    from scipy.optimize import brentq
+
     start, end = (float(place) for place in curve.space.breakpoints[[0, -1]])
     total = curve.length()
     check_length(length, total * (1 + ROUND_OFF))
     if length >= total:
         return end
-    return brent(lambda place: curve.length(place) - length, start, end, absolute=1e-15, relative=1e-15)
+    place = brentq(lambda parameter: curve.length(parameter) - length, start, end, xtol=1e-15, rtol=1e-15)
+    return float(place)
