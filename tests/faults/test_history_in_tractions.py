@@ -230,8 +230,8 @@ def test_the_block_has_force_over_area_in_every_stage_and_output(folders: dict[s
             force = run.curve.reaction[state.step]
             opening = state.displacement[:2, 1].mean()
             if number and opening > 0:
-                # the block stretches by 1e-5 of its height
-                assert force == pytest.approx(secant * opening, rel=1e-4)
+                # the block stretches by 1e-5 of its height; Newton's tolerance, where it is closed
+                assert force == pytest.approx(secant * opening, rel=1e-4, abs=1e-9)
             (grid,) = side_grids(problem, space, side_mesh(problem, space, 2), [state])
             outputs = {
                 "profile": -front_profile(
