@@ -127,7 +127,8 @@ def test_no_solver_function_is_compiled_anew_for_other_terms() -> None:
     # if the loops of loads are not cached, the functions that they call are compiled with them, once
     compile_loops(add_load)
     known = signatures()
-    assert known["isopeel.solve.corrections", "corrected"] == 1
+    # for factors in single precision, and for those in double precision where an earlier test needed them
+    assert known["isopeel.solve.corrections", "corrected"] <= 2
     material, law = SaintVenantKirchhoff(1.0, 0.3), Exponential(0.06, 0.015, 0.25)
     go(strip(material=material, law=law, irreversible=True), row_space("N2.1", (40, 2)))
     assert signatures() == known
