@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from facing_texts import FACING, changed
 
-from isopeel import InputError, VanDerWaals
+from isopeel import InputError, MixedModeBilinear, VanDerWaals
 from isopeel.assembly.system import System
 from isopeel.case import Case, with_options
 from isopeel.problem import Boundary
@@ -204,3 +204,41 @@ def test_the_number_is_that_of_the_interface() -> None:
     with pytest.raises(InputError) as caught:
         System(case.problem(), case.spaces())
     assert caught.value.field == "interface.2.between"
+
+
+JOINT = """law = "mixed-mode-bilinear"
+strength = "20 MPa"
+work_of_adhesion = "500 mJ/m^2"
+shear_strength = "30 MPa"
+shear_work = "1 J/m^2"
+rise = 0.1
+"""
+#: The law of `FACING`, with its constants.
+ADHESION = """law = "van-der-waals"
+hamaker_constant = "1e-19 J"
+equilibrium_distance = "0.4 nm"
+"""
+
+
+def test_a_joint_law_holds_two_bodies() -> None:
+    (interface,) = Case.parse(changed(ADHESION, JOINT)).problem().interfaces
+    law = interface.law
+    assert isinstance(law, MixedModeBilinear)
+    # in E0 = 2 GPa and L0 = 1 nm
+    assert (law.strength, law.shear_strength) == (0.01, 0.015)
+    assert (law.work_of_adhesion, law.shear_work) == pytest.approx((0.25, 0.5), rel=1e-15)
+    assert (law.rise, law.exponent, law.initial_damage) == (0.1, 2.0, 0.0)
+
+
+@pytest.mark.parametrize(
+    ("extra", "field"), [("irreversible = true", "irreversible"), ('scheme = "biased"', "scheme")]
+)
+def test_a_joint_law_has_no_scheme_and_states_its_damage(extra: str, field: str) -> None:
+    with pytest.raises(InputError, match=rf"interface\.1\.{field}: .*a joint law"):
+        Case.parse(changed(ADHESION, JOINT + extra + "\n")).problem()
+
+
+def test_a_substrate_takes_no_joint_law() -> None:
+    text = changed('between = ["upper.bottom", "lower.top"]', 'boundary = "upper.bottom"')
+    with pytest.raises(InputError, match=r"interface\.1\.law: 'mixed-mode-bilinear' .*between two bodies"):
+        Case.parse(text.replace(ADHESION, JOINT)).problem()

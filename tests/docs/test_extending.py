@@ -31,14 +31,14 @@ CASE = PAGE_CASE.replace('"strip"', '"bevelled-strip"\ntop_length = "62 nm"').re
 )
 # folder, module, and the text of the file
 FILES = re.findall(r"^%%writefile plugins/(\w+)/(\w+)\.py\n(.*?)^```", TEXT, re.DOTALL | re.MULTILINE)
-FAMILIES = {family.package.rpartition(".")[2]: family for family in KindSection.__subclasses__()}
+FAMILIES = {family.packages[0].rpartition(".")[2]: family for family in KindSection.__subclasses__()}
 
 
 @pytest.fixture(scope="module")
 def components(tmp_path_factory: pytest.TempPathFactory) -> Iterator[dict[str, Any]]:
     """The classes of the pages, by their names, found in a folder that ISOPEEL_PLUGINS names."""
     home = tmp_path_factory.mktemp("plugins")
-    packages = {folder: FAMILIES[folder].package for folder, _, _ in FILES}
+    packages = {folder: FAMILIES[folder].packages[0] for folder, _, _ in FILES}
     modules = {f"{packages[folder]}.{module}" for folder, module, _ in FILES}
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv(PLUG_INS, str(home))

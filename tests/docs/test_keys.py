@@ -48,11 +48,21 @@ def test_each_kind_is_there_with_its_own_keys(family: type[KindSection]) -> None
         rf"\| `{family.table}\.{family.chooser}` \| keys \|\n.*?\n\n", PAGE + "\n", re.DOTALL
     )
     rows = dict(re.findall(r"^\| `([\w-]+)` \| (.*) \|$", part, re.MULTILINE))
-    kinds = discover(family.package)
+    (package,) = family.packages
+    kinds = discover(package)
     assert set(rows) == set(kinds)
     for name, kind in kinds.items():
         own = {field.name for field in fields(kind) if field.init} - family.own
         assert set(re.findall(r"`(\w+)`", rows[name])) == own, name
+
+
+def test_each_joint_law_is_there_with_its_own_keys() -> None:
+    (part,) = re.findall(r"\| `law` between two bodies \| keys \|\n.*?\n\n", PAGE, re.DOTALL)
+    rows = dict(re.findall(r"^\| `([\w-]+)` \| (.*) \|$", part, re.MULTILINE))
+    kinds = discover("isopeel.physics.joints")
+    assert set(rows) == set(kinds)
+    for name, kind in kinds.items():
+        assert set(re.findall(r"`(\w+)`", rows[name])) == {field.name for field in fields(kind)}, name
 
 
 @pytest.mark.parametrize("table", LISTS)

@@ -59,7 +59,7 @@ class LoadTable(BoundaryTable):
 class DriveSection(KindSection):
     """One stage: a drive, how far it goes, and in which steps, in the dimension of its parameter."""
 
-    table, package, chooser, usual = "drive", "isopeel.problem.drives", "kind", "rotation"
+    table, packages, chooser, usual = "drive", ("isopeel.problem.drives",), "kind", "rotation"
     own = frozenset({"on"})
 
     name: Annotated[

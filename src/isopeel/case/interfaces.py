@@ -37,6 +37,9 @@ class InterfaceTable(PartKeys, AdhesionSection):
     each of the two sides that is not a table with keys of its own.
     """
 
+    # between two bodies, a joint law too
+    packages = (*AdhesionSection.packages, "isopeel.physics.joints")
+
     boundary: Annotated[str | None, Field(description=A_BOUNDARY)] = None
     between: Annotated[
         tuple[_SideKey, _SideKey] | None,

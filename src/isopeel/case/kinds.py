@@ -20,9 +20,9 @@ from isopeel.physics.formula_dimensions import FormulaDimensions, check_dimensio
 class KindSection(Section):
     """A table whose keys are the fields of a dataclass, and those that all of its family have."""
 
-    #: The table, the package of its dataclasses, the key that names one, and the name where it is left out.
+    #: The table, the packages of its dataclasses, the key that names one, and the name where it is left out.
     table: ClassVar[str]
-    package: ClassVar[str]
+    packages: ClassVar[tuple[str, ...]]
     chooser: ClassVar[str]
     usual: ClassVar[str | None] = None
     #: Fields of the dataclasses that the family gives them, from keys of its own.
@@ -38,7 +38,7 @@ class KindSection(Section):
     def chosen(cls, written: Mapping[str, Any]) -> type[Self]:
         """The section of the dataclass that a table names. Raises InputError that lists those there are."""
         name = written.get(cls.chooser, cls.usual)
-        known = discover(cls.package)
+        known = {name: kind for package in cls.packages for name, kind in discover(package).items()}
         if not isinstance(name, str) or name not in known:
             allowed = f"one of these {cls.chooser}s is needed: {', '.join(known)}"
             raise InputError(f"{cls.table}.{cls.chooser}", name, allowed)

@@ -1,7 +1,7 @@
 """The sections of a case file: what each key means, but for the keys that dataclasses bring."""
 
 from pathlib import Path
-from typing import Annotated, Literal, get_args
+from typing import Annotated, ClassVar, Literal, get_args
 
 from pydantic import BeforeValidator, Field, field_validator
 
@@ -34,7 +34,7 @@ from isopeel.splines.nurbs import Side
 class BodySection(KindSection):
     """The shape of the body, in L0, and its width across the plane, which only scales what is shown."""
 
-    table, package, chooser, usual = "body", "isopeel.problem.shapes", "shape", "strip"
+    table, packages, chooser, usual = "body", ("isopeel.problem.shapes",), "shape", "strip"
 
     width: LengthKey | None = None
 
@@ -65,7 +65,7 @@ class BodySection(KindSection):
 class MaterialSection(KindSection):
     """The material, with the stretch that it is laid at; stresses in E0."""
 
-    table, package, chooser = "material", "isopeel.physics.materials", "law"
+    table, packages, chooser = "material", ("isopeel.physics.materials",), "law"
 
     prestretch: Annotated[float | None, Field(strict=True, description=NUMBER.needed)] = None
 
@@ -78,7 +78,8 @@ class MaterialSection(KindSection):
 class AdhesionSection(KindSection):
     """Adhesion of the lower face up to `length`, or of all of it; in E0 and L0."""
 
-    table, package, chooser = "adhesion", "isopeel.physics.adhesion", "law"
+    table, chooser = "adhesion", "law"
+    packages: ClassVar[tuple[str, ...]] = ("isopeel.physics.adhesion",)
 
     length: LengthKey | None = None
     traction: Annotated[Traction, Field(description="'reference' or 'projected' is needed")] = "reference"
@@ -119,7 +120,7 @@ class AdhesionSection(KindSection):
 class SubstrateSection(KindSection):
     """The substrate, and the gap to it at the start where that is not the equilibrium gap; in L0."""
 
-    table, package, chooser, usual = "substrate", "isopeel.physics.substrates", "kind", "flat"
+    table, packages, chooser, usual = "substrate", ("isopeel.physics.substrates",), "kind", "flat"
 
     gap: LengthKey | None = None
 

@@ -99,7 +99,7 @@ class Interface:
             allowed = "contact without adhesion has no joint that could be damaged or hold; leave it out"
             raise InputError(f"adhesion.{field}", getattr(self, field), allowed)
         if isinstance(self.law, JointLaw):
-            self._check_joint()
+            self._check_joint(self.law)
         if self.sliding_length is None:
             return
         if not 0 < self.sliding_length < float("inf"):
@@ -108,13 +108,15 @@ class Interface:
             allowed = "a joint that holds along the substrate is reversible, with 'reference' traction"
             raise InputError("adhesion.sliding_length", self.sliding_length, allowed)
 
-    def _check_joint(self) -> None:
+    def _check_joint(self, law: JointLaw) -> None:
         if not isinstance(self.against, Boundary):
-            raise InputError("against", type(self.against).__name__, "a joint law needs another body")
+            allowed = "a joint law holds two bodies together: it needs an interface between two bodies"
+            raise InputError("adhesion.law", law.name, allowed)
         if self.irreversible:
             raise InputError("adhesion.irreversible", True, "a joint law states its damage itself")
         if self.scheme != "unbiased":
-            raise InputError("scheme", self.scheme, "a joint law has none: its points are paired once")
+            allowed = "a joint law has none: its points are paired once"
+            raise InputError("adhesion.scheme", self.scheme, allowed)
 
     @property
     def has_history(self) -> bool:
