@@ -139,6 +139,9 @@ def _draw(outcomes: Sequence[Pressed]) -> Figure:
             if errors:
                 axes.loglog(points, errors, color=color, linestyle=line, marker="o", label=scheme)
                 axes.legend()
+        counts = sorted({one.of.points for one in outcomes})
+        axes.set_xticks(counts, [str(count) for count in counts])
+        axes.set_xticks([], minor=True)
         axes.set_xlabel("Gauss points on an element")
         axes.set_ylabel("relative error of the stress")
         return figure
