@@ -24,7 +24,7 @@ from isopeel.post.closed_form.expected import (
 from isopeel.post.closed_form.finite_strain import peeled_tape
 from isopeel.post.closed_form.strip import FreeStrip, strip_of
 from isopeel.post.closed_form.tape import t_peel_force
-from isopeel.problem import Boundary, Problem, PulledSide
+from isopeel.problem import Boundary, Interface, Problem, PulledSide
 from isopeel.splines.nurbs import Side
 
 
@@ -62,18 +62,13 @@ def t_peel(problem: Problem, space: SpaceOfBodies) -> Theory:
 
 def _arms(problem: Problem) -> tuple[FreeStrip, FreeStrip] | None:
     """Measure the upper and the lower strip; None for other problems."""
-    drive, interfaces = problem.drive, problem.interfaces
-    if len(problem.bodies) != 2 or len(interfaces) != 1 or problem.loads:
+    found = pulled_joint(problem)
+    if found is None:
         return None
-    (interface,) = interfaces
-    if not isinstance(interface.against, Boundary) or isinstance(interface.law, Contact):
-        return None
-    if not isinstance(drive, PulledSide) or drive.follows or drive.control == "force":
-        return None
+    interface, pair, drive = found
     pulled = {one.boundary.body: one for one in problem.driven}
     if len(pulled) != len(problem.driven) or len(pulled) != 2 or abs(cos(drive.angle)) > ROUND_OFF:
         return None
-    pair = interface.boundary, interface.against
     upper, lower = sorted(pair, key=lambda one: -middle(problem, one)[1])
     # of a parameter above zero
     forces = [pulled[one.body].factor * sin(drive.angle) for one in (upper, lower)]
@@ -89,6 +84,19 @@ def _arms(problem: Problem) -> tuple[FreeStrip, FreeStrip] | None:
     if ends[0] != ends[1] or not at_rest or tension_of(top.material, above):
         return None
     return above, below
+
+
+def pulled_joint(problem: Problem) -> tuple[Interface, tuple[Boundary, Boundary], PulledSide] | None:
+    """Return the joint of two bodies that an unknown dead force pulls, its sides, and the drive, or None."""
+    drive, interfaces = problem.drive, problem.interfaces
+    if len(problem.bodies) != 2 or len(interfaces) != 1 or problem.loads:
+        return None
+    (interface,) = interfaces
+    if not isinstance(interface.against, Boundary) or isinstance(interface.law, Contact):
+        return None
+    if not isinstance(drive, PulledSide) or drive.follows or drive.control == "force":
+        return None
+    return interface, (interface.boundary, interface.against), drive
 
 
 def peeled_strip(problem: Problem, boundary: Boundary, driven: Boundary) -> FreeStrip | None:

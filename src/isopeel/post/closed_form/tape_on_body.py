@@ -3,7 +3,6 @@
 from math import cos, pi, sin, sqrt
 
 from isopeel.assembly.spaces import SpaceOfBodies, spaces_by_name
-from isopeel.physics.adhesion import Contact
 from isopeel.physics.materials.base import plane_strain_modulus
 from isopeel.post.closed_form.expected import (
     ARM,
@@ -18,9 +17,9 @@ from isopeel.post.closed_form.expected import (
 )
 from isopeel.post.closed_form.finite_strain import peeled_tape
 from isopeel.post.closed_form.strip import FreeStrip, strip_of
-from isopeel.post.closed_form.t_peel import level, middle, peeled_strip
+from isopeel.post.closed_form.t_peel import level, middle, peeled_strip, pulled_joint
 from isopeel.post.closed_form.tape import kendall_force
-from isopeel.problem import Boundary, Problem, PulledSide
+from isopeel.problem import Problem
 
 
 def tape_on_body(problem: Problem, space: SpaceOfBodies) -> Theory:
@@ -57,18 +56,13 @@ def tape_on_body(problem: Problem, space: SpaceOfBodies) -> Theory:
 
 def _tape(problem: Problem) -> tuple[FreeStrip, FreeStrip, str] | None:
     """Measure a tape and the body below or above it, and name the tape; None for other problems."""
-    drive, interfaces = problem.drive, problem.interfaces
-    if len(problem.bodies) != 2 or len(interfaces) != 1 or problem.loads:
+    found = pulled_joint(problem)
+    if found is None:
         return None
-    (interface,) = interfaces
-    if not isinstance(interface.against, Boundary) or isinstance(interface.law, Contact):
-        return None
-    if not isinstance(drive, PulledSide) or drive.follows or drive.control == "force":
-        return None
+    interface, pair, drive = found
     pulled, *others = problem.driven
     if others or abs(cos(drive.angle)) > ROUND_OFF:
         return None
-    pair = interface.boundary, interface.against
     own, against = sorted(pair, key=lambda one: one.body != pulled.boundary.body)
     tape = peeled_strip(problem, own, pulled.boundary)
     # the side of the rectangle that is called right here does not matter
