@@ -103,17 +103,6 @@ def _no_energy_measure() -> None:
     _set("isopeel.solve.predictor", "select_predictor", by_parameter)
 
 
-def _no_stored_errors() -> None:
-    from isopeel.solve.predictor_selection import select_predictor
-
-    def forgetful(*arguments: Any) -> Any:
-        errors = arguments[4]
-        errors.fill(np.nan)
-        return select_predictor(*arguments)
-
-    _set("isopeel.solve.predictor", "select_predictor", forgetful)
-
-
 def _every_evaluation() -> None:
     _set("isopeel.solve.quasi_newton", "_SKIP_SHARE", 0.0)
 
@@ -245,13 +234,6 @@ METHODS = (
         _no_energy_measure,
         "polynomials of the parameter, and translation",
         extra_lines=8,  # in `select_predictor`, `Predictor` and `AcceptedState`
-    ),
-    Method(
-        "stored errors of predictors",
-        (),
-        _no_stored_errors,
-        "all evaluated in each step",
-        extra_lines=10,  # in `select_predictor` and `Predictor`
     ),
     Method(
         "skipped last evaluation",

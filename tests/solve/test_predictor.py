@@ -5,7 +5,6 @@ import pytest
 
 from isopeel.assembly.system import System
 from isopeel.problem import strip
-from isopeel.solve.extrapolation import MOST_STATES
 from isopeel.solve.newton import NewtonSettings
 from isopeel.solve.polynomials import slope
 from isopeel.solve.predictor import Predictor
@@ -16,15 +15,10 @@ from isopeel.solve.translation_predictor import TranslationPredictor
 from isopeel.splines.rows import row_space
 
 
-def unknown(states: int) -> np.ndarray:
-    """What polynomials would have missed states by."""
-    return np.full((states, 2, MOST_STATES), np.nan)
-
-
 def _extrapolated(parameters: np.ndarray, energies: np.ndarray, values: np.ndarray, target: float) -> float:
     nothing = np.full(len(values), np.nan)  # is translated
     samples = np.stack([values, nothing], axis=1)[..., None]
-    weights, _ = select_predictor(parameters, nothing, energies, samples, unknown(len(values)), target)
+    weights, _ = select_predictor(parameters, nothing, energies, samples, target)
     assert not weights[1].any()
     return float(weights[0] @ values)
 
@@ -96,57 +90,33 @@ def test_translation_extrapolates_where_polynomials_cannot() -> None:
     values = _periodic(measure)[1]
     earlier = slice(0, -1)
     known, samples = parameters[earlier], np.stack([values, values], axis=1)[earlier]
-    weights, by_energy = select_predictor(
-        known, known, 3 * measure[earlier] - 1, samples, unknown(len(known)), parameters[-1]
-    )
+    weights, by_energy = select_predictor(known, known, 3 * measure[earlier] - 1, samples, parameters[-1])
     assert by_energy
     assert weights[1].any()
     missed = np.abs(weights[0] @ values[earlier] + weights[1] @ values[earlier] - values[-1]).max()
     samples[:, 1] = np.nan
-    alone, _ = select_predictor(
-        known, known, 3 * measure[earlier] - 1, samples, unknown(len(known)), parameters[-1]
-    )
+    alone, _ = select_predictor(known, known, 3 * measure[earlier] - 1, samples, parameters[-1])
     assert not alone[1].any()
     # states around a place, of eleven in a period, against those before it
     assert missed < 0.3 * np.abs(alone[0] @ values[earlier] - values[-1]).max()
 
 
-def test_stored_errors_of_polynomials_are_reused() -> None:
-    parameters = np.linspace(0.0, 2.0, 30)
-    samples = np.stack([np.sin(parameters)] * 2, axis=1)[..., None]
-    stored, every = unknown(30), []
-    for n in range(1, 30):
-        earlier = slice(0, n)
-        arguments = parameters[earlier], parameters[earlier], parameters[earlier] ** 2 - 1, samples[earlier]
-        fresh = select_predictor(*arguments, unknown(n), parameters[n])
-        again = select_predictor(*arguments, stored[earlier], parameters[n])
-        np.testing.assert_array_equal(again[0], fresh[0])
-        assert again[1] == fresh[1]
-        every.append(np.isfinite(stored).sum())
-    # one state more, by polynomials in two measures
-    assert 0 < every[-1] - every[-2] <= 2 * MOST_STATES
-
-
 def test_stored_data_of_states_equal_those_computed_anew() -> None:
     """Beyond the number of stored states, with a turn back onto a known parameter, and a jump."""
     system = System(strip(), row_space("N2", (12, 2)))
-    stored, fresh = Predictor(system), Predictor(system)
+    stored = Predictor(system)
     parameters = [*np.linspace(0.0, 2.0, 120), *np.linspace(1.97, 1.5, 20)]
     shape = np.random.default_rng(0).standard_normal((2, system.count))
     for k, parameter in enumerate(parameters):
         y = 0.1 * (np.sin(parameter) * shape[0] + np.cos(2 * parameter) * shape[1])
-        u, _ = system.state(y, parameter)
-        for one in (stored, fresh):
-            one.add(AcceptedState(parameter, y, 0.0, 0.0, parameter**2 - 1), u)
-            if k == 130:
-                one.clear()
-                one.add(AcceptedState(parameter, y, 0.0, 0.0, parameter**2 - 1), u)
-        fresh._misses.fill(np.nan)
+        if k == 130:
+            stored.clear()
+        stored.add(AcceptedState(parameter, y, 0.0, 0.0, parameter**2 - 1), system.state(y, parameter)[0])
+        fresh = Predictor(system)
+        for state in stored.states:
+            fresh.add(state, system.state(state.unknown_values, state.parameter)[0])
         ahead = parameter + (0.02 if k < 119 else -0.02)
         np.testing.assert_array_equal(stored.guess(ahead), fresh.guess(ahead))
-    # they differ where any two numbers do
-    stored._misses[:] = np.random.default_rng(1).uniform(size=stored._misses.shape)
-    assert np.any(stored.guess(1.48) != fresh.guess(1.48))
 
 
 def test_translation_is_not_used_across_a_possible_jump() -> None:
@@ -159,7 +129,7 @@ def test_translation_is_not_used_across_a_possible_jump() -> None:
     for n in range(36, len(measure)):
         earlier = slice(n - 36, n)
         known, samples = parameters[earlier], np.stack([values, values], axis=1)[earlier]
-        weights, _ = select_predictor(known, known, measure[earlier], samples, unknown(36), parameters[n])
+        weights, _ = select_predictor(known, known, measure[earlier], samples, parameters[n])
         steps = np.diff(measure[n - 4 : n + 1])
         (steep if steps[-1] > 2.6 * steps[:-1].min() else calm).append(bool(weights[1].any()))
     assert len(steep) > 1

@@ -60,7 +60,7 @@ def warm_up() -> None:
     """Take a few steps, on a mesh on which a front could be translated from element to element."""
     # the first process needs this one last: it would compile it itself, without waiting
     one = np.ones(1)
-    select_predictor(one, one, one, np.ones((1, 2, 1)), np.ones((1, 2, 1)), 2.0)
+    select_predictor(one, one, one, np.ones((1, 2, 1)), 2.0)
     path = SolverPath(_OnSprings(strip(), row_space("L1", (40, 1))), NewtonSettings(), ())
     for degrees in (0.0, 0.1, 0.2):
         path.accept(Found(path.solver.equilibrium(radians(degrees))), perf_counter())

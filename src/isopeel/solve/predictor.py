@@ -15,7 +15,6 @@ from scipy.linalg.blas import daxpy, ddot
 from isopeel.assembly.system import System
 from isopeel.common.arrays import FloatArray, IntArray
 from isopeel.common.compilation import compiled
-from isopeel.solve.extrapolation import MOST_STATES
 from isopeel.solve.polynomials import lagrange, slope
 from isopeel.solve.predictor_selection import select_predictor
 from isopeel.solve.step import AcceptedState
@@ -52,11 +51,10 @@ class Predictor:
         #: The newest at the end.
         self.states: list[AcceptedState] = []
         # the data of the states are the last of `end` rows: parameters, as they are and translated, and
-        # adhesive energies; bends, as they are and translated; and the errors of the polynomials
+        # adhesive energies; and bends, as they are and translated
         self._end = 0
         self._numbers = np.empty((3, _ROWS))
         self._bends = np.empty((_ROWS, 2, 2 * -(-(len(side) - self._order) // self._every)))
-        self._misses = np.empty((_ROWS, 2, MOST_STATES))
         self._displacement = np.empty((0, 2))  # of the last state
         # whether the adhesive energy was the selected path measure at the last guess
         self._by_energy = False
@@ -73,18 +71,13 @@ class Predictor:
         (known,) = np.nonzero(self._numbers[0, self._rows] != parameter)
         if self._end == _ROWS or len(known) < len(self.states):
             rows = self._rows.start + known
-            if len(known) < len(self.states):
-                # their polynomials pass through other states now
-                self._misses.fill(np.nan)
             self.states, self._end = [self.states[k] for k in known], len(known)
             self._numbers[:, : self._end] = self._numbers[:, rows]
             self._bends[: self._end] = self._bends[rows]
-            self._misses[: self._end] = self._misses[rows]
         self.states = [*self.states[1 - MOST_STORED_STATES :], state]
         ahead = np.nan if translation is None else translation.parameter(parameter, displacement)
         for row, number in enumerate((parameter, ahead, state.adhesive_energy)):
             self._numbers[row, self._end] = number
-        self._misses[self._end] = np.nan
         _bend(displacement, self._functions, self._order, self._every, self._bends[self._end])
         self._end += 1
         self._displacement = displacement
@@ -105,7 +98,6 @@ class Predictor:
             ahead[rows],
             energies[rows],
             self._bends[rows],
-            self._misses[rows],
             parameter,
         )
         if self._translation is not None and weights[1].any():

@@ -31,7 +31,6 @@ def select_predictor(
     ahead: FloatArray,
     energies: FloatArray,
     samples: FloatArray,
-    misses: FloatArray,
     target: float,
 ) -> tuple[FloatArray, bool]:
     """Return weights (2, n) of the states and of the translated states, whose sum predicts the target.
@@ -42,9 +41,6 @@ def select_predictor(
     in either path measure and through 1 to MOST_STATES states, and each translation predictor is judged by
     the mean logarithm of its errors at the last states. The second value returned is whether the path measure
     of the selected predictor is the energy.
-
-    The errors of polynomials are stored in misses (n, 2, MOST_STATES), by path measure and number of states:
-    nan where they have not been evaluated yet.
     """
     n, m = samples.shape[0], samples.shape[2]
     weights, trial, difference = np.zeros((2, n)), np.zeros((2, n)), np.empty(m)
@@ -62,16 +58,12 @@ def select_predictor(
         for count in range(fewest, min(n - 1, most) + 1):
             score = 0.0
             for last in range(n - tries, n):
-                missed = np.nan if kind == _TRANSLATION else misses[last, kind, count - 1]
-                if np.isnan(missed):
-                    missed = np.inf
-                    there = parameters[last]
-                    if set_weights(measure, parameters, ahead, last, there, count, period, trial) != 0.0:
-                        missed = _missed(samples, trial, last, difference)
-                    if kind != _TRANSLATION:
-                        misses[last, kind, count - 1] = missed
+                there = parameters[last]
+                if set_weights(measure, parameters, ahead, last, there, count, period, trial) == 0.0:
+                    score = np.inf
+                    break
                 # the logarithm of an exact prediction must be finite
-                score += np.log(missed + 1e-300) / tries
+                score += np.log(_missed(samples, trial, last, difference) + 1e-300) / tries
                 if score == np.inf:
                     break
             if not score < best:
