@@ -35,6 +35,22 @@ ROUND_OFF = 1e-12
 _REACTION = 1e-7
 
 
+class Allowance(NamedTuple):
+    """The energy that any step may gain without work, and whether that is at most a share of its work."""
+
+    most: float
+    by_work: bool
+
+    def of_step(self, work: float) -> float:
+        """Return the energy that a step may gain, by the size of its work."""
+        return min(self.most, MISFIT * work) if self.by_work else self.most
+
+    @property
+    def slight(self) -> float:
+        """The part of it that any step may gain or release, whatever its work."""
+        return MISFIT * self.most if self.by_work else self.most
+
+
 class Misfit(NamedTuple):
     """The energy that a step gained without work (negative: released), and whether it is too much."""
 
@@ -89,12 +105,26 @@ def can_be_joined(one: AcceptedState, other: AcceptedState, step: float, allowed
     return abs(misfits) <= most and -misfits <= allowed + change
 
 
-def gain_allowed(system: System) -> float:
-    """Return the energy that any step of a system may gain without work: a share of the joint's energy."""
+def joint_energy(system: System) -> float | None:
+    """Return the work of adhesion of all interfaces times their areas; None if there is contact alone."""
     worth = sum(
         term.adhesion.law.work_of_adhesion * float(term.table.weights.sum()) for term in system.interfaces
     )
-    return GAIN * worth + energy_round_off(system)
+    return worth if worth or not system.interfaces else None
+
+
+def allowance(joint: float | None, last: AcceptedState | None, round_off: float) -> Allowance:
+    """Return the energy that a step may gain without work, after the last accepted state.
+
+    It is a share of the energy of the `joint`. Contact without adhesion has none (None): its share is that of
+    the energy which its bodies store. It is not bounded by the work of the step: bodies that slide without
+    friction do no work but that of the discretization. This work changes its sign several times on each
+    element, so that the trapezoidal rule may miss all of it.
+    """
+    if joint is not None:
+        return Allowance(GAIN * joint + round_off, by_work=True)
+    stored = 0.0 if last is None else abs(last.energy)
+    return Allowance(GAIN * stored + round_off, by_work=False)
 
 
 def energy_round_off(system: System) -> float:
@@ -102,7 +132,7 @@ def energy_round_off(system: System) -> float:
     return float(np.finfo(float).eps) * system.energy_scale
 
 
-def misfit(last: list[AcceptedState], other: AcceptedState, allowed: float, round_off: float) -> Misfit:
+def misfit(last: list[AcceptedState], other: AcceptedState, allowed: Allowance, round_off: float) -> Misfit:
     """Return the misfit of the step from the last accepted state to another one.
 
     It is judged by the energy `allowed`, by the work of the step and by the `round_off` of the energies: that
@@ -127,10 +157,10 @@ def misfit(last: list[AcceptedState], other: AcceptedState, allowed: float, roun
     # the work decides where all energies are small beside that of the joint, as in a tape that buckles.
     # The largest recent reaction is the scale: the relative error of a vanishing one means nothing
     largest = max(abs(state.rate) for state in (*last, other))
-    slight = max(SLIGHT * size * largest, MISFIT * allowed) + round_off
-    enough = min(allowed, MISFIT * most) + min(error, slight) + round_off
+    slight = max(SLIGHT * size * largest, allowed.slight) + round_off
+    enough = allowed.of_step(most) + min(error, slight) + round_off
     # energy above the work by either end's reaction is never an error of the rule
     work = max(rate * step, other.rate * step)
-    climbs = other.energy - one.energy - work > MISFIT * (most + allowed) + round_off
+    climbs = other.energy - one.energy - work > MISFIT * most + allowed.slight + round_off
     is_slight = abs(gained) <= slight and not climbs
     return Misfit(gained, climbs or not gained <= enough, not -gained <= enough, is_slight)

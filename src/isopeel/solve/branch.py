@@ -104,7 +104,7 @@ class Branch:
         gained = simpson_misfits(one, half, other)
         most = max(abs(state.rate) for state in (one, half, other)) * abs(other.parameter - one.parameter)
         round_off = ROUND_OFF * max(abs(one.energy), abs(other.energy)) + path.round_off
-        enough = min(path.gain_allowed, MISFIT * most) + round_off
+        enough = path.allowance.of_step(most) + round_off
         for (first, last), rest in zip(pairwise((one, half, other)), gained, strict=True):
             if abs(rest) <= enough:
                 continue
@@ -124,6 +124,8 @@ class Branch:
             return self._followed[2]
         states, found = [*path.history], []
         size = step = parameter - begin
+        # several steps make one, and share what it may gain
+        allowed = path.allowance._replace(most=path.gain_allowed / 4)
         longer = np.inf  # misfit of a step of twice the size
         refused: float | None = None  # parameter at which a longer step found no equilibrium
         ends = False  # whether the shortest step has no equilibrium, or one of another branch
@@ -142,8 +144,7 @@ class Branch:
                 size, longer, refused, ends = size / 2, np.inf, at, True
                 continue
             state = path.accepted_state(result)
-            # several of these make one step, and share what it may gain
-            missed = misfit(states, state, path.gain_allowed / 4, path.round_off)
+            missed = misfit(states, state, allowed, path.round_off)
             smooth = by_order and missed.is_slight and abs(missed.gained) <= CUBIC * longer
             if missed.fits or smooth:
                 states.append(state)

@@ -8,11 +8,12 @@ import numpy as np
 
 from isopeel.assembly.system import System
 from isopeel.solve.balance import (
-    MISFIT,
     NO_MISFIT,
+    Allowance,
     Misfit,
+    allowance,
     energy_round_off,
-    gain_allowed,
+    joint_energy,
     misfit,
     released,
 )
@@ -33,10 +34,9 @@ class Path:
         self.solver = Solver(system, settings, start)
         #: Whether the last state need not be an equilibrium: the first step has not been accepted yet.
         self.begins: bool = begins or not start
-        #: Energy that any step may gain without work.
-        self.gain_allowed: float = gain_allowed(system)
         #: Round-off of the energy of any state.
         self.round_off: float = energy_round_off(system)
+        self._joint_energy = joint_energy(system)
         self._number = 0
         self._judged: tuple[NewtonResult, AcceptedState] | None = None
 
@@ -54,6 +54,16 @@ class Path:
     def history(self) -> list[AcceptedState]:
         """The last accepted states, the newest at the end."""
         return self.solver.states
+
+    @property
+    def allowance(self) -> Allowance:
+        """The energy that the next step may gain without work."""
+        return allowance(self._joint_energy, self.history[-1] if self.history else None, self.round_off)
+
+    @property
+    def gain_allowed(self) -> float:
+        """The same for any work of the step."""
+        return self.allowance.most
 
     def accept(self, found: Found, began: float) -> Step:
         """Accept an equilibrium and return it as a step; `began` is the time at which the step began."""
@@ -112,10 +122,11 @@ class Path:
         if one.parameter == result.parameter:
             return self._gained_at_once(state.energy - one.energy)
         work = max(abs(one.rate), abs(state.rate)) * abs(state.parameter - one.parameter)
-        if abs(released(one, state)) <= min(self.gain_allowed, MISFIT * work) + self.round_off:
+        allowed = self.allowance
+        if abs(released(one, state)) <= allowed.of_step(work) + self.round_off:
             # nearly all steps end here, after a few sums
             return NO_MISFIT
-        return misfit(self.history, state, self.gain_allowed, self.round_off)
+        return misfit(self.history, state, allowed, self.round_off)
 
     def _gained_at_once(self, gained: float) -> Misfit:
         """Return the misfit of an energy that was gained at one value of the parameter."""
