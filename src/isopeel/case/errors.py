@@ -96,21 +96,21 @@ def _key_at(
     """Return the section of a place, of several kinds the one that its table chose, and the key there."""
     table: Any = document
     key: FieldInfo | None = None
-    for part in place:
+    for number, part in enumerate(place, start=1):
         if isinstance(part, int):
             table = table[part] if isinstance(table, list) and part < len(table) else table
-            continue
-        if part not in section.model_fields:
+        elif part in section.model_fields:
+            key = section.model_fields[part]
+            table = table.get(part) if isinstance(table, Mapping) else None
+            inner = _section_in(key.annotation)
+            if inner is None:
+                break
+            section = inner
+        else:
             break
-        key = section.model_fields[part]
-        table = table.get(part) if isinstance(table, Mapping) else None
-        inner = _section_in(key.annotation)
-        if inner is None:
-            break
-        choice = issubclass(inner, KindSection) and isinstance(table, Mapping)
-        section = inner
-        if choice and len(place) > 1:
-            section = inner.chosen(table)  # type: ignore[attr-defined]
+        family = issubclass(section, KindSection) and section.maker is None
+        if family and isinstance(table, Mapping) and number < len(place):
+            section = section.chosen(table)  # type: ignore[attr-defined]
     return section, key
 
 
