@@ -120,6 +120,9 @@ BAD: list[tuple[str, str, str, str]] = [
     (LAW, f"{LAW}\nsymmetric = true", "interface.1.symmetric", "there is no mirror plane"),
     (LAW, f"{LAW}\nsliding_length = '1 nm'", "interface.1.sliding_length", "slide without friction"),
     (LAW, f"{LAW}\ntraction = 'projected'", "interface.1.traction", "between bodies it must be 'reference'"),
+    ("hamaker_constant", "hamaker", "interface.1.hamaker", "hamaker_constant, equilibrium_distance"),
+    (LAW, 'law = "xu-needleman"', "interface.1.hamaker_constant", "shear_strength"),
+    ('hamaker_constant = "1e-19 J"', "", "interface.1.hamaker_constant", "missing; an energy is needed"),
     ('on = "lower.top"', 'on = "pad.top"', "body.2.on", "the bodies are lower, upper"),
     ('on = "lower.top"', 'on = "lower.front"', "body.2.on", "the sides are left, right, bottom, top"),
     ('on = "lower.top"', 'on = "upper.top"', "body.2.on", "a body lies on another one"),
@@ -175,6 +178,14 @@ def test_the_option_for_the_traction_is_refused() -> None:
         with_options(Case.parse(FACING), traction="projected")
 
 
+#: Contact without adhesion in place of the law.
+TOUCH = {
+    "interface.1.law": "contact",
+    "interface.1.hamaker_constant": None,
+    "interface.1.equilibrium_distance": None,
+}
+
+
 @pytest.mark.parametrize(
     ("values", "field", "message"),
     [
@@ -182,6 +193,8 @@ def test_the_option_for_the_traction_is_refused() -> None:
         ({"body.2.gap": "1 m"}, "interface.1.between", "the smallest gap between them is 1e+09"),
         ({"body.2.at": ["50 nm", "0 nm"]}, "interface.1.between", "no point faces the other side"),
         ({"interface.1.between": ["upper.top", "lower.top"]}, "interface.1.between", "no point faces"),
+        ({"interface.1.between": ["upper.top", "lower.bottom"]}, "interface.1.between", "nor one lie behind"),
+        ({**TOUCH, "body.2.gap": "1 nm"}, "support", "no law acts between upper.bottom and lower.top at the"),
         ({"support.2.boundary": "lower.right"}, "support", "a motion along x of the body upper"),
         ({"support.1.holds": "y"}, "support", "a motion along x of the body lower"),
     ],

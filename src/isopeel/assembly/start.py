@@ -37,27 +37,32 @@ def check_start(
     """
     problem = spaces.problem
     held: list[FloatArray] = []
-    tangents = []
+    tangents, idle = [], []
     numbers = [n for n, one in enumerate(problem.interfaces, start=1) for _ in one.faces]
     for number, interface, side in zip(numbers, problem.faces, sides, strict=True):
         size = extent_of(problem.body_of(interface.boundary.body))
         try:
             if isinstance(side, FacingTerm):
-                held += _check_facing(spaces, side, size, base)
+                rows = _check_facing(spaces, side, size, base)
+                held.append(rows)
+                if not len(rows):
+                    idle.append(_names(interface))
                 continue
             if isinstance(side, PairTerm):
                 held += _held_by_pairs(spaces, side, size, base)
                 continue
-            rows, tangent = _check_interface(interface, side, size, base)
+            several, tangent = _check_interface(interface, side, size, base)
         except InputError as error:
             if len(problem.interfaces) == 1:
                 raise
             raise InputError(f"interface.{number}.{error.field}", error.value, error.allowed) from error
-        held += [_of_body(spaces, interface.boundary.body, row) for row in rows]
+        held += [_of_body(spaces, interface.boundary.body, row) for row in several]
         tangents.append(frozen(tangent))
     free = _free_motion(_held(spaces, held, control), {body.name: extent_of(body) for body in problem.bodies})
     if free is not None:
         allowed = "nothing prevents this motion of the body; hold a side, or let it adhere"
+        if idle:
+            allowed += f" (no law acts between {'; '.join(dict.fromkeys(idle))} at the start)"
         raise InputError("held", free, allowed)
     return tangents
 
@@ -115,7 +120,7 @@ def _check_interface(
     return rows, tangent if base is None else substrate_tangents(substrate, side.positions)
 
 
-def _check_facing(spaces: Spaces, term: FacingTerm, size: float, base: FloatArray | None) -> list[FloatArray]:
+def _check_facing(spaces: Spaces, term: FacingTerm, size: float, base: FloatArray | None) -> FloatArray:
     """What rigid motions of both bodies would change (n, 3 bodies) between points and their partners."""
     interface, law = term.adhesion, term.adhesion.law
     if interface.irreversible:
@@ -129,7 +134,7 @@ def _check_facing(spaces: Spaces, term: FacingTerm, size: float, base: FloatArra
     normal, position = found.normal.T[acts], found.position.T[acts]
     partner = position - found.gap[acts, None] * normal
     own, others = (np.einsum("ni,nim->nm", normal, _motions(points)) for points in (position, partner))
-    return [_of_body(spaces, interface.boundary.body, own) - _of_body(spaces, _other(interface).body, others)]
+    return _of_body(spaces, interface.boundary.body, own) - _of_body(spaces, _other(interface).body, others)
 
 
 def _check_gaps(
@@ -139,21 +144,27 @@ def _check_gaps(
     nearest = int(np.argmin(gap))
     least = gap[nearest]
     if not least <= extent(spaces.problem):
-        names = " and ".join(boundary_names([interface.boundary, _other(interface)]))
         found = np.isfinite(least)
         far = f"the smallest gap between them is {least:.4g}" if found else "no point faces the other side"
         allowed = f"the sides are nowhere near each other at the start: {far}"
-        raise InputError("between", names, allowed)
+        raise InputError("between", _names(interface), allowed)
     if least < -ROUND_OFF * size:
         place = "a gap of {:.4g} at X = ({:.4g}, {:.4g})".format(least, *position[:, nearest])
         bodies = f"{interface.boundary.body} and {_other(interface).body}"
-        allowed = f"the bodies {bodies} must not overlap at the start"
+        allowed = (
+            f"the bodies {bodies} must not overlap at the start, nor one lie behind the side of the other"
+        )
         raise InputError("between", place, allowed)
 
 
 def _other(interface: Interface) -> Boundary:
     assert isinstance(interface.against, Boundary)
     return interface.against
+
+
+def _names(interface: Interface) -> str:
+    """Return the names of both sides, in an order that both faces of an interface have in common."""
+    return " and ".join(sorted(boundary_names([interface.boundary, _other(interface)]), reverse=True))
 
 
 def _held_by_pairs(spaces: Spaces, term: PairTerm, size: float, base: FloatArray | None) -> list[FloatArray]:
