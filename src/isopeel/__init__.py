@@ -40,6 +40,7 @@ if TYPE_CHECKING:
         PulledSide,
         RotatedSide,
         Support,
+        Tie,
         strip,
     )
     from isopeel.problem.shapes import (
@@ -102,6 +103,7 @@ __all__ = [
     "Strip",
     "Support",
     "TaperedStrip",
+    "Tie",
     "Trapezoidal",
     "VanDerWaals",
     "Wavy",
@@ -146,6 +148,7 @@ _MODULES = {
         "PulledSide",
         "RotatedSide",
         "Support",
+        "Tie",
         "strip",
     ),
     "problem.shapes": (

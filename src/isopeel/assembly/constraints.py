@@ -1,4 +1,4 @@
-"""Constraints: which degrees of freedom are held, which follow the drive, and the order of the unknowns."""
+"""Constraints: which degrees of freedom are held, follow the drive or others, and the order of unknowns."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -6,13 +6,15 @@ from typing import Self
 
 import numpy as np
 
-from isopeel.assembly.spaces import Spaces
+from isopeel.assembly.numbering import half_bandwidth, number_by_neighbours, number_by_place
+from isopeel.assembly.sizes import ROUND_OFF, extent
+from isopeel.assembly.spaces import HELD, Spaces
+from isopeel.assembly.tie_kernel import Followers, follow, lead
+from isopeel.assembly.ties import TiedFunctions, tied_functions
 from isopeel.common.arrays import BoolArray, FloatArray, IntArray
 from isopeel.common.compilation import compiled
 from isopeel.common.errors import InputError
 from isopeel.problem import Boundary, Constraint, Load
-
-HELD = -1
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,12 +57,16 @@ class Motion:
 
 @dataclass(frozen=True, eq=False)
 class Constraints:
-    """The map u = T z + u0 + g(parameter) from unknowns z to the coefficients u of the displacement.
+    """The map u = C (T z + u0 + g(parameter)) from unknowns z to the coefficients u of the displacement.
 
-    Each coefficient follows one unknown or none (T has one 1 in a row, or none), so that a condensation
+    Each coefficient has one unknown or none (T has one 1 in a row, or none), so that a condensation
     with T is exact and costs nothing: `unknowns` (size, 2) is the number of the unknown, or HELD. The tied
     degrees of freedom of a boundary share one unknown per component. Held, prescribed and tied components
     begin with their displacement in the `base` state, which is u0, the `offset`.
+
+    C sets the coefficients of functions that follow others (`isopeel.assembly.ties`); it is one without
+    ties. A function that follows one other has the unknown of that. One that follows several has an unknown
+    of its own, which is always zero, so that a tangent has the same rows before and after it is condensed.
 
     All unknowns y are those of the displacement, z, and after them the global ones: the size of a load whose
     displacement is prescribed.
@@ -72,6 +78,7 @@ class Constraints:
     offset: FloatArray  # (size, 2)
     motions: tuple[Motion, ...]  # of boundaries that the drive moves
     driven: IntArray  # their functions
+    tied: TiedFunctions
     # what the drive prescribes at the last parameter, and its rate: a step needs them several times
     _moved: dict[float, FloatArray] = field(default_factory=dict, init=False, repr=False)
     _rate: dict[float, FloatArray] = field(default_factory=dict, init=False, repr=False)
@@ -84,7 +91,15 @@ class Constraints:
     def displacement(self, unknown_values: FloatArray, parameter: float) -> FloatArray:
         """Coefficients u (size, 2) of unknowns y (total,) at a value of the drive's parameter."""
         u = np.empty(self.offset.shape)
-        displace(self.unknowns, unknown_values, self.offset, self.driven, self.moved(parameter), u)
+        displace(
+            self.unknowns,
+            unknown_values,
+            self.offset,
+            self.driven,
+            self.moved(parameter),
+            self.tied.followers,
+            u,
+        )
         return u
 
     def moved(self, parameter: float) -> FloatArray:
@@ -112,12 +127,16 @@ class Constraints:
         free = displacement - self.offset
         free[self.driven] -= self.moved(parameter)
         y = np.zeros(self.total + 1)
-        y[self.unknowns] = free
+        leading = self.tied.leading
+        y[self.unknowns[leading]] = free[leading]
         return y[:-1]
 
     def condense(self, forces: FloatArray) -> FloatArray:
-        """T^T f (count,) of forces f (size, 2) that work on the coefficients."""
+        """T^T C^T f (count,) of forces f (size, 2) that work on the coefficients."""
         totals = np.zeros(self.count)
+        if len(self.tied.followers.functions):
+            forces = forces.copy()
+            lead(self.tied.followers, forces)
         condense(self.unknowns, forces, totals)
         return totals
 
@@ -133,20 +152,22 @@ def displace(
     offset: FloatArray,
     driven: IntArray,
     moved: FloatArray,
+    followers: Followers,
     u: FloatArray,
 ) -> None:
-    """Set u = T z + u0 + g (size, 2), of the values z (count,) and what the driven functions are moved by."""
+    """Set u = C (T z + u0 + g), (size, 2), of the values z (count,) and what the drive moves by."""
     for f in range(len(unknowns)):
         for i in range(2):
             u[f, i] = offset[f, i] + (values[unknowns[f, i]] if unknowns[f, i] >= 0 else 0.0)
     for k in range(len(driven)):
         for i in range(2):
             u[driven[k], i] += moved[k, i]
+    follow(followers, u)
 
 
 @compiled
 def condense(unknowns: IntArray, forces: FloatArray, totals: FloatArray) -> None:
-    """Add T^T f of forces (size, 2) to totals (count,)."""
+    """Add T^T f of forces (size, 2), which act on leading functions only, to totals (count,)."""
     for f in range(len(unknowns)):
         for i in range(2):
             if unknowns[f, i] >= 0:
@@ -171,21 +192,22 @@ def constrain(
 ) -> Constraints:
     """Collect a problem's constraints, and number the unknowns for a narrow band.
 
-    Bodies are numbered one after another, or all together if there are links between them.
+    Bodies are numbered one after another, or all together if there are links or ties between them.
 
     `elements` are arrays (E, m), by names of bodies, of the functions of each element, which are coupled with
     each other, `links` the same of elements of two bodies. `base` (size, 2) are the coefficients of the state
     that the drive begins with, by default those of the bodies as they are.
 
     Raises InputError where a held component belongs to a boundary that the drive moves along it, where such
-    boundaries meet and do not move alike, or where nothing of the bodies is left to move.
+    boundaries meet and do not move alike, where nothing of the bodies is left to move, where a side does not
+    lie on the one that it follows, or where what is held or moved follows several functions.
     """
-    problem = spaces.problem
+    problem, tied = spaces.problem, tied_functions(spaces)
     u0 = np.zeros((spaces.size, 2)) if base is None else base
     # groups[function, component]: what shares one unknown has one group
     groups = np.arange(2 * spaces.size).reshape(spaces.size, 2)
     offset = np.zeros((spaces.size, 2))
-    motions = _motions(spaces, spaces.control_points() + u0)
+    motions = _motions(spaces, spaces.control_points() + u0, tied)
     for motion in motions:
         driven = motion.functions
         for component, freedom in enumerate(motion.constraint.freedoms):
@@ -193,7 +215,7 @@ def constrain(
                 groups[driven, component] = groups[driven[0], component] if freedom == "tied" else HELD
                 offset[driven, component] = u0[driven, component]
     for support in problem.supports:
-        held = spaces.boundary(support.boundary)
+        held = _leading(spaces, support.boundary, tied, "held")
         for component in support.components:
             for motion in motions:
                 moves = motion.constraint.freedoms[component] in ("tied", "prescribed")
@@ -207,29 +229,44 @@ def constrain(
         allowed = "on this mesh the whole body is held or moved by the drive; take a finer mesh, or hold less"
         sides = [problem.side_name(support.boundary) for support in problem.supports]
         raise InputError("held", sides, allowed)
+    groups = groups[tied.copies]
     unknowns = np.empty(groups.shape, dtype=np.int64)
-    count = 0
+    count, together = 0, bool(links) or bool(problem.ties)
     parts = [
         (place, spaces.of[name].greville, elements.get(name, ())) for name, place in spaces.places.items()
     ]
-    if links:
+    if together:
         every = [functions for found in elements.values() for functions in found]
-        parts = [(slice(0, spaces.size), spaces.control_points() + u0, [*every, *links])]
+        # points of two bodies at one place differ by round-off, which must not order them
+        positions = np.round((spaces.control_points() + u0) / (ROUND_OFF * extent(problem)))
+        parts = [(slice(0, spaces.size), positions, tied.coupled([*every, *links]))]
     for place, positions, coupled in parts:
         of_part = np.where(groups[place] == HELD, HELD, groups[place] - 2 * place.start)
         own = [functions - place.start for functions in coupled]
-        numberings = [_number(of_part, positions, axis) for axis in (0, 1)]
-        if links:
-            numberings.append(_number_by_neighbours(of_part, own))
+        numberings = [number_by_place(of_part, positions, axis) for axis in (0, 1)]
+        if together:
+            numberings.append(number_by_neighbours(of_part, own))
         numbers = min(numberings, key=lambda numbering: half_bandwidth(numbering, own))
         unknowns[place] = np.where(numbers == HELD, HELD, numbers + count)
         count += int(numbers.max()) + 1
     of_load = isinstance(problem.drive, Load) and problem.drive.control == "displacement"
     driven = np.concatenate([np.empty(0, np.int64), *(motion.own_functions for motion in motions)])
-    return Constraints(unknowns, count, int(of_load), offset, motions, driven)
+    return Constraints(unknowns, count, int(of_load), offset, motions, driven, tied)
 
 
-def _motions(spaces: Spaces, points: FloatArray) -> tuple[Motion, ...]:
+def _leading(spaces: Spaces, boundary: Boundary, tied: TiedFunctions, field: str) -> IntArray:
+    """Return the functions (m,) of a boundary, or those whose coefficients they have.
+
+    Raises InputError for the field where one of them follows several others.
+    """
+    functions = tied.copies[spaces.boundary(boundary)]
+    if np.isin(functions, tied.of_several).any():
+        allowed = "points of it are tied to another side, with another mesh; hold or move that body there"
+        raise InputError(field, f"{boundary.body}.{boundary.side}", allowed)
+    return functions
+
+
+def _motions(spaces: Spaces, points: FloatArray, tied: TiedFunctions) -> tuple[Motion, ...]:
     """Return the motions of the boundaries that the drive moves, of control points (size, 2)."""
     problem = spaces.problem
     drive = problem.drive
@@ -238,7 +275,7 @@ def _motions(spaces: Spaces, points: FloatArray) -> tuple[Motion, ...]:
     taken = np.empty(0, np.int64)
     motions: list[Motion] = []
     for name, (boundary, factor) in zip(problem.driven_names, problem.driven, strict=True):
-        functions = spaces.boundary(boundary)
+        functions = _leading(spaces, boundary, tied, "drive.on")
         own = ~np.isin(functions, taken)
         motion = Motion(drive, boundary, functions, points[functions], factor, own)
         if not all(motion.agrees_with(other) for other in motions) or not own.any():
@@ -250,55 +287,3 @@ def _motions(spaces: Spaces, points: FloatArray) -> tuple[Motion, ...]:
         taken = np.concatenate([taken, functions])
         motions.append(motion)
     return tuple(motions)
-
-
-def _number(groups: IntArray, places: FloatArray, axis: int) -> IntArray:
-    """Number the groups by the place of their functions, along one axis first, then along the other."""
-    place = np.repeat(places, 2, axis=0)
-    component = np.tile([0, 1], len(places))
-    flat = groups.ravel()
-    order = np.lexsort((component, place[:, 1 - axis], place[:, axis]))
-    order = order[flat[order] != HELD]
-    # a group is numbered where its last member stands, next to the functions it is coupled with
-    last_first = order[::-1]
-    _, first = np.unique(flat[last_first], return_index=True)
-    members = np.sort(len(order) - 1 - first)
-    numbers = np.full(flat.size, HELD)
-    numbers[flat[order[members]]] = np.arange(len(members))
-    numbered: IntArray = np.where(flat == HELD, HELD, numbers[flat]).reshape(groups.shape)
-    return numbered
-
-
-def _number_by_neighbours(groups: IntArray, elements: Sequence[IntArray]) -> IntArray:
-    """Number the groups (size, 2) by the reverse algorithm of Cuthill and McKee."""
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import reverse_cuthill_mckee
-
-    known, compact = np.unique(groups, return_inverse=True)
-    compact = compact.reshape(groups.shape) - int(known[0] == HELD)
-    count = int(compact.max()) + 1
-    pairs = []
-    for functions in elements:
-        members = compact[functions].reshape(len(functions), -1)
-        size = members.shape[1]
-        rows, columns = np.repeat(members, size, axis=1), np.tile(members, size)
-        free = (rows != HELD) & (columns != HELD)
-        pairs.append(np.stack([rows[free], columns[free]]))
-    places = np.concatenate(pairs, axis=1)
-    graph = coo_array((np.ones(places.shape[1]), tuple(places)), (count, count)).tocsr()
-    order = reverse_cuthill_mckee(graph, symmetric_mode=True)
-    numbers = np.append(np.empty(count, dtype=np.int64), HELD)
-    numbers[order] = np.arange(count)
-    numbered: IntArray = numbers[compact]
-    return numbered
-
-
-def half_bandwidth(unknowns: IntArray, elements: Sequence[IntArray]) -> int:
-    """Largest distance of two unknowns of one element, for arrays (E, m) of the elements' functions."""
-    widest = 0
-    for functions in elements:
-        numbers = unknowns[functions].reshape(len(functions), -1)
-        highest = numbers.max(axis=1)
-        lowest = np.where(numbers == HELD, highest[:, None], numbers).min(axis=1)
-        widest = max(widest, int((highest - lowest).max()))
-    return widest

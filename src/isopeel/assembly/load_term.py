@@ -5,11 +5,11 @@ from typing import NamedTuple, Self
 
 import numpy as np
 
-from isopeel.assembly.constraints import HELD, Constraints
+from isopeel.assembly.constraints import Constraints
 from isopeel.assembly.load_kernel import LoadData, add_load
 from isopeel.assembly.loops import Loops
 from isopeel.assembly.packing import Packed, packed
-from isopeel.assembly.spaces import Spaces
+from isopeel.assembly.spaces import HELD, Spaces
 from isopeel.assembly.tables import side_of
 from isopeel.assembly.terms import WithoutHistory
 from isopeel.common.arrays import FloatArray, IntArray

@@ -13,6 +13,8 @@ from isopeel.problem.boundary import ROUND_OFF
 from isopeel.splines.nurbs import Side
 from isopeel.splines.rows import RowSpace
 
+#: In arrays of the unknowns of coefficients: of a component that is held or prescribed.
+HELD = -1
 #: Spaces of the displacement by names of bodies, or that of the only one.
 SpaceOfBodies = RowSpace | Mapping[str, RowSpace]
 

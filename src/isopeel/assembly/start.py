@@ -5,14 +5,14 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from isopeel.assembly.closest_point_kernel import NONE
-from isopeel.assembly.constraints import HELD
 from isopeel.assembly.control import Control
 from isopeel.assembly.facing_term import FacingTerm
 from isopeel.assembly.interface_term import substrate_tangents
 from isopeel.assembly.pair_term import PairTerm
 from isopeel.assembly.sizes import ROUND_OFF, extent, extent_of
-from isopeel.assembly.spaces import Spaces
+from isopeel.assembly.spaces import HELD, Spaces
 from isopeel.assembly.tables import SideTable
+from isopeel.assembly.tie_kernel import Followers
 from isopeel.common.arrays import FloatArray, IntArray, frozen
 from isopeel.common.errors import InputError
 from isopeel.physics.adhesion.irreversible import check_envelope
@@ -84,9 +84,25 @@ def _held(spaces: Spaces, adhering: Sequence[FloatArray], control: Control) -> F
         motions = _motions(points[place])
         rows += [_of_body(spaces, name, row) for row in _constrained(unknowns[place], motions)]
         means.append(np.einsum("ai,aim->m", pattern[place], motions))
+    rows += _tied(spaces, control.constraints.tied.followers, _motions(points))
     if control.constraints.global_unknowns:
         rows.append(np.concatenate(means)[None])
     return np.concatenate(rows)
+
+
+def _tied(spaces: Spaces, followers: Followers, motions: FloatArray) -> list[FloatArray]:
+    """Rows (n, 3 bodies): what rigid motions would change between functions and those that they follow."""
+    sizes = [place.stop - place.start for place in spaces.places.values()]
+    of_body = np.repeat(np.arange(len(sizes)), sizes)
+    every = np.zeros((len(motions), 2, len(sizes), 3))
+    every[np.arange(len(motions)), :, of_body] = motions
+    starts = followers.starts
+    found = []
+    for k, function in enumerate(followers.functions):
+        led = slice(starts[k], starts[k + 1])
+        of_leaders = np.einsum("n,nibm->ibm", followers.shares[led], every[followers.leaders[led]])
+        found.append((every[function] - of_leaders).reshape(2, -1))
+    return found
 
 
 def _check_interface(

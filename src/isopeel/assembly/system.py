@@ -11,7 +11,7 @@ from psutil import virtual_memory
 
 from isopeel.assembly.body_kernel import loops_of
 from isopeel.assembly.body_term import BodyTerm
-from isopeel.assembly.constraints import Constraints, constrain, half_bandwidth
+from isopeel.assembly.constraints import Constraints, constrain
 from isopeel.assembly.contact import with_contact_stiffness
 from isopeel.assembly.control import Control
 from isopeel.assembly.equations import Equations
@@ -19,12 +19,14 @@ from isopeel.assembly.facing_term import FacingTerm, facing_term
 from isopeel.assembly.interface_term import InterfaceTerm
 from isopeel.assembly.load_term import LoadTerm, load_terms
 from isopeel.assembly.loops import Loops, Sums, add_terms, term_list
+from isopeel.assembly.numbering import half_bandwidth
 from isopeel.assembly.opening import closed_opening
 from isopeel.assembly.pair_term import PairTerm, pair_term
 from isopeel.assembly.spaces import SpaceOfBodies, Spaces
 from isopeel.assembly.start import check_rigid, check_start
 from isopeel.assembly.tables import BodyTable, SideTable, body_of, side_of
 from isopeel.assembly.terms import Term
+from isopeel.assembly.tie_kernel import lead
 from isopeel.common.arrays import FloatArray, frozen
 from isopeel.common.errors import InputError
 from isopeel.matrix.band import BandMatrix, Storage
@@ -42,7 +44,7 @@ class Equilibrium:
     adhesive_energy: float
     dissipated_energy: float
     lowest_determinant: float  # of F at the quadrature points
-    forces: FloatArray  # (size, 2), on every coefficient
+    forces: FloatArray  # (size, 2), on every coefficient; those on followers moved to what they follow
     residual: FloatArray  # (count,), on every unknown
 
 
@@ -106,7 +108,8 @@ class System:
         unknowns = self.constraints.unknowns
         #: Of the tangents of the bodies and of fixed pairs.
         self.half_bandwidth: int = max(
-            half_bandwidth(unknowns, found) for found in (*couplings.values(), pairs)
+            half_bandwidth(unknowns, self.constraints.tied.coupled(found))
+            for found in (*couplings.values(), pairs)
         )
         self.loads: tuple[LoadTerm, ...] = load_terms(self.spaces, self.constraints, base)
         #: Those that are held.
@@ -147,7 +150,7 @@ class System:
     def _equations(self) -> Equations:
         held = self.constraints
         listed = [(term.loops, term.data(held.unknowns), term.initial().size) for term in self.terms]
-        return Equations(term_list(listed), held.unknowns, held.offset, held.driven)
+        return Equations(term_list(listed), held.unknowns, held.offset, held.driven, held.tied.followers)
 
     def under(self, share: float) -> Self:
         """The same system under a share of the held loads. It shares the arrays of tangents."""
@@ -170,7 +173,10 @@ class System:
     def half_bandwidth_at(self, displacement: FloatArray) -> int:
         """Return that of the tangent at coefficients (size, 2): partners of sides that face may change."""
         unknowns = self.constraints.unknowns
-        of_facing = (half_bandwidth(unknowns, term.couplings_at(displacement)) for term in self.facing)
+        coupled = self.constraints.tied.coupled
+        of_facing = (
+            half_bandwidth(unknowns, coupled(term.couplings_at(displacement))) for term in self.facing
+        )
         return max((self.half_bandwidth, *of_facing))
 
     def without_joint(self) -> Self:
@@ -284,7 +290,8 @@ class System:
         """Return the force (2,) of each support on its body, by its name; zero along what it leaves free."""
         supports, found = self.problem.supports, {}
         for name, support in zip(boundary_names([one.boundary for one in supports]), supports, strict=True):
-            total = equilibrium.forces[self.spaces.boundary(support.boundary)].sum(axis=0)
+            functions = self.constraints.tied.copies[self.spaces.boundary(support.boundary)]
+            total = equilibrium.forces[functions].sum(axis=0)
             found[name] = np.where(np.isin([0, 1], support.components), total, 0.0)
         return found
 
@@ -343,4 +350,8 @@ class System:
         # loops are compiled for contiguous arrays alone
         u, scalars = np.ascontiguousarray(displacement), np.array([load])
         energies = add_terms(self.equations.terms, history, scalars, u, sums)
+        tied = self.constraints.tied
+        lead(tied.followers, forces)
+        if matrix is not None:
+            tied.condense(matrix, self.constraints.unknowns)
         return Equilibrium(*energies, forces, self.constraints.condense(forces))

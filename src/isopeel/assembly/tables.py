@@ -4,8 +4,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from isopeel.assembly.constraints import HELD
-from isopeel.assembly.spaces import Spaces
+from isopeel.assembly.spaces import HELD, Spaces
 from isopeel.common.arrays import BoolArray, FloatArray, IntArray
 from isopeel.common.errors import InputError
 from isopeel.problem import Body, Boundary

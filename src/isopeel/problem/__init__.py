@@ -14,6 +14,7 @@ from isopeel.problem.drives import (
 from isopeel.problem.loads import HeldLoad
 from isopeel.problem.problem import Body, Interface, Problem, Scheme, Support, Traction
 from isopeel.problem.strip import strip
+from isopeel.problem.tie import Tie
 
 __all__ = [
     "Body",
@@ -32,6 +33,7 @@ __all__ = [
     "RotatedSide",
     "Scheme",
     "Support",
+    "Tie",
     "Traction",
     "raises_load",
     "strip",

@@ -12,6 +12,7 @@ from isopeel.physics.substrates import Substrate
 from isopeel.problem.boundary import Boundary, Driven, boundary_names, driven_boundaries
 from isopeel.problem.drives import Drive
 from isopeel.problem.loads import HeldLoad
+from isopeel.problem.tie import Tie
 from isopeel.splines.nurbs import NurbsSurface, Side
 
 #: Area that the adhesive traction acts on: the reference area, or its projection on the substrate.
@@ -190,13 +191,13 @@ class Support:
 
 @dataclass(frozen=True)
 class Problem:
-    """Bodies, their interfaces, their supports, the drive, and loads that are held.
+    """Bodies, their interfaces, their supports, the drive, loads that are held, and ties of sides.
 
     A drive that names no body acts on the first one. Any consistent units can be used: results call the unit
     of length L0 and that of stress E0, and are for a width of L0.
 
-    Raises InputError if two bodies have one name, if a boundary is of no body, or if two supports hold the
-    same component on a part of a side.
+    Raises InputError if two bodies have one name, if a boundary is of no body, if two supports hold the same
+    component on a part of a side, or if a part of a side is tied that is tied or has an interface already.
     """
 
     name: str
@@ -205,6 +206,7 @@ class Problem:
     supports: tuple[Support, ...]
     drive: Drive
     loads: tuple[HeldLoad, ...] = ()
+    ties: tuple[Tie, ...] = ()
 
     def __post_init__(self) -> None:
         """Check the names, and the supports against each other."""
@@ -214,10 +216,18 @@ class Problem:
         boundaries = [one.boundary for one in self.driven]
         for parts in (self.interfaces, self.supports, self.loads):
             boundaries += [one.boundary for one in parts]
-        boundaries += [one.against for one in self.interfaces if isinstance(one.against, Boundary)]
-        for boundary in boundaries:
+        joined = [one.boundary for one in self.interfaces]
+        joined += [one.against for one in self.interfaces if isinstance(one.against, Boundary)]
+        tied = [boundary for tie in self.ties for boundary in (tie.boundary, tie.to)]
+        for boundary in (*boundaries, *joined, *tied):
             if boundary.body not in names:
                 raise InputError("body", boundary.body, f"the bodies are {', '.join(names)}")
+        for number, boundary in enumerate(tied):
+            for others, what in ((tied[:number], "tied already"), (joined, "a side of an interface")):
+                if any(boundary.overlaps(other) for other in others):
+                    allowed = f"a part of this side is {what}; tie a side once, and where it has no interface"
+                    key = f"tie.{number // 2 + 1}.between"
+                    raise InputError(key, f"{boundary.body}.{boundary.side}", allowed)
         for (before, one), (number, other) in combinations(enumerate(self.supports, start=1), 2):
             if one.boundary.overlaps(other.boundary) and {*one.components} & {*other.components}:
                 place = f"{other.boundary.body}.{other.side}"

@@ -2,8 +2,7 @@
 
 import numpy as np
 
-from isopeel.assembly.constraints import displace
-from isopeel.assembly.equations import Equations, Iterate, evaluate
+from isopeel.assembly.equations import Equations, Iterate, evaluate, place
 from isopeel.assembly.loops import Energies
 from isopeel.common.arrays import FloatArray, IntArray
 from isopeel.common.compilation import compiled_reordered, inner_reordered
@@ -83,7 +82,7 @@ def corrected(
             change[i] = -residual[i]
         # after a change of the tangent the first correction starts from forces at another state
         if measure <= skip_share * threshold and (before == 0 or made > before + 1):
-            displace(equations.unknowns, y, equations.offset, equations.driven, moved, at.displacement)
+            place(equations, y, moved, at.displacement)
             return CONVERGED, made, first, end, threshold, energies
         energies = evaluate(equations, history, moved, scalars, at)
         finite = True
