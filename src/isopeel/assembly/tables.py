@@ -98,8 +98,8 @@ class SideTable:
 
 def body_table(shape: NurbsSurface, space: RowSpace) -> BodyTable:
     """Return the table of all elements, with one more Gauss point than the highest degree per direction."""
-    xi, xi_weights = _gauss_points(space.rows[0].breakpoints, space.degree + 1)
-    eta, eta_weights = _gauss_points(space.across.breakpoints, space.across.degree + 1)
+    xi, xi_weights = gauss_points(space.rows[0].breakpoints, space.degree + 1)
+    eta, eta_weights = gauss_points(space.across.breakpoints, space.across.degree + 1)
     kinds, along = _along(space, xi)
     rows = np.arange(space.across.elements)
     across = np.stack(
@@ -227,7 +227,7 @@ def side_points(
     space: RowSpace, side: Side, part: tuple[float, float], points: int | None = None
 ) -> tuple[FloatArray, FloatArray]:
     """Return parameters and weights (E, Q) of the Gauss points of `side_table`, in units of the parameter."""
-    return _gauss_points(element_ends(space, side, part), points or usual_points(space, side))
+    return gauss_points(element_ends(space, side, part), points or usual_points(space, side))
 
 
 def usual_points(space: RowSpace, side: Side) -> int:
@@ -309,7 +309,7 @@ def _padded(basis: Basis, count: int) -> Basis:
     )
 
 
-def _gauss_points(breakpoints: FloatArray, count: int) -> tuple[FloatArray, FloatArray]:
+def gauss_points(breakpoints: FloatArray, count: int) -> tuple[FloatArray, FloatArray]:
     """Return Gauss-Legendre points and weights (elements, count) on the intervals between breakpoints."""
     points, weights = np.polynomial.legendre.leggauss(count)
     half = np.diff(breakpoints)[:, None] / 2

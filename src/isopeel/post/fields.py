@@ -94,7 +94,7 @@ def fields_at(
     """
     chosen = _chosen(problem, body)
     material = chosen.material
-    X, x, F, _ = _deformation(problem, space, displacement, xi, eta, chosen)
+    X, x, F, _ = deformation(problem, space, displacement, xi, eta, chosen)
     nominal, stress = np.zeros((2, *F.shape[:-2], 3, 3))
     _, P, _ = evaluate_material(material.kernel, material.parameters, F)
     with np.errstate(invalid="ignore", divide="ignore"):  # J <= 0 gives nan
@@ -123,7 +123,7 @@ def sample_side(
     several bodies one is chosen by its name. Raises InputError for coefficients of another space.
     """
     chosen = _chosen(problem, body)
-    _, x, F, inverse = _deformation(problem, space, displacement, *_side_grid(side, parameters), chosen)
+    _, x, F, inverse = deformation(problem, space, displacement, *_side_grid(side, parameters), chosen)
     _, P, _ = evaluate_material(chosen.material.kernel, chosen.material.parameters, F)
     # the gradient of the parameter that is constant on the side points into the body at its start
     gradient = inverse[..., 0 if side in ("left", "right") else 1, :]
@@ -143,7 +143,7 @@ def side_positions(
 ) -> FloatArray:
     """Return the deformed positions (n, 2) at parameters (n,) in [0, 1] along a side of a body."""
     along = np.asarray(parameters, dtype=np.float64)[:, None]
-    _, x, _, _ = _deformation(problem, space, displacement, *_side_grid(side, along), _chosen(problem, body))
+    _, x, _, _ = deformation(problem, space, displacement, *_side_grid(side, along), _chosen(problem, body))
     return x.reshape(-1, 2)
 
 
@@ -188,7 +188,7 @@ def _side_grid(side: Side, parameters: FloatArray) -> tuple[FloatArray, FloatArr
     return (end, parameters) if side in ("left", "right") else (parameters, end)
 
 
-def _deformation(
+def deformation(
     problem: Problem,
     space: SpaceOfBodies,
     displacement: FloatArray,
@@ -196,7 +196,10 @@ def _deformation(
     eta: FloatArray,
     body: Body,
 ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-    """Return X, x = X + u, F = 1 + du/dX and d(xi, eta)/dX at xi (n_x, k) and eta (n_y, l) of a body."""
+    """Return X, x = X + u, F = 1 + du/dX and d(xi, eta)/dX at xi (n_x, k) and eta (n_y, l) of a body.
+
+    The arrays are (n_x, n_y, k, l, ...) for coefficients (size, 2) of all bodies.
+    """
     own, part = part_of_body(problem, space, displacement, body.name)
     shape = body.shape
     X, reference_derivatives = on_grid(*as_rows(shape), xi, eta)

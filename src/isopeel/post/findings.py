@@ -11,6 +11,7 @@ from isopeel.post.closed_form import Expected
 from isopeel.post.crack import Fronts, fronts, jumps, release
 from isopeel.post.energy import balance
 from isopeel.post.fields import Depth, depths_inside
+from isopeel.post.front_readings import front_readings
 from isopeel.post.laboratory import Laboratory
 from isopeel.post.locking import locking_notes
 from isopeel.post.overlap import overlap_notes
@@ -31,7 +32,7 @@ from isopeel.post.resolution import Zones, elements_are_tall
 from isopeel.post.resolution_notes import oscillation_notes, peels, zone_note
 from isopeel.post.steady_load import steady_load
 from isopeel.post.steady_part import steady_part, steady_part_of_bodies
-from isopeel.problem import Problem
+from isopeel.problem import Boundary, Problem
 from isopeel.results.curve import Curve
 from isopeel.results.notes import Note
 from isopeel.results.run_file import StoredRun
@@ -110,6 +111,7 @@ def _of_several(
         for name, there in found.items():
             readings += fronts_at_the_end(curve, there, f", {name}" if len(found) > 1 else "")
         readings += _release_of_bodies(problem, space, curve, found, window)
+        readings += _at_fronts(problem, space, run)
         if len(problem.bodies) > 1:
             readings += balance(problem, space, run, contact_points)
     zones = {
@@ -202,6 +204,18 @@ def _release_of_bodies(
         return []
     released = release(problem, curve, there, window[0] if window else None, name)
     return _listed(released and release_reading(problem, space, released, name))
+
+
+def _at_fronts(problem: Problem, space: SpaceOfBodies, run: StoredRun) -> list[Reading]:
+    """Return what flows to the front of each interface between two bodies in the last state."""
+    names, readings = iter(problem.interface_names), list[Reading]()
+    if not run.states or run.states[-1].step != len(run.curve) - 1:
+        return []
+    for interface in problem.interfaces:
+        name, *_ = [next(names) for _ in interface.faces]
+        if isinstance(interface.against, Boundary):
+            readings += front_readings(problem, space, run.states[-1], name)
+    return readings
 
 
 def _listed(reading: Reading | None) -> list[Reading]:
