@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from isopeel import Body, Exponential, Interface, NeoHooke, Problem, RotatedSide, Support, row_space
+from isopeel.assembly.spaces import Spaces
 from isopeel.common.units import UnitSystem
 from isopeel.post.laboratory import Laboratory
 from isopeel.post.overlap import Overlap, overlap_notes, overlap_notes_at_rest, overlaps
@@ -93,3 +94,37 @@ def test_bodies_with_an_interface_are_its_concern() -> None:
     at_rest = np.zeros((2 * COARSE.size, 2))
     assert len(overlaps(problem, dict.fromkeys("AB", COARSE), at_rest)) == 1
     assert overlaps(replace(problem, interfaces=(joint,)), dict.fromkeys("AB", COARSE), at_rest) == []
+
+
+def test_bodies_with_an_interface_overlap_through_other_sides() -> None:
+    """The end of B is in the right end of A, by half a unit, and they adhere elsewhere."""
+    problem = problem_of(BLOCK, placed(BLOCK, (9.5, 0.5), 0.0))
+    one, other = problem.bodies
+    joint = Interface(one.side("left"), Exponential(0.03, 0.015), other.side("right"))
+    joined, spaces = replace(problem, interfaces=(joint,)), dict.fromkeys("AB", COARSE)
+    ((pair, depth),) = overlaps(joined, spaces, np.zeros((2 * COARSE.size, 2)))
+    assert pair == ("A", "B")
+    (note,) = overlap_notes_at_rest(joined, spaces, Laboratory.of(UnitSystem(), joined))
+    assert "there is no interface between the sides that meet" in note.text
+    # corners of B are 0.5 from the right side of A, and middles 0.5 from that or from its upper side
+    assert depth == pytest.approx(0.5, abs=1e-12)
+
+
+@pytest.mark.parametrize(("pitch", "depth"), [(1.5, 0.5), (2.5, 0.0), (2.05, 0.0)])
+def test_a_strip_that_is_rolled_up_overlaps_itself(pitch: float, depth: float) -> None:
+    """A strip of height 2 as one and a half turns of a spiral, whose turns are a pitch apart."""
+    strip, space = rectangle(100.0, 2.0), row_space("L1", (150, 1))
+    problem = Problem("roll", (Body(strip, NeoHooke(1.0, 0.2), "A"),), (), (), RotatedSide("right"))
+    at_rest = Spaces.on(problem, space).control_points()
+    angle = 3 * np.pi * at_rest[:, 0] / 100.0
+    radius = 10.0 - pitch * angle / (2 * np.pi) + at_rest[:, 1]
+    rolled = radius[:, None] * np.stack([np.sin(angle), np.cos(angle)], axis=1)
+    laboratory = Laboratory.of(UnitSystem(), problem)
+    notes = overlap_notes(problem, space, [StoredState(7, 0.5, rolled - at_rest)], laboratory)
+    found = overlaps(problem, space, rolled - at_rest)
+    assert len(notes) == len(found) == (depth > 0)
+    for one in found:
+        assert one.bodies == ("A", "A")
+        # chords of 3.6 degrees leave a circle of radius 12 by 12 (1 - cos(1.8 degrees)) = 0.006
+        assert one.depth == pytest.approx(depth, abs=0.006)
+        assert "the body A overlaps itself from" in notes[0].text

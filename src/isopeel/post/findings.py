@@ -185,7 +185,7 @@ def _of_one_body(
         readings,
         halves(problem, test),
         {name: zones},
-        notes,
+        [*notes, *overlap_notes(problem, space, run.states, laboratory)],
         laboratory,
         elements_are_tall(problem, space),
     )
