@@ -90,10 +90,10 @@ class BodyTable(BodySection):
 
 
 def check_held(names: Sequence[str], held: Collection[str]) -> None:
-    """Raise InputError where a body has no interface and no support, and is not driven."""
+    """Raise InputError where a body has no interface, no tie and no support, and is not driven."""
     for number, name in enumerate(names, start=1):
         if name not in held:
-            allowed = "nothing holds or drives this body; give it an [[interface]] or a [[support]]"
+            allowed = "nothing holds or drives this body; give it an [[interface]], [[tie]] or [[support]]"
             raise InputError(f"body.{number}.name", name, allowed)
 
 

@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from typing import Annotated, Literal, NamedTuple, get_args
 
 import numpy as np
-from pydantic import Field, PlainValidator
+from pydantic import BeforeValidator, Field, PlainValidator
 
 from isopeel.case.bodies import PlacedBody
 from isopeel.case.errors import named_by
@@ -110,6 +110,14 @@ class BoundaryTable(PartKeys):
         """Find the part of the boundary. Raises InputError whose field begins with the key of the table."""
         name, side = split_boundary(f"{key}.boundary", self.boundary, list(bodies))
         return self.part_of(name, side, key, bodies, units)
+
+
+TWO_SIDES = "a list of 2 boundaries is needed, such as ['upper.bottom', 'lower.top']"
+#: One of the two sides of an interface or a tie: its name, or a table of a part of it.
+SideKey = Annotated[
+    BoundaryTable,
+    BeforeValidator(lambda written: {"boundary": written} if isinstance(written, str) else written),
+]
 
 
 class SupportTable(BoundaryTable):

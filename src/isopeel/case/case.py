@@ -36,7 +36,7 @@ from isopeel.case.text import LARGEST_TEXT, document_of, size_of
 from isopeel.case.values import Section
 from isopeel.common.errors import InputError
 from isopeel.common.units import UnitSystem, measured_in
-from isopeel.problem import Drive, Interface, Problem, RotatedSide, Support
+from isopeel.problem import Drive, Interface, Problem, RotatedSide, Support, Tie
 from isopeel.splines.rows import RowSpace
 
 #: What the system calls keys of the discretization.
@@ -170,6 +170,7 @@ class Case(Section):
                 supports,
                 RotatedSide(),
                 loads,
+                self._ties(placed),
             )
             return tuple(
                 Stage(
@@ -233,6 +234,10 @@ class Case(Section):
     @abstractmethod
     def _joined(self, placed: Mapping[str, PlacedBody]) -> tuple[tuple[Interface, ...], tuple[Support, ...]]:
         """Build interfaces and supports."""
+
+    def _ties(self, placed: Mapping[str, PlacedBody]) -> tuple[Tie, ...]:  # noqa: ARG002 (of several bodies)
+        """Build the ties; none of one body."""
+        return ()
 
     @abstractmethod
     def _with_files(self, document: dict[str, Any]) -> dict[str, Any]:

@@ -19,7 +19,7 @@ _SHORT = {
 
 def form_of(document: Mapping[str, Any]) -> type[Case]:
     """Return the form of a case. Raises InputError where tables of both forms are mixed."""
-    several = [key for key in ("interface", "support") if key in document]
+    several = [key for key in ("interface", "tie", "support") if key in document]
     if not several and not isinstance(document.get("body"), list):
         return OneBody
     if not isinstance(document.get("body", []), list):

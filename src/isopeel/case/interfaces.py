@@ -8,7 +8,7 @@ import numpy as np
 from pydantic import BeforeValidator, Field, model_validator
 
 from isopeel.case.bodies import PlacedBody
-from isopeel.case.boundaries import BoundaryTable, PartKeys, split_boundary
+from isopeel.case.boundaries import TWO_SIDES, PartKeys, SideKey, split_boundary
 from isopeel.case.errors import named_by
 from isopeel.case.sections import A_BOUNDARY, AdhesionSection, SubstrateSection
 from isopeel.case.values import list_of
@@ -20,14 +20,8 @@ from isopeel.problem import Boundary, Interface, Scheme
 from isopeel.problem.boundary import ROUND_OFF
 from isopeel.splines.nurbs import NurbsCurve, Side
 
-_TWO_SIDES = "a list of 2 boundaries is needed, such as ['upper.bottom', 'lower.top']"
 #: A boundary is straight where it leaves its chord by no more than this share of it.
 _STRAIGHT = 1e-12
-#: One of the two sides of an interface: its name, or a table of a part of it.
-_SideKey = Annotated[
-    BoundaryTable,
-    BeforeValidator(lambda written: {"boundary": written} if isinstance(written, str) else written),
-]
 
 
 class InterfaceTable(PartKeys, AdhesionSection):
@@ -42,9 +36,9 @@ class InterfaceTable(PartKeys, AdhesionSection):
 
     boundary: Annotated[str | None, Field(description=A_BOUNDARY)] = None
     between: Annotated[
-        tuple[_SideKey, _SideKey] | None,
-        BeforeValidator(list_of(2, _TWO_SIDES)),
-        Field(description=_TWO_SIDES),
+        tuple[SideKey, SideKey] | None,
+        BeforeValidator(list_of(2, TWO_SIDES)),
+        Field(description=TWO_SIDES),
     ] = None
     scheme: Annotated[
         Scheme | None, Field(description="'unbiased', 'biased' or 'two-half-pass' is needed")

@@ -1,4 +1,4 @@
-"""The form of a case for several bodies, interfaces and supports, each in a list of tables."""
+"""The form of a case for several bodies, interfaces, ties and supports, each in a list of tables."""
 
 from collections.abc import Mapping
 from typing import Annotated, Any
@@ -11,8 +11,9 @@ from isopeel.case.case import Case
 from isopeel.case.errors import renamed
 from isopeel.case.interfaces import InterfaceTable, check_apart
 from isopeel.case.placing import placed_bodies
+from isopeel.case.ties import TieTable
 from isopeel.common.errors import InputError
-from isopeel.problem import Boundary, Interface, Support
+from isopeel.problem import Boundary, Interface, Support, Tie
 from isopeel.problem.boundary import driven_boundaries
 from isopeel.splines.rows import RowSpace
 
@@ -27,7 +28,7 @@ _LISTS = {
 
 
 class SeveralBodies(Case):
-    """Bodies by their names, with any interfaces and supports."""
+    """Bodies by their names, with any interfaces, ties and supports."""
 
     body: Annotated[
         tuple[BodyTable, ...],
@@ -36,6 +37,10 @@ class SeveralBodies(Case):
     interface: Annotated[
         tuple[InterfaceTable, ...],
         Field(min_length=1, description="a table [[interface]] is needed for each interface, or none"),
+    ] = ()
+    tie: Annotated[
+        tuple[TieTable, ...],
+        Field(min_length=1, description="a table [[tie]] is needed for each tie, or none"),
     ] = ()
     support: Annotated[
         tuple[SupportTable, ...],
@@ -93,9 +98,16 @@ class SeveralBodies(Case):
         check_apart(self.interface, interfaces, placed)
         boundaries = [one.boundary for one in interfaces] + [one.boundary for one in supports]
         boundaries += [one.against for one in interfaces if isinstance(one.against, Boundary)]
+        boundaries += [side for one in self._ties(placed) for side in (one.boundary, one.to)]
         boundaries += [one.boundary for drive in self._drives(placed) for one in driven_boundaries(drive.on)]
         check_held(list(placed), {boundary.body for boundary in boundaries})
         return interfaces, supports
+
+    def _ties(self, placed: Mapping[str, PlacedBody]) -> tuple[Tie, ...]:
+        units = self.units.system()
+        return tuple(
+            table.tie(f"tie.{number}", placed, units) for number, table in enumerate(self.tie, start=1)
+        )
 
     def _with_files(self, document: dict[str, Any]) -> dict[str, Any]:
         bodies = [
