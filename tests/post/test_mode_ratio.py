@@ -1,0 +1,124 @@
+"""The energy release rates of opening and sliding by the loads of two equal arms."""
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+from two_arms_apart import steps_of, two
+
+from isopeel import (
+    Body,
+    Interface,
+    NeoHooke,
+    Problem,
+    PulledSide,
+    RotatedSide,
+    Step,
+    Support,
+    XuNeedleman,
+    row_space,
+)
+from isopeel.physics.materials.base import plane_strain_modulus
+from isopeel.post.contour import JIntegral, j_integral
+from isopeel.post.front_readings import front_readings
+from isopeel.post.mode_ratio import ArmLoads, ModeRates, equal_arm_rates, mode_rates
+from isopeel.problem.place import placed
+from isopeel.results.fields import StoredState
+from isopeel.splines.nurbs import rectangle
+
+LENGTH, HEIGHT = 50.0, 2.0
+MATERIAL = NeoHooke(1.0, 0.2)
+MODULUS = plane_strain_modulus(MATERIAL)
+BENDING = MODULUS * HEIGHT**3 / 12
+LAW = XuNeedleman(0.1, 0.1, 0.02)
+UPPER = Body(rectangle(LENGTH, HEIGHT), MATERIAL, "upper")
+LOWER = Body(placed(rectangle(LENGTH, HEIGHT), (0.0, -HEIGHT), 0.0), MATERIAL, "lower")
+SPACE = row_space("N2.1", (60, 2), 2)
+SPACES = {"upper": SPACE, "lower": SPACE}
+
+
+def joined(drive: Any, *, open_left: bool = False, swapped: bool = False) -> Problem:
+    """Two arms that are joined on 60 % of their length, clamped there and driven at their open ends."""
+    part = {"start": 0.4} if open_left else {"end": 0.6}
+    faces = [UPPER.side("bottom", **part), LOWER.side("top", **part)]
+    first, second = faces[::-1] if swapped else faces
+    held = [Support(body.side("right" if open_left else "left"), (0, 1)) for body in (UPPER, LOWER)]
+    ends = [body.side("left" if open_left else "right") for body in (UPPER, LOWER)]
+    chosen = drive(*ends)
+    return Problem("joined", (UPPER, LOWER), (Interface(first, LAW, second),), tuple(held), chosen)
+
+
+def rates_of(problem: Problem, to: float) -> tuple[ModeRates, JIntegral, Step]:
+    *_, step = steps_of(problem, SPACES, np.linspace(0.0, to, 4)[1:])
+    state = StoredState.of(step, problem.drive)
+    rates, flow = (find(problem, SPACES, state) for find in (mode_rates, j_integral))
+    assert isinstance(rates, ModeRates), rates
+    assert isinstance(flow, JIntegral), flow
+    return rates, flow, step
+
+
+def test_both_rates_are_the_energy_of_beams_before_and_behind_the_front() -> None:
+    """G of beams for any loads (Hutchinson and Suo, Adv. Appl. Mech. 29, 1992)."""
+    random = np.random.default_rng(1)
+    for N1, N2, M1, M2 in random.normal(size=(20, 4)):
+        M1, M2 = max(M1, M2), min(M1, M2)
+        rates = equal_arm_rates(ArmLoads(N1, M1), ArmLoads(N2, M2), HEIGHT, BENDING)
+        arms = (N1**2 + N2**2) / HEIGHT + 12 * (M1**2 + M2**2) / HEIGHT**3
+        moment = M1 + M2 - (N1 - N2) * HEIGHT / 2  # about the middle of both
+        whole = (N1 + N2) ** 2 / (2 * HEIGHT) + 12 * moment**2 / (2 * HEIGHT) ** 3
+        assert rates.opening + rates.sliding == pytest.approx((arms - whole) / (2 * MODULUS), rel=1e-12)
+    mirrored = equal_arm_rates(ArmLoads(0.3, 1.0), ArmLoads(0.3, -1.0), HEIGHT, BENDING)
+    assert mirrored.ratio == 0.0
+    assert equal_arm_rates(ArmLoads(0.3, 1.0), ArmLoads(-0.3, 1.0), HEIGHT, BENDING).ratio == 1.0
+    # pressed together
+    assert equal_arm_rates(ArmLoads(0.0, -1.0), ArmLoads(0.0, 1.0), HEIGHT, BENDING).opening == 0.0
+
+
+@pytest.mark.parametrize("open_left", [False, True])
+@pytest.mark.parametrize("swapped", [False, True])
+def test_rates_of_arms_that_moments_turn(open_left: bool, swapped: bool) -> None:
+    turn = -1.0 if open_left else 1.0
+    problem = joined(
+        lambda upper, lower: RotatedSide(((upper, turn), (lower, -0.3 * turn))),
+        open_left=open_left,
+        swapped=swapped,
+    )
+    rates, flow, step = rates_of(problem, 0.05)
+    first, second = step.reactions
+    # sections have the moments of the ends, to the error of their stresses
+    assert rates.opening == pytest.approx(((first - second) / 2) ** 2 / BENDING, rel=2e-4)
+    assert rates.sliding == pytest.approx(3 * ((first + second) / 2) ** 2 / (4 * BENDING), rel=2e-4)
+    # measured 1e-5: beams of small strain
+    assert rates.opening + rates.sliding == pytest.approx(flow.value, rel=1e-4)
+
+
+def test_rates_of_arms_that_slide_under_axial_forces() -> None:
+    problem = joined(lambda upper, lower: PulledSide(((upper, 1.0), (lower, -1.0)), 0.0))
+    # small, so that the arms stay straight
+    rates, flow, step = rates_of(problem, 1e-4)
+    assert rates.sliding == pytest.approx(step.reaction**2 * HEIGHT**2 / (48 * BENDING), rel=1e-3)
+    assert rates.ratio == pytest.approx(1.0, abs=1e-5)
+    assert rates.sliding == pytest.approx(flow.value, rel=1e-4)
+
+
+def test_they_are_readings() -> None:
+    problem = joined(lambda upper, lower: RotatedSide(((upper, 1.0), (lower, -0.3))))
+    rates, flow, step = rates_of(problem, 0.05)
+    state = StoredState.of(step, problem.drive)
+    readings = {one.name: one for one in front_readings(problem, SPACES, state, "upper.bottom")}
+    values = [readings[name].value for name in ("J-integral", "G_I", "G_II", "mode ratio")]
+    assert values == [flow.value, rates.opening, rates.sliding, rates.ratio]
+    assert readings["mode ratio"].words == "G_II/(G_I + G_II); this sum is 100 % of the J-integral"
+
+
+def test_they_are_not_given_without_a_joint_law_or_for_arms_that_differ() -> None:
+    state = StoredState(0, 0.0, np.zeros((2 * SPACE.size, 2)))
+    words = "faces that slide without friction have no mode ratio: it needs a joint law"
+    assert mode_rates(two(), SPACES, state, "upper.bottom") == words
+    problem = joined(lambda upper, lower: RotatedSide(((upper, 1.0), (lower, -0.3))))
+    assert mode_rates(problem, SPACES, state) == "the joint carries no traction"
+    stiff = replace(problem, bodies=(UPPER, replace(LOWER, material=NeoHooke(2.0, 0.2))))
+    *_, step = steps_of(stiff, SPACES, np.array([0.01]))
+    found = mode_rates(stiff, SPACES, StoredState.of(step, stiff.drive))
+    assert found == "the arms differ, and moments do not divide the energy into opening and sliding"
