@@ -12,6 +12,7 @@ from scipy.special import gamma
 from isopeel import Dugdale, InputError, LennardJones
 from isopeel.common.arrays import FloatArray
 from isopeel.post.closed_form import (
+    BondedBeams,
     CohesiveCylinder,
     beam_moment,
     double_cantilever_force,
@@ -331,3 +332,39 @@ def test_a_rigid_cylinder_under_constant_attraction(transition: float) -> None:
 def test_a_rigid_cylinder_needs_a_law_with_a_peak() -> None:
     with pytest.raises(InputError, match="attract most"):
         rigid_cylinder_pull_off(Dugdale(0.6, WORK, 1e-9), RADIUS)
+
+
+@pytest.mark.parametrize("lever", [0.0, 4.0, 7.5])
+def test_bonded_beams_release_the_energy_of_beams(lever: float) -> None:
+    """G = P^2/2 dC/da, with the energy of bending of the parts by quadrature; without shear and root."""
+    L, h, modulus, shear = 10.0, 0.7, MODULUS, 1e9
+    beams = BondedBeams(modulus, shear, h, L, lever)
+    rigid = modulus * h**3 / 12
+    # forces at the cracked ends: half of the support's force each, and what opens the beams
+    support = (1 + lever / L) / 2 - lever / L
+    lifted = lever / L if 3 * lever > L else -support / 2
+
+    def compliance(crack: float) -> float:
+        arms = (lifted, support) if 3 * lever > L else (support / 2, support / 2)
+        open_ends = sum((force * crack) ** 2 * crack / 3 / rigid for force in arms)
+
+        def moment(x: float) -> float:
+            return (support + lever / L) * x if x < L else (1 + lever / L) / 2 * (2 * L - x)
+
+        bonded = quad(lambda x: moment(x) ** 2, crack, 2 * L, points=[L])[0] / (8 * rigid)
+        return float(open_ends + bonded)
+
+    a, step = 6.0, 1e-4
+    slope = (compliance(a + step) - compliance(a - step)) / (2 * step)
+    turned = beams.root_rotation
+    # a crack that the root does not lengthen in one of the modes
+    opening, sliding = beams.release(1.0, a)
+    opening *= (a / (a + turned)) ** 2
+    sliding *= (a / (a + 0.42 * turned)) ** 2
+    # central differences err by 1e-8 of the second power
+    assert opening + sliding == pytest.approx(slope / 2, rel=1e-6)
+    # the derivative of the compliance, with both corrections
+    slope = (beams.compliance(a + step) - beams.compliance(a - step)) / (2 * step)
+    assert sum(beams.release(1.0, a)) == pytest.approx(slope / 2, rel=1e-6)
+    # an isotropic beam in plane strain, Poisson's ratio 0.2: 0.654 heights, by hand
+    assert BondedBeams(1 / 0.96, 1 / 2.4, 1.0, L).root_rotation == pytest.approx(0.654, abs=1e-3)

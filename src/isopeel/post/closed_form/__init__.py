@@ -6,6 +6,7 @@ runs can save.
 """
 
 from isopeel.post.closed_form.beams import beam_moment, double_cantilever_force, double_cantilever_moment
+from isopeel.post.closed_form.bonded_beams import BondedBeams
 from isopeel.post.closed_form.cohesive_cylinder import (
     CohesiveCylinder,
     maugis_cylinder,
@@ -20,6 +21,7 @@ from isopeel.post.closed_form.tape_on_body import tape_on_body
 
 __all__ = [
     "BeamPeeling",
+    "BondedBeams",
     "CohesiveCylinder",
     "Expected",
     "HertzLine",
