@@ -79,8 +79,9 @@ def jump_from(path: Path, starts: Sequence[FloatArray], parameter: float) -> Fou
         reason = f"the line search of the descent failed, and {error.reason}"
         raise ConvergenceError(reason, error.iterations, parameter, "line search") from error
     fallen_from, reached = (potential_energy(system, y, parameter) for y in (start, descent.unknown_values))
-    # where points of a stiff contact open and close, Newton's method raises the energy a little again
-    given_back = MISFIT * (fallen_from - reached) if np.isfinite(fallen_from) else 0.0
+    # where points of a stiff contact open and close, Newton's method raises the energy a little again; the
+    # start may lie below, as an unknown load has not done its work yet
+    given_back = MISFIT * max(fallen_from - reached, 0.0) if np.isfinite(fallen_from) else 0.0
     if path.accepted_state(result).energy > reached + path.gain_allowed + given_back:
         reason = "Newton's method leaves the state that the descent of the energy has reached"
         raise ConvergenceError(reason, result.iterations, parameter, "line search")
