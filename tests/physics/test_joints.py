@@ -113,15 +113,11 @@ def direction(law: MixedModeBilinear, mixity: float) -> FloatArray:
     return unit
 
 
-def work_of(law: MixedModeBilinear, mixity: float) -> float:
-    return law.work_of_adhesion + (law.shear_work - law.work_of_adhesion) * float(mixity**law.exponent)
-
-
 @pytest.mark.parametrize("mixity", [0.0, 0.2, 0.5, 0.8, 1.0])
 def test_first_loading_at_a_fixed_mode_ratio_is_that_of_turon_and_takes_the_work_of_benzeggagh_and_kenane(
     mixity: float,
 ) -> None:
-    law, work = BILINEAR, work_of(BILINEAR, mixity)
+    law, work = BILINEAR, BILINEAR.work_at(mixity)
     path = np.linspace(0.0, 1.0, 2001)[:, None] * direction(law, mixity)
     slopes, energies, history = walk(law, path)
     published = np.array([turon(law, *jump) for jump in path[1:]])
@@ -161,6 +157,15 @@ def test_compression_is_linear_whatever_the_damage() -> None:
     apart = at(cracked, np.array([[0.1, -0.1], [0.2, 0.2]]), history_of(cracked, 2))
     np.testing.assert_allclose(apart.slopes, [[0.0, -0.1 * stiffness], [0.0, 0.0]], atol=1e-15)
     np.testing.assert_allclose(apart.energies[1], 0.0)
+
+
+def test_parted_faces_keep_the_mixity_with_which_they_parted() -> None:
+    law = BILINEAR
+    out = np.linspace(0.0, 1.0, 201)[:, None] * direction(law, 0.3)
+    _, _, parted = walk(law, out)
+    _, _, later = walk(law, np.concatenate([out, [[1.0, 2.0], [-0.1, 3.0]]]))
+    assert parted[0] == 1.0
+    np.testing.assert_array_equal(later, parted)
 
 
 def test_a_point_that_is_pressed_together_and_hardly_slides_has_the_mixity_of_opening() -> None:

@@ -83,6 +83,11 @@ class MixedModeBilinear(JointLaw):
             self.shear_strength**2 / (double * self.shear_work),
         )
 
+    def work_at(self, mixity: float) -> float:
+        """Return the energy per area G(B) to part the faces at a fixed mixity in [0, 1]."""
+        share: float = mixity**self.exponent
+        return self.work_of_adhesion + (self.shear_work - self.work_of_adhesion) * share
+
     def constants(self) -> tuple[float, ...]:
         """Stiffnesses, works, and the shape of the law."""
         return *self.stiffnesses, self.work_of_adhesion, self.shear_work, self.rise, self.exponent
@@ -108,11 +113,12 @@ class MixedModeBilinear(JointLaw):
         rate = 0.0  # of damage, by w
         repelled = K_n * min(opening, 0.0)
         by_compression = 0.5 * repelled * opening
-        later = mixity
-        if w > _SMALL * rise * W:
-            later = by_sliding / w
-        elif w + by_compression > _NO_ENERGY * rise * W:
-            later = by_sliding / (w + by_compression)
+        later = mixity  # of parted faces it stays that with which they parted
+        if damage < 1.0:
+            if w > _SMALL * rise * W:
+                later = by_sliding / w
+            elif w + by_compression > _NO_ENERGY * rise * W:
+                later = by_sliding / (w + by_compression)
         if mixity >= 0.0 and damage < 1.0:
             work = W + (shear_work - W) * mixity**exponent
             y = np.sqrt(w / (rise * work))
