@@ -28,6 +28,7 @@ from isopeel.validation import (
     check,
     curvature,
     cylinder,
+    mixed_mode,
     patch,
     report,
     tapes,
@@ -37,12 +38,13 @@ from isopeel.validation.check import Result, Row
 from isopeel.validation.report import CHECKS, make_document
 
 #: The checks whose rows take seconds; the rows of the others take minutes.
-QUICK = ("cantilever", "hertz", "bending", "curvature", "patch", "arms")
+QUICK = ("cantilever", "hertz", "bending", "curvature", "patch", "arms", "separation")
 #: One case of each other check, and what computes it; coarser than in the table where that will do.
 CHEAPEST: dict[str, Any] = {
     "tapes": lambda: tapes.peel(tapes.Tape(30.0, 6.0, stretch=1.03), elements=(60, 2)),
     "cylinder": lambda: cylinder.pull_off(0.001, elements=(50, 12)),
     "cylinders": lambda: two_cylinders.meet(two_cylinders.CHECK.cases[0]),
+    "mixed-mode": lambda: mixed_mode.crack(87.4),
 }
 
 

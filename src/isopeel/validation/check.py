@@ -100,6 +100,7 @@ class EquilibriumPath:
     displacement: FloatArray | None  # coefficients of the last step, None where there is none
     failure: str  # the reason of an early end, empty if there is none
     reactions: FloatArray  # (steps, n) of n boundaries, of none where the drive acts on one only
+    dissipated: FloatArray  # (steps,) energy
 
 
 def traced(
@@ -126,4 +127,5 @@ def traced(
         steps[-1].displacement if steps else None,
         failure,
         frozen(np.array([step.reactions for step in steps])),
+        frozen(np.array([step.dissipated_energy for step in steps])),
     )

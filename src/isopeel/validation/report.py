@@ -20,7 +20,9 @@ from isopeel.validation import (
     curvature,
     cylinder,
     hertz,
+    mixed_mode,
     patch,
+    separation,
     tapes,
     two_arms,
     two_cylinders,
@@ -38,6 +40,8 @@ CHECKS: dict[str, Check[Any, Any]] = {
     "patch": patch.CHECK,
     "cylinders": two_cylinders.CHECK,
     "arms": two_arms.CHECK,
+    "separation": separation.CHECK,
+    "mixed-mode": mixed_mode.CHECK,
 }
 
 _ABSTRACT = """
