@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from isopeel.assembly.closest_point_kernel import CORNER, NONE, bernstein, closest_point, segments_at
-from isopeel.assembly.interface_kernel import Response, respond_normally
+from isopeel.assembly.interface_kernel import Response, respond_normally, respond_with_multipliers
 from isopeel.assembly.loops import Energies
 from isopeel.assembly.packing import Floats1, Floats2, Floats3, Integers2, Integers3, reader
 from isopeel.common.arrays import FloatArray, IntArray
@@ -26,6 +26,7 @@ class FacingData(NamedTuple):
     parameters: Floats1
     equilibrium_gap: float
     irreversible: bool
+    augmented: bool  # whether the law has multipliers
     share: float  # of the energy: one half where both sides are integrated
     mutual: bool  # whether the other body feels the force too
     far: float  # a gap at which nothing acts
@@ -121,7 +122,7 @@ def find_partners(facing: FacingData, u: FloatArray) -> Partners:
 
 @compiled_reordered
 def respond_to(facing: FacingData, found: Partners, history: FloatArray) -> Response:
-    """Evaluate the law between points and their partners, after the largest openings (E Q,) so far."""
+    """Evaluate the law between points and their partners, after a history (E Q,)."""
     law = law_at(facing.law)
     points = found.gap.size
     # two bodies whose law depended on the curvature of one of them would have no energy
@@ -131,17 +132,22 @@ def respond_to(facing: FacingData, found: Partners, history: FloatArray) -> Resp
     if facing.irreversible:
         at = np.full(points, facing.equilibrium_gap)
         law(at, curvature, facing.parameters, points, closed[0], closed[1], closed[2])
-    respond_normally(
-        law,
-        facing.parameters,
-        facing.equilibrium_gap,
-        facing.irreversible,
-        history,
-        found.gap,
-        curvature,
-        closed,
-        (potential, T, dT, lost),
-    )
+    answer = potential, T, dT, lost
+    parameters, equilibrium_gap = facing.parameters, facing.equilibrium_gap
+    if facing.augmented:
+        respond_with_multipliers(law, parameters, equilibrium_gap, history, found.gap, curvature, answer)
+    else:
+        respond_normally(
+            law,
+            parameters,
+            equilibrium_gap,
+            facing.irreversible,
+            history,
+            found.gap,
+            curvature,
+            closed,
+            answer,
+        )
     shear = np.zeros((3, points))
     return Response(found.position, found.gap, found.normal, curvature, potential, T, dT, lost, shear)
 

@@ -24,6 +24,7 @@ from isopeel.assembly.spaces import Spaces
 from isopeel.assembly.tables import SideTable
 from isopeel.common.arrays import BoolArray, FloatArray, IntArray
 from isopeel.physics.batch import evaluate_law
+from isopeel.common.errors import InputError
 from isopeel.problem import Boundary, Interface
 
 #: A gap at which nothing acts, in sizes of the largest body.
@@ -86,6 +87,7 @@ class FacingTerm:
                 equilibrium_gap=float(adhesion.law.equilibrium_gap),
                 irreversible=adhesion.irreversible,
                 share=0.5 if adhesion.scheme == "unbiased" else 1.0,
+                augmented=adhesion.penetration is not None,
                 mutual=adhesion.scheme != "two-half-pass",
                 far=self.far,
                 functions=table.functions,

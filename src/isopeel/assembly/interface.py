@@ -104,12 +104,16 @@ class InterfacePoints:
         they are not known: then the present openings are used. Raises InputError if they are missing, or if
         they or the coefficients are of another space.
 
+        Of contact with multipliers these are the overlaps that they replace, which are interpolated linearly.
         Of a joint law these are its variables (variables, n, k), which are interpolated linearly; negative
         ones mean that a value is unknown, and are those of the nearest point.
         """
         if isinstance(self._term, PairTerm):
             self._checked(displacement)
             return self._variables(self._term.law, maximum_openings)
+        if self._adhesion.penetration is not None:
+            self._checked(displacement)
+            return self._replaced(maximum_openings)
         return self._largest(self._checked(displacement), maximum_openings)
 
     def state(self, displacement: FloatArray, maximum_openings: FloatArray | None = None) -> InterfaceState:
@@ -120,7 +124,7 @@ class InterfacePoints:
         u = self._checked(displacement)
         adhesion, law = self._adhesion, self._adhesion.law
         history = np.zeros(self.parameters.shape)
-        if adhesion.irreversible or isinstance(law, JointLaw):
+        if adhesion.has_history or isinstance(law, JointLaw):
             history = self.history(u, maximum_openings)
         known = history.ravel()
         known.setflags(write=False)
@@ -207,6 +211,17 @@ class InterfacePoints:
         nearest = np.searchsorted((places[1:] + places[:-1]) / 2, at)
         largest = np.where(known[nearest] < 0, NOT_CLOSED, here + np.interp(at, places, excess))
         return largest.reshape(self.parameters.shape)
+
+    def _replaced(self, overlaps: FloatArray | None) -> FloatArray:
+        if overlaps is None or np.isnan(overlaps).any():
+            raise InputError("maximum_openings", None, "contact with a penetration needs its multipliers")
+        known = maximum_openings_by_name(self._problem, self._spaces, overlaps)[self._interface_name]
+        if self._contact is None or self._contact.parameters.shape != known.shape:
+            self._contact = InterfacePoints.of_contact(
+                self._problem, self._spaces, known.shape[1], self._name
+            )
+        at, places = self.parameters.ravel(), self._contact.parameters.ravel()
+        return np.interp(at, places, known.ravel()).reshape(self.parameters.shape)
 
     def _variables(self, law: JointLaw, history: FloatArray | None) -> FloatArray:
         shape = (len(law.history), *self.parameters.shape)

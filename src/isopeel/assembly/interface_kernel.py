@@ -35,6 +35,7 @@ class InterfaceData(NamedTuple):
     factors: bool  # whether the law depends on the curvature
     projected: bool
     irreversible: bool
+    augmented: bool  # whether the law has multipliers
     sliding_length: float  # zero for none
 
 
@@ -93,6 +94,31 @@ def respond_normally(
             )
 
 
+@inner_reordered
+def respond_with_multipliers(
+    law: BatchFunction,
+    parameters: FloatArray,
+    equilibrium_gap: float,
+    replaced: FloatArray,
+    gap: FloatArray,
+    seen: FloatArray,
+    answer: tuple[FloatArray, FloatArray, FloatArray, FloatArray],
+) -> None:
+    """Write the same for a law with multipliers, which replace overlaps (n), see `adhesion.augmented`."""
+    potential, T, dT, _ = answer
+    points = gap.size
+    at = np.empty(points)
+    closed = np.empty((3, points))
+    for p in range(points):
+        at[p] = equilibrium_gap - replaced[p]
+    law(at, seen, parameters, points, closed[0], closed[1], closed[2])
+    for p in range(points):
+        at[p] = gap[p] - replaced[p]
+    law(at, seen, parameters, points, potential, T, dT)
+    for p in range(points):
+        potential[p] -= closed[0, p]
+
+
 @compiled_reordered
 def respond(interface: InterfaceData, maximum_openings: FloatArray, u: FloatArray) -> Response:
     """Evaluate the interface of a body with coefficients u (size, 2).
@@ -139,17 +165,22 @@ def respond(interface: InterfaceData, maximum_openings: FloatArray, u: FloatArra
     if compared:
         at = np.full(points, equilibrium_gap)
         law(at, seen, parameters, points, closed[0], closed[1], closed[2])
-    respond_normally(
-        law,
-        parameters,
-        equilibrium_gap,
-        interface.irreversible,
-        maximum_openings,
-        gap,
-        seen,
-        closed,
-        (potential, T, dT, lost),
-    )
+    if interface.augmented:
+        respond_with_multipliers(
+            law, parameters, equilibrium_gap, maximum_openings, gap, seen, (potential, T, dT, lost)
+        )
+    else:
+        respond_normally(
+            law,
+            parameters,
+            equilibrium_gap,
+            interface.irreversible,
+            maximum_openings,
+            gap,
+            seen,
+            closed,
+            (potential, T, dT, lost),
+        )
     if sliding_length > 0.0:
         for p in range(points):
             e, q = p // Q, p % Q

@@ -107,5 +107,6 @@ def interface_data(
         factors=substrate.constant_curvature,
         projected=adhesion.traction == "projected",
         irreversible=adhesion.irreversible,
+        augmented=adhesion.penetration is not None,
         sliding_length=float(adhesion.sliding_length or 0.0),
     )

@@ -131,6 +131,8 @@ class System:
         #: What forces and tangent are the sum of.
         self.terms: tuple[Term, ...] = *self.bodies, *self.interfaces, *self.loads
         #: Maximum openings at the points of the adhesive force, for irreversible adhesion: the history from
+        #: Whether multipliers of contact are in the history.
+        self.has_multipliers: bool = any(one.penetration is not None for one in problem.interfaces)
         #: which forces are evaluated. It is that of the undeformed bodies, unless `after` sets another one.
         #: They are (E, Q), elements of one interface after those of another; (n, 1) where these differ in Q,
         #: and where an interface has a joint law: then the variables of its history take their place.

@@ -6,6 +6,7 @@ from typing import Literal, TypeVar, get_args
 
 from isopeel.common.errors import InputError
 from isopeel.physics.adhesion import AdhesionLaw, Contact
+from isopeel.physics.adhesion.mirrored import Mirrored
 from isopeel.physics.joints import HistoryVariable, JointLaw
 from isopeel.physics.materials import Material
 from isopeel.physics.substrates import Substrate
@@ -27,6 +28,13 @@ MAXIMUM_OPENING = HistoryVariable(
     "maximum_openings",
     "L0",
     "maximum opening so far at the Gauss points, -1 where it has not closed yet",
+)
+
+#: The history of contact with multipliers.
+REPLACED_OVERLAP = HistoryVariable(
+    "replaced_overlaps",
+    "L0",
+    "overlap that the multipliers replace at the Gauss points: the pressure over the stiffness",
 )
 
 Part = TypeVar("Part")
@@ -122,10 +130,21 @@ class Interface:
     @property
     def has_history(self) -> bool:
         """Whether the forces depend on the states before."""
-        return self.irreversible or (isinstance(self.law, JointLaw) and bool(self.law.history))
+        return (
+            self.irreversible
+            or self.penetration is not None
+            or (isinstance(self.law, JointLaw) and bool(self.law.history))
+        )
 
     @property
     def history_variables(self) -> tuple[HistoryVariable, ...]:
+    @property
+    def penetration(self) -> float | None:
+        """Largest gap (length) of points in contact by multipliers; None without multipliers."""
+        law, share = (self.law.law, 0.5) if isinstance(self.law, Mirrored) else (self.law, 1.0)
+        given = law.penetration if isinstance(law, Contact) else None
+        return None if given is None else share * given
+
         """What is stored at each point; of a reversible law of the gap zeros."""
         return self.law.history if isinstance(self.law, JointLaw) else (MAXIMUM_OPENING,)
 
@@ -134,6 +153,8 @@ class Interface:
         """What it adheres to. Raises InputError if this is another body."""
         if isinstance(self.against, Boundary):
             raise InputError("interface", self.against.body, "this needs an interface with a substrate")
+        if self.penetration is not None:
+            return (REPLACED_OVERLAP,)
         return self.against
 
     @property

@@ -5,6 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from isopeel.solve.augmentation import augmented
 from isopeel.solve.balance import CUBIC, MISFIT, ROUND_OFF, Misfit, misfit, simpson_misfits
 from isopeel.solve.convergence import ConvergenceError
 from isopeel.solve.newton import NewtonResult, newton
@@ -169,7 +170,8 @@ class Branch:
         guess = extrapolate({state.parameter: state.exact for state in near}, parameter, path.system.count)
         settings = path.settings.with_few_corrections() if soon else path.settings
         try:
-            return newton(path.system, guess, parameter, settings)
+            found = newton(path.system, guess, parameter, settings)
+            return augmented(path.system, found, settings)
         except ConvergenceError:
             return None
 

@@ -19,6 +19,7 @@ Cause = Literal[
     "non-finite traction",
     "singular tangent",
     "iteration limit",
+    "penetration",
 ]
 
 #: The reason where det F is not positive.
@@ -40,6 +41,7 @@ HINTS: dict[Cause, str] = {
     "non-finite traction": "use smaller steps, or check whether the body touches the substrate",
     "singular tangent": "add a support against free motion, or use path_control = continuation",
     "iteration limit": "use smaller steps, or path_control = auto, which reduces them where needed",
+    "penetration": "allow a larger one, refine the mesh, or use the scheme 'biased' between two bodies",
 }
 
 

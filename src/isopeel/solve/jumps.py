@@ -5,6 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from isopeel.common.arrays import FloatArray
+from isopeel.solve.augmentation import augmented
 from isopeel.solve.balance import MISFIT
 from isopeel.solve.convergence import ConvergenceError
 from isopeel.solve.descent import Descent, descend, potential_energy
@@ -73,6 +74,7 @@ def jump_from(path: Path, starts: Sequence[FloatArray], parameter: float) -> Fou
         raise ConvergenceError(reason, (), parameter, "limit load")
     try:
         result = newton(system, descent.unknown_values, parameter, path.settings)
+        result = augmented(system, result, path.settings)
     except ConvergenceError as error:
         if not descent.line_search_failed:
             raise

@@ -81,6 +81,10 @@ class NewtonResult:
     #: Whether the last tangent of the iteration was positive definite: None where none was made, or where
     #: forces have no potential. False means that Cholesky's method failed, which may be round-off.
     definite: bool | None = None
+    #: Multipliers with which it was found, where contact has some: the history of the system, and the energy
+    #: that the gaps at points in contact leave open.
+    history: FloatArray | None = None
+    uncertain_energy: float = 0.0
 
 
 def newton(system: System, start: FloatArray, parameter: float, settings: NewtonSettings) -> NewtonResult:

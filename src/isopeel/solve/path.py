@@ -123,6 +123,9 @@ class Path:
             return self._gained_at_once(state.energy - one.energy)
         work = max(abs(one.rate), abs(state.rate)) * abs(state.parameter - one.parameter)
         allowed = self.allowance
+        if result.uncertain_energy:
+            # that of the last state is about as large
+            allowed = allowed._replace(most=allowed.most + 2 * result.uncertain_energy)
         if abs(released(one, state)) <= allowed.of_step(work) + self.round_off:
             # nearly all steps end here, after a few sums
             return NO_MISFIT

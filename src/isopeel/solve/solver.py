@@ -5,6 +5,7 @@ from collections.abc import Iterator, Sequence
 from isopeel.assembly.system import System
 from isopeel.common.arrays import FloatArray
 from isopeel.common.errors import InputError
+from isopeel.solve.augmentation import augmented
 from isopeel.solve.convergence import ConvergenceError
 from isopeel.solve.held_loads import applied_in_parts
 from isopeel.solve.newton import NewtonResult, NewtonSettings, newton
@@ -61,7 +62,9 @@ class Solver:
             missed = self._predictor.slope(result.equilibrium.residual)
             state = self.states[-1] = state._replace(rate=state.rate + missed)
         if self.system.irreversible:
-            self.system = self.system.after(self.system.commit(result.displacement))
+            history = result.history
+            found_in = self.system if history is None else self.system.after(history)
+            self.system = self.system.after(found_in.commit(result.displacement))
             if self._quasi_newton is not None:
                 self._quasi_newton.system = self.system
         return state
@@ -72,6 +75,9 @@ class Solver:
         With `soon`, Newton's method stops after few corrections, as a shorter step can be taken instead. If
         the first step fails under held loads, they are applied in parts. Raises ConvergenceError.
         """
+        return augmented(self.system, self._equilibrium(parameter, soon=soon), self.settings)
+
+    def _equilibrium(self, parameter: float, *, soon: bool) -> NewtonResult:
         found = self.by_chord_tangent(parameter)
         if found is not None:
             return found

@@ -81,6 +81,10 @@ def check_stage(problem: Problem, space: SpaceOfBodies, settings: NewtonSettings
 def _check_path_control(problem: Problem, settings: NewtonSettings) -> None:
     follows = isinstance(problem.drive, Load) and problem.drive.follows
     has_potential = not follows and all(one.has_potential for one in problem.interfaces)
+    has_multipliers = any(one.penetration is not None for one in problem.interfaces)
+    if settings.path_control in ("jump", "continuation") and has_multipliers:
+        allowed = "the multipliers of a contact with a penetration change at each state; use auto or newton"
+        raise InputError("drive.path_control", settings.path_control, allowed)
     if settings.path_control == "jump" and not has_potential:
         without = "projected and following forces have no energy to minimize, nor those of two half-passes"
         allowed = f"{without}; use continuation"

@@ -11,13 +11,16 @@ class Contact(NormalLaw):
     The penalty method per reference area (Wriggers, Computational Contact Mechanics, Sec. 6.3): bodies
     overlap by p/k under a pressure p. The opening x is the gap less `equilibrium_gap` (length).
 
+    penetration: the largest overlap (length) that is allowed, see `isopeel.physics.adhesion.augmented`. If it
+    is None there are no multipliers, and bodies overlap by p/k.
     stiffness: k, a stress per length. If it is None, the assembly chooses it from the bodies and their meshes
     (`isopeel.assembly.contact`); until then the law has no values, and raises InputError. It also raises
-    InputError unless the stiffness is positive.
+    InputError unless stiffness and penetration are positive.
     """
 
     stiffness: Positive[StressPerLength] | None = None
     equilibrium_gap: NotNegative[Length] = 0.0
+    penetration: Positive[Length] | None = None
 
     @property
     def work_of_adhesion(self) -> float:
