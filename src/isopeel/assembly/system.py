@@ -103,7 +103,10 @@ class System:
         self.facing: tuple[FacingTerm, ...] = tuple(one for one in faces if isinstance(one, FacingTerm))
         pairs = [found for one in faces if isinstance(one, PairTerm) for found in one.couplings()]
         couplings = {term.body.name: term.couplings() for term in self.bodies}
-        links = [*pairs, *(found for term in self.facing for found in term.couplings())]
+        links = [*pairs]
+        for term in self.facing:
+            # partners may be far from those of the undeformed bodies
+            links += term.couplings() if base is None else term.couplings_at(base)
         self.constraints: Constraints = constrain(self.spaces, couplings, base, links)
         unknowns = self.constraints.unknowns
         #: Of the tangents of the bodies and of fixed pairs.
@@ -128,11 +131,11 @@ class System:
         )
         #: Whether an interface is damaged as it opens.
         self.irreversible: bool = any(interface.has_history for interface in problem.interfaces)
+        #: Whether multipliers of contact are in the history.
+        self.has_multipliers: bool = any(one.penetration is not None for one in problem.interfaces)
         #: What forces and tangent are the sum of.
         self.terms: tuple[Term, ...] = *self.bodies, *self.interfaces, *self.loads
         #: Maximum openings at the points of the adhesive force, for irreversible adhesion: the history from
-        #: Whether multipliers of contact are in the history.
-        self.has_multipliers: bool = any(one.penetration is not None for one in problem.interfaces)
         #: which forces are evaluated. It is that of the undeformed bodies, unless `after` sets another one.
         #: They are (E, Q), elements of one interface after those of another; (n, 1) where these differ in Q,
         #: and where an interface has a joint law: then the variables of its history take their place.
