@@ -255,3 +255,9 @@ def test_a_substrate_takes_no_joint_law() -> None:
     text = changed('between = ["upper.bottom", "lower.top"]', 'boundary = "upper.bottom"')
     with pytest.raises(InputError, match=r"interface\.1\.law: 'mixed-mode-bilinear' .*between two bodies"):
         Case.parse(text.replace(ADHESION, JOINT)).problem()
+
+
+def test_a_smoothed_side_and_a_penetration_are_keys() -> None:
+    contact = 'law = "contact"\npenetration = "1 pm"\nsmoothed = true\n'
+    (interface,) = Case.parse(changed(ADHESION, contact)).problem().interfaces
+    assert (interface.smoothed, interface.penetration) == (True, 1e-3)

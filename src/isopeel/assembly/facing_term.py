@@ -20,11 +20,12 @@ from isopeel.assembly.loops import Loops
 from isopeel.assembly.opening import closed_opening, initial_openings, opened
 from isopeel.assembly.packing import Packed, packed
 from isopeel.assembly.sizes import extent
+from isopeel.assembly.smoothed_curve import is_lagrange, smoothed_curve
 from isopeel.assembly.spaces import Spaces
 from isopeel.assembly.tables import SideTable
 from isopeel.common.arrays import BoolArray, FloatArray, IntArray
-from isopeel.physics.batch import evaluate_law
 from isopeel.common.errors import InputError
+from isopeel.physics.batch import evaluate_law
 from isopeel.problem import Boundary, Interface
 
 #: A gap at which nothing acts, in sizes of the largest body.
@@ -86,8 +87,8 @@ class FacingTerm:
                 parameters=adhesion.law.parameters,
                 equilibrium_gap=float(adhesion.law.equilibrium_gap),
                 irreversible=adhesion.irreversible,
-                share=0.5 if adhesion.scheme == "unbiased" else 1.0,
                 augmented=adhesion.penetration is not None,
+                share=0.5 if adhesion.scheme == "unbiased" else 1.0,
                 mutual=adhesion.scheme != "two-half-pass",
                 far=self.far,
                 functions=table.functions,
@@ -150,5 +151,16 @@ def facing_term(spaces: Spaces, interface: Interface, side: SideTable) -> Facing
     """Return the term of a side, at the points of a table with gradients, that faces another body."""
     problem, against = spaces.problem, interface.against
     assert isinstance(against, Boundary)
-    curve, closed = facing_curve(spaces, against), closed_opening(problem, interface)
+    smooth = interface.smoothed and _check_lagrange(spaces, interface, against)
+    curve = smoothed_curve(spaces, against) if smooth else facing_curve(spaces, against)
+    closed = closed_opening(problem, interface)
     return FacingTerm(interface, side.of_values(), curve, spaces.size, _FAR * extent(problem), closed)
+
+
+def _check_lagrange(spaces: Spaces, interface: Interface, against: Boundary) -> bool:
+    """Return whether a side consists of Lagrange elements; raises InputError where no smoothed side does."""
+    found = is_lagrange(spaces, against)
+    if not found and (interface.scheme == "biased" or not is_lagrange(spaces, interface.boundary)):
+        allowed = "closest points are found on sides that are smooth; it needs Lagrange elements, such as L2"
+        raise InputError("adhesion.smoothed", True, allowed)
+    return found

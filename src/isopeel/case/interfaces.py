@@ -11,7 +11,7 @@ from isopeel.case.bodies import PlacedBody
 from isopeel.case.boundaries import TWO_SIDES, PartKeys, SideKey, split_boundary
 from isopeel.case.errors import named_by
 from isopeel.case.sections import A_BOUNDARY, AdhesionSection, SubstrateSection
-from isopeel.case.values import list_of
+from isopeel.case.values import FlagKey, list_of
 from isopeel.common.arrays import FloatArray
 from isopeel.common.errors import InputError
 from isopeel.common.units import UnitSystem
@@ -43,6 +43,7 @@ class InterfaceTable(PartKeys, AdhesionSection):
     scheme: Annotated[
         Scheme | None, Field(description="'unbiased', 'biased' or 'two-half-pass' is needed")
     ] = None
+    smoothed: FlagKey = False
     substrate: Annotated[
         SubstrateSection | None,
         Field(description="a table is needed, such as { kind = 'flat', height = '0 nm' }"),
@@ -79,14 +80,15 @@ class InterfaceTable(PartKeys, AdhesionSection):
         if self.between is not None:
             own, against = self._sides(key, bodies, units)
             with named_by({"adhesion": key}):
-                return self.interface(own, self.adhesion_law(), against, self.scheme or "unbiased")
+                law, scheme = self.adhesion_law(), self.scheme or "unbiased"
+                return self.interface(own, law, against, scheme, smoothed=self.smoothed)
         name, side = split_boundary(f"{key}.boundary", str(self.boundary), list(bodies))
         boundary = self.part_of(name, side, key, bodies, units)
         with named_by({"adhesion": key, "substrate": f"{key}.substrate"}):
             law, table = self.adhesion_law(), self.substrate
             gap = law.equilibrium_gap if table is None or table.gap is None else table.gap
             surface = self.surface(key, bodies[name], boundary)
-            return self.interface(boundary, law, surface.receded(gap))
+            return self.interface(boundary, law, surface.receded(gap), smoothed=self.smoothed)
 
     def _sides(
         self, key: str, bodies: Mapping[str, PlacedBody], units: UnitSystem

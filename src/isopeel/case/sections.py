@@ -98,6 +98,8 @@ class AdhesionSection(KindSection):
         law: AdhesionLaw,
         against: Substrate | Boundary,
         scheme: Scheme = "unbiased",
+        *,
+        smoothed: bool = False,
     ) -> Interface:
         """Build the interface on a boundary. Raises InputError for what cannot be combined."""
         if self.symmetric and not isinstance(against, Flat):
@@ -114,6 +116,7 @@ class AdhesionSection(KindSection):
             irreversible=self.irreversible,
             sliding_length=self.sliding_length,
             scheme=scheme,
+            smoothed=smoothed,
         )
 
 

@@ -73,6 +73,9 @@ class Interface:
         two-half-pass  each boundary is integrated and loads its own body only; there is no potential
                        (Sauer and De Lorenzis, Comput. Methods Appl. Mech. Eng. 253, 2013)
 
+    `smoothed` finds closest points on a smooth curve through the nodes of the other side, where that consists
+    of Lagrange elements (`assembly.smoothed_curve`). The points of its own side stay where they are.
+
     With a joint law (`physics.joints`) the points of the boundary are paired once with the closest points of
     the undeformed other side, and the energy is the integral of the law over the boundary. The jump of a pair
     is its distance x - y less the one at the start, along the mean direction t of both faces and the normal
@@ -86,6 +89,7 @@ class Interface:
     irreversible: bool = False
     sliding_length: float | None = None
     scheme: Scheme = "unbiased"
+    smoothed: bool = False
 
     def __post_init__(self) -> None:
         """Check the kind of traction and the sliding length."""
@@ -103,6 +107,9 @@ class Interface:
             if self.sliding_length is not None:
                 allowed = "between bodies there is none: their faces slide without friction"
                 raise InputError("adhesion.sliding_length", self.sliding_length, allowed)
+        if self.smoothed and (isinstance(self.law, JointLaw) or not isinstance(self.against, Boundary)):
+            allowed = "it smooths the side of another body, on which a law of the gap finds closest points"
+            raise InputError("adhesion.smoothed", True, allowed)
         if isinstance(self.law, Contact) and (self.irreversible or self.sliding_length is not None):
             field = "irreversible" if self.irreversible else "sliding_length"
             allowed = "contact without adhesion has no joint that could be damaged or hold; leave it out"
@@ -128,6 +135,13 @@ class Interface:
             raise InputError("adhesion.scheme", self.scheme, allowed)
 
     @property
+    def penetration(self) -> float | None:
+        """Largest gap (length) of points in contact by multipliers; None without multipliers."""
+        law, share = (self.law.law, 0.5) if isinstance(self.law, Mirrored) else (self.law, 1.0)
+        given = law.penetration if isinstance(law, Contact) else None
+        return None if given is None else share * given
+
+    @property
     def has_history(self) -> bool:
         """Whether the forces depend on the states before."""
         return (
@@ -138,14 +152,9 @@ class Interface:
 
     @property
     def history_variables(self) -> tuple[HistoryVariable, ...]:
-    @property
-    def penetration(self) -> float | None:
-        """Largest gap (length) of points in contact by multipliers; None without multipliers."""
-        law, share = (self.law.law, 0.5) if isinstance(self.law, Mirrored) else (self.law, 1.0)
-        given = law.penetration if isinstance(law, Contact) else None
-        return None if given is None else share * given
-
         """What is stored at each point; of a reversible law of the gap zeros."""
+        if self.penetration is not None:
+            return (REPLACED_OVERLAP,)
         return self.law.history if isinstance(self.law, JointLaw) else (MAXIMUM_OPENING,)
 
     @property
@@ -153,8 +162,6 @@ class Interface:
         """What it adheres to. Raises InputError if this is another body."""
         if isinstance(self.against, Boundary):
             raise InputError("interface", self.against.body, "this needs an interface with a substrate")
-        if self.penetration is not None:
-            return (REPLACED_OVERLAP,)
         return self.against
 
     @property
