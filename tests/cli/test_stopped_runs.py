@@ -68,7 +68,7 @@ def fail_at(number: int, monkeypatch: pytest.MonkeyPatch, error: BaseException) 
         yield from islice(isopeel.trace(*arguments, **options), number)
         raise error
 
-    monkeypatch.setattr("isopeel.running.stage_steps.trace", failing)
+    monkeypatch.setattr("isopeel.running.stage_trace.trace", failing)
 
 
 @pytest.mark.parametrize("error", [KeyboardInterrupt(), ZeroDivisionError()])

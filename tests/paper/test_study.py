@@ -6,7 +6,7 @@ import pytest
 
 from isopeel import row_space
 from isopeel.case import OneBody
-from isopeel.paper import fingerprint
+from isopeel.common import fingerprint
 from isopeel.paper.study import (
     CONTACT_ROW,
     ELEVATED_ROW,

@@ -37,7 +37,7 @@ def interrupt_at(number: int, monkeypatch: pytest.MonkeyPatch) -> None:
         for _ in range(2):
             signal.raise_signal(signal.SIGINT)
 
-    monkeypatch.setattr("isopeel.running.stage_steps.trace", interrupted)
+    monkeypatch.setattr("isopeel.running.stage_trace.trace", interrupted)
 
 
 def rows(folder: Path = OUT) -> list[str]:

@@ -119,7 +119,7 @@ def test_an_interrupted_run_continues_bit_for_bit(
         signal.raise_signal(signal.SIGINT)
 
     with monkeypatch.context() as patch:
-        patch.setattr("isopeel.running.stage_steps.trace", interrupted)
+        patch.setattr("isopeel.running.stage_trace.trace", interrupted)
         assert run_case(both("lower"), tmp_path, QUIET).run.ending == "interrupted"
     assert len(read_run(tmp_path / "run.h5").curve) == 5
     assert resume_case(tmp_path, QUIET).run.ending == "completed"

@@ -28,22 +28,22 @@ _HIDING = re.compile(
 _PARTS = re.compile(rf"(?<![\w-])(?:(?>[\w-]+)[ \t]*\.[ \t]*){{{MOST_PARTS}}}")
 
 
-def document_of(text: str, source: str) -> dict[str, Any]:
-    """Read TOML of bounded size and depth; InputError for CASE otherwise."""
+def document_of(text: str, source: str, field: str = "CASE", what: str = "case") -> dict[str, Any]:
+    """Read TOML of bounded size and depth, of a case or another file; InputError for its field otherwise."""
     # some editors begin a text in UTF-8 by its mark
     text = text.removeprefix("\ufeff")
     size = size_of(text)
     if size is None:
-        raise InputError("CASE", source, "it contains half of a surrogate pair, which is no character")
+        raise InputError(field, source, "it contains half of a surrogate pair, which is no character")
     if size > LARGEST_TEXT:
-        raise InputError("CASE", source, f"a case has at most {LARGEST_TEXT} bytes")
+        raise InputError(field, source, f"a {what} has at most {LARGEST_TEXT} bytes")
     # texts may be keys, too
     if _PARTS.search(_HIDING.sub("x", text)):
-        raise InputError("CASE", source, f"a key of a case has at most {MOST_PARTS} parts")
+        raise InputError(field, source, f"a key of a {what} has at most {MOST_PARTS} parts")
     try:
         return tomllib.loads(text)
     except (ValueError, RecursionError) as error:
-        raise InputError("CASE", source, f"it is not TOML: {error}") from error
+        raise InputError(field, source, f"it is not TOML: {error}") from error
 
 
 def size_of(text: str) -> int | None:

@@ -1,5 +1,6 @@
 """The commands that compute."""
 
+import shlex
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -191,6 +192,60 @@ def paper(
     except KeyboardInterrupt:
         return fail(INTERRUPTED, f"interrupted; {stored}")
     console().print(f"the report is {page}", soft_wrap=True)
+    return COMPLETED
+
+
+@command
+def study(
+    file: Annotated[Path, typer.Argument(metavar="STUDY", help="The TOML file of a study.")],
+    out: Annotated[
+        Path | None, typer.Option(metavar="DIR", help="Folder of the results; out/NAME by default.")
+    ] = None,
+    workers: Annotated[
+        int | None, typer.Option(min=1, metavar="N", help="Processes; one for each core by default.")
+    ] = None,
+    scheduler: Annotated[
+        str | None,
+        typer.Option(
+            metavar="ADDRESS|processes",
+            help="A scheduler of Dask, such as tcp://host:8786. Default: a cluster of Dask here, or "
+            "processes where Dask is not installed.",
+        ),
+    ] = None,
+    force: _ForceOption = False,
+) -> int:
+    """Run a case with other values of its keys, and write a table, figures and a report.
+
+    Finished runs are stored, so that the same command continues an interrupted study, and a study with more
+    values computes the new runs only.
+    """
+    from isopeel.study.study_file import load_study
+
+    chosen = load_study(file)
+    folder = out or Path("out") / chosen.name
+    stored = f"finished runs are in {folder}; the same command continues the study"
+    try:
+        from isopeel.common.processes import cores
+
+        with reporting(f"interrupted; {stored}"):
+            from isopeel.study.on_dask import executor_of
+            from isopeel.study.report import run_study
+
+            results = run_study(
+                chosen,
+                folder,
+                console(),
+                executor_of(scheduler, workers or cores(), console()),
+                force=force,
+                command=f"isopeel study {shlex.quote(str(file))}",
+            )
+    except KeyboardInterrupt:
+        return fail(INTERRUPTED, f"interrupted; {stored}")
+    console().print(f"the report is {folder / 'report.html'}", soft_wrap=True)
+    failed = sum(outcome.ending != "completed" for outcome in results.outcomes)
+    if failed:
+        message = f"{failed} of {len(results.outcomes)} runs were not completed; the table has the causes"
+        return fail(NOT_CONVERGED, message)
     return COMPLETED
 
 

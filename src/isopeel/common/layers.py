@@ -26,7 +26,8 @@ LAYERS: Mapping[str, tuple[str, ...]] = MappingProxyType(
         "output": ("running",),
         "paper": ("report",),
         "validation": ("report",),
-        "cli": ("paper", "validation", "html_report", "output"),
+        "study": ("report",),
+        "cli": ("paper", "validation", "study", "html_report", "output"),
     }
 )
 

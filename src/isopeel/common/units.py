@@ -124,6 +124,20 @@ def parse_quantity(text: str) -> Quantity:
     return Quantity(value, mass, length + mass, angle, exact)
 
 
+def unit_of(text: str) -> str:
+    """Return the unit of a quantity, as it is written. Raises ValueError as `parse_quantity` does."""
+    parse_quantity(text)
+    return _split(text)[2]
+
+
+def measured_as(text: str, unit: str) -> float:
+    """Return a quantity in a unit of the same dimension. Raises ValueError with the reason if it has none."""
+    quantity, one = parse_quantity(text), parse_quantity(f"1 {unit}")
+    if (quantity.stress, quantity.length, quantity.angle) != (one.stress, one.length, one.angle):
+        raise ValueError(f"it cannot be written in {unit!r}")
+    return float(quantity.exact / one.exact)
+
+
 def _split(text: str) -> tuple[str, int, str]:
     """Return the number, a power of ten that multiplies it, and the unit of a quantity."""
     if len(text) > _LONGEST:

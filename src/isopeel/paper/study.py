@@ -10,7 +10,7 @@ import numpy as np
 
 from isopeel.case import Case, load_case
 from isopeel.common.arrays import FloatArray
-from isopeel.paper.fingerprint import code_fingerprint
+from isopeel.common.fingerprint import code_fingerprint
 from isopeel.problem import Traction
 from isopeel.splines.names import parse_space_name
 
@@ -105,7 +105,7 @@ class Run:
     @property
     def key(self) -> str:
         """Fingerprint of the case, the angles and the code, on which the result depends."""
-        defined_by = [self.case.text, self.range_deg, self.plain, code_fingerprint()]
+        defined_by = [self.case.text, self.range_deg, self.plain, code_fingerprint("case", "solve")]
         return hashlib.sha256(json.dumps(defined_by).encode()).hexdigest()
 
     @property

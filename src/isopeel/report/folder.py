@@ -9,6 +9,8 @@ from isopeel.running.folder import first_names, is_leftover, make_folder
 
 #: The files of a report, and its folders: of pictures, of tables, and of its runs.
 PAGES, PICTURES, TABLES, RUNS = ("report.md", "report.html", "records.h5"), "figures", "tables", "runs"
+#: Kinds of files of tables.
+_OF_TABLES = (".csv", ".parquet", ".h5")
 #: The text in each report that has a section with a command.
 _MARK = "This section is made by\n\n```sh\nisopeel "
 
@@ -51,7 +53,7 @@ def _foreign(folder: Path, is_part: Callable[[str], bool]) -> Iterator[Path]:
                 lambda file: f"({file.parent.name}/{file.stem}.png)" in report or is_written_by_isopeel(file),
             )
         elif is_folder and path.name == TABLES:
-            yield from _others(path, lambda file: bool(report) and file.suffix == ".csv")
+            yield from _others(path, lambda file: bool(report) and file.suffix in _OF_TABLES)
         elif is_folder and path.name == RUNS:
             yield from _others(path, is_written_by_isopeel)
         elif is_folder and is_part(path.name):

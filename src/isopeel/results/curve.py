@@ -125,6 +125,19 @@ class Curve:
         )
 
 
+def row_of(step: Step) -> Step:
+    """Return a step without its arrays, which would fill the memory: what a curve needs of it."""
+    empty = np.empty((0, 2))
+    return replace(
+        step,
+        displacement=empty,
+        maximum_openings=empty,
+        unknown_values=empty[:, 0],
+        accepted_states=(),
+        solver_state=None,
+    )
+
+
 def boundaries_of(drive: Drive) -> tuple[str, ...]:
     """Return the names of the boundaries of a drive where it acts on several, else none."""
     driven = driven_boundaries(drive.on)

@@ -9,11 +9,9 @@ from time import perf_counter
 from types import TracebackType
 from typing import Self
 
-import numpy as np
-
 from isopeel.common.arrays import FloatArray
 from isopeel.problem import Drive
-from isopeel.results.curve import Curve
+from isopeel.results.curve import Curve, row_of
 from isopeel.results.fields import KeptStates, StoredState
 from isopeel.results.journal import Journal, Record
 from isopeel.results.layout import Layout
@@ -106,16 +104,7 @@ class RunWriter:
 
     def append(self, step: Step) -> None:
         """Add a step."""
-        # the row without its arrays, which would fill the memory
-        empty = np.empty((0, 2))
-        row = replace(
-            step,
-            displacement=empty,
-            maximum_openings=empty,
-            unknown_values=empty[:, 0],
-            accepted_states=(),
-            solver_state=None,
-        )
+        row = row_of(step)
         self._rows.append(row)
         self._resumes = step.resumes
         if step.resumes:

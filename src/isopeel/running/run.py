@@ -20,7 +20,8 @@ from isopeel.running.previous_run import (
     remove_kept,
 )
 from isopeel.running.stage_run import StageRun, stage_runs
-from isopeel.running.stage_steps import complete_stage, run_stage, steps_of
+from isopeel.running.stage_steps import complete_stage, run_stage
+from isopeel.running.stage_trace import steps_of
 from isopeel.solve.step import State, Step
 
 

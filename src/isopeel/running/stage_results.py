@@ -1,7 +1,6 @@
 """The results of a stage that was run: its curve, summary and figures, and its table on the terminal."""
 
 import json
-from typing import Any, NamedTuple
 
 from rich.box import SIMPLE_HEAD
 from rich.console import Console
@@ -9,39 +8,26 @@ from rich.table import Table
 
 from isopeel.common.interrupts import check
 from isopeel.post.figures import reaction_figure, save, shapes_figure
-from isopeel.post.findings import Findings, find
-from isopeel.post.mesh_error import mesh_changes
 from isopeel.post.shown import in_laboratory
-from isopeel.post.summary import summarize
 from isopeel.post.summary_table import summary_rows
 from isopeel.post.table import write_curve
 from isopeel.results.files import replacing
 from isopeel.results.run_file import StoredRun
 from isopeel.running.stage_run import StageRun
-
-
-class Results(NamedTuple):
-    """The results of a stage, beside its stored run."""
-
-    run: StoredRun
-    findings: Findings
-    summary: dict[str, Any]
+from isopeel.running.stage_summary import Results, results_of
 
 
 def write_results(one: StageRun, run: StoredRun, wall_time: float) -> Results:
     """Write curve, summary and, unless the run was interrupted, figures."""
     out, problem = one.place.folder, one.stage.problem
-    points = one.case.discretization.contact_points
-    found = find(problem, one.spaces, run, one.stage.window, one.laboratory, points)
+    results = results_of(one, run, wall_time)
+    found = results.findings
     write_curve(out / "curve.csv", run.curve, problem, found.laboratory, found.fronts)
-    # after Ctrl-C a finer mesh and figures would take too long
-    interrupted = run.ending == "interrupted"
-    changes = [] if interrupted else mesh_changes(problem, one.spaces, run, points)
-    summary = summarize(one.place.title, run, found, wall_time, changes)
-    text = json.dumps(summary, indent=2, allow_nan=False)
+    text = json.dumps(results.summary, indent=2, allow_nan=False)
     with replacing(out / "summary.json") as part:
         part.write_text(text + "\n", encoding="utf-8")
-    if len(run.curve) and not interrupted:
+    # after Ctrl-C figures would take too long
+    if len(run.curve) and run.ending != "interrupted":
         curve, plateau, closed_form, _ = in_laboratory(run.curve, found)
         for name, figure in (
             ("curve.png", reaction_figure(curve, plateau, closed_form)),
@@ -50,7 +36,7 @@ def write_results(one: StageRun, run: StoredRun, wall_time: float) -> Results:
             check()
             with replacing(out / name) as part:
                 save(figure, part)
-    return Results(run, found, summary)
+    return results
 
 
 def print_results(one: StageRun, results: Results, console: Console) -> None:

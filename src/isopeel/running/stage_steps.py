@@ -1,49 +1,23 @@
 """The steps of one stage: they are computed, written and shown, until the stage ends."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from dataclasses import replace
 from time import perf_counter
 
-import numpy as np
 from rich.console import Console
 
-from isopeel.common.errors import InputError
 from isopeel.common.interrupts import check, deferred, leave_time
 from isopeel.post.table import write_curve
 from isopeel.results.layout import Layout
-from isopeel.results.provenance import Provenance
-from isopeel.results.run_file import Failure, StoredRun, read_run, run_attributes
+from isopeel.results.run_file import Failure, StoredRun, read_run
 from isopeel.results.run_writer import RunWriter
-from isopeel.running.checks import check_memory
 from isopeel.running.folder import FILES
 from isopeel.running.progress import progress
 from isopeel.running.stage_results import print_results, write_results
 from isopeel.running.stage_run import StageRun
+from isopeel.running.stage_trace import attributes_of
 from isopeel.solve.convergence import ConvergenceError
-from isopeel.solve.newton import NewtonSettings
 from isopeel.solve.step import Step
-from isopeel.solve.trace import trace
-
-
-def steps_of(one: StageRun) -> Iterable[Step]:
-    """Return the steps of a stage after the stored ones. Raises InputError where they cannot be computed."""
-    stage, last = one.stage, None if one.stored is None else one.stored.last
-    passed, rest = np.split(stage.parameters, [one.met])
-    try:
-        steps = trace(
-            stage.problem,
-            one.spaces,
-            rest,
-            NewtonSettings(path_control=stage.path_control),
-            start=() if last is None else [last],
-            passed=passed.tolist(),
-            base=one.base,
-            contact_points=one.case.discretization.contact_points,
-        )
-    except InputError as error:
-        raise one.case.named(error) from error
-    check_memory(one)
-    return steps
 
 
 def run_stage(one: StageRun, steps: Iterable[Step], console: Console) -> StoredRun:
@@ -54,7 +28,7 @@ def run_stage(one: StageRun, steps: Iterable[Step], console: Console) -> StoredR
         place.run_file,
         stage.problem.drive,
         one.case.text,
-        _attributes(one),
+        attributes_of(one),
         stage.fields_every,
         place.outdated,
         None if one.base is None else one.base.displacement,
@@ -88,14 +62,6 @@ def complete_stage(one: StageRun, run: StoredRun, console: Console) -> StoredRun
     if not all((one.place.folder / name).exists() for name in FILES):
         write_results(one, run, float(run.curve.seconds.sum()))
     return run
-
-
-def _attributes(one: StageRun) -> Mapping[str, str | int]:
-    if one.stored is not None:
-        return one.stored.attributes
-    units = one.case.units
-    stated = {"L0": units.length, "E0": units.stress, "stage": one.stage.name}
-    return {**stated, **run_attributes(one.stage.problem, one.spaces, Provenance.of_this_process())}
 
 
 def _follow(one: StageRun, steps: Iterable[Step], writer: RunWriter, console: Console) -> None:

@@ -8,19 +8,16 @@ from pathlib import Path
 import isopeel
 from isopeel.common.layers import left_of
 
-#: The layers that compute converged steps from the text of a case.
-_SOURCES = sorted({"case", "solve"} | left_of("case") | left_of("solve"))
-
 
 @cache
-def code_fingerprint() -> str:
-    """Return the hash of the layers that compute a path, without their comments, docstrings and layout.
+def code_fingerprint(*layers: str) -> str:
+    """Return the hash of layers and of those left of them, without their comments, docstrings and layout.
 
     It differs between versions of Python, as their syntax trees differ.
     """
     root = Path(isopeel.__file__).parent
     digest = hashlib.sha256()
-    for source in _SOURCES:
+    for source in sorted(set(layers).union(*map(left_of, layers))):
         for path in sorted((root / source).rglob("*.py")):
             digest.update(path.relative_to(root).as_posix().encode())
             digest.update(_meaning(path.read_text("utf-8")).encode())

@@ -1,0 +1,63 @@
+"""A run without files: the stages of a case are traced, and their results are returned."""
+
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+from time import perf_counter
+
+from isopeel.case import Case
+from isopeel.common.interrupts import check
+from isopeel.results.curve import Curve, row_of
+from isopeel.results.fields import KeptStates, StoredState
+from isopeel.results.run_file import Ending, Failure, StoredRun
+from isopeel.running.stage_run import StageRun, stage_runs
+from isopeel.running.stage_summary import Results, results_of
+from isopeel.running.stage_trace import attributes_of, steps_of
+from isopeel.solve.convergence import ConvergenceError
+from isopeel.solve.step import State, Step
+
+
+def stage_results(case: Case) -> Iterator[Results]:
+    """Trace the stages of a case, and yield the results of each, up to one that finds no equilibrium.
+
+    The results are those of `isopeel.running.run.run_case`, without files and figures. Raises InputError if a
+    stage cannot be computed.
+    """
+    base: State | None = None
+    for begun in stage_runs(case, Path()):
+        began = perf_counter()
+        one = replace(begun, base=base)
+        run = _traced(one)
+        yield results_of(one, run, perf_counter() - began)
+        if run.ending != "completed":
+            return
+        base = run.last
+
+
+def _traced(one: StageRun) -> StoredRun:
+    """Trace a stage from its first step."""
+    drive, every = one.stage.problem.drive, one.stage.fields_every
+    rows: list[Step] = []
+    kept, last = KeptStates(every), None
+    ending: Ending = "completed"
+    failure: Failure | None = None
+    try:
+        for step in steps_of(one):
+            check()
+            rows.append(row_of(step))
+            kept.take(StoredState.of(step, drive)._replace(step=step.number))
+            last = step.state if step.resumes else last
+    except ConvergenceError as error:
+        at = drive.parameter_column.shown(error.parameter)
+        ending, failure = "not converged", Failure(at, error.reason, error.iterations, error.cause)
+    return StoredRun(
+        one.case.text,
+        Curve.of(rows, drive),
+        kept.all(),
+        attributes_of(one),
+        ending,
+        failure,
+        last,
+        None if one.base is None else one.base.displacement,
+        every,
+    )

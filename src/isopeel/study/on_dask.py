@@ -1,0 +1,113 @@
+"""Compute the runs of a study as tasks of Dask, on this machine or on any scheduler."""
+
+import logging
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass
+from functools import partial
+from queue import Empty, Queue
+from typing import Any
+
+from rich.console import Console
+
+from isopeel.common.errors import InputError
+from isopeel.common.interrupts import check
+from isopeel.study.execution import CHECK_SECONDS, Executor, InProcesses, lost
+from isopeel.study.outcome import Outcome, Task
+
+_CONNECT_SECONDS = 10.0
+
+
+def is_installed() -> bool:
+    """Return whether Dask's `distributed` can be imported."""
+    try:
+        import distributed  # noqa: F401
+    except ImportError:
+        return False
+    return True
+
+
+def executor_of(scheduler: str | None, workers: int, console: Console) -> Executor:
+    """Return the executor for --scheduler: an address, `processes`, or None for what is installed.
+
+    Raises InputError if a scheduler is named and Dask is not installed.
+    """
+    if scheduler == "processes" or (scheduler is None and not is_installed()):
+        return InProcesses(workers)
+    if not is_installed():
+        raise InputError("--scheduler", scheduler, "Dask is not installed: pip install 'isopeel[study]'")
+    return OnDask(scheduler, workers, partial(console.print, soft_wrap=True))
+
+
+@dataclass(frozen=True)
+class OnDask:
+    """Computes tasks on a scheduler at an address, or without one on a cluster of processes here.
+
+    Workers need isopeel, but no disk in common with this process. A task whose worker is lost is computed
+    again, up to the `allowed-failures` of the scheduler. `show` receives lines for the user.
+    """
+
+    address: str | None
+    workers: int
+    show: Callable[[str], None]
+
+    def __call__(self, tasks: Mapping[int, Task]) -> Iterator[tuple[int, Outcome]]:
+        """Yield the outcomes of tasks. Raises InputError for --scheduler if there is no connection to it."""
+        if not tasks:
+            return
+        from distributed.scheduler import KilledWorker
+
+        with self._client() as client:
+            self.show(f"dashboard: {client.dashboard_link}")
+            done: Queue[Any] = Queue()
+            # keys are unlike those of other studies on the same scheduler
+            futures = {
+                client.submit(task, key=f"isopeel-{task.digest}-{number}", pure=False): number
+                for number, task in tasks.items()
+            }
+            for future in futures:
+                future.add_done_callback(done.put)
+            while futures:
+                try:
+                    future = done.get(timeout=CHECK_SECONDS)
+                except Empty:
+                    check()
+                    continue
+                check()
+                number = futures.pop(future)
+                if future.status == "cancelled":
+                    raise InputError("--scheduler", self._name, "the connection to it was lost")
+                try:
+                    outcome = future.result()
+                except KilledWorker as error:
+                    outcome = lost(error.allowed_failures + 1)
+                except Exception as error:
+                    # a task returns what is wrong with its run: this one could not be loaded there
+                    allowed = f"isopeel of this version must be installed there: {error}"
+                    raise InputError("--scheduler", self._name, allowed) from error
+                yield number, outcome
+
+    @property
+    def _name(self) -> str:
+        return self.address or "local"
+
+    @contextmanager
+    def _client(self) -> Iterator[Any]:
+        import distributed
+
+        if self.address is None:
+            with (
+                distributed.LocalCluster(
+                    n_workers=self.workers, threads_per_worker=1, processes=True, silence_logs=logging.ERROR
+                ) as cluster,
+                distributed.Client(cluster, set_as_default=False) as client,
+            ):
+                yield client
+            return
+        try:
+            client = distributed.Client(self.address, timeout=_CONNECT_SECONDS, set_as_default=False)
+        except (OSError, ValueError) as error:
+            allowed = f"no scheduler answers there: {error}"
+            raise InputError("--scheduler", self.address, allowed) from error
+        with client:
+            yield client

@@ -1,0 +1,177 @@
+"""Compute a study, and write its tables, figures and report."""
+
+from collections.abc import Iterator, Sequence
+from functools import partial
+from pathlib import Path
+
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+
+from isopeel.common.processes import cores
+from isopeel.report.document import Block, Document, Picture, Section, Table, Text, write_document
+from isopeel.report.folder import RUNS, TABLES, replaced, take_folder
+from isopeel.report.wording import listed
+from isopeel.results.provenance import Provenance
+from isopeel.running.folder import make_folder
+from isopeel.study.execution import Executor, InProcesses, Store, compute
+from isopeel.study.figures import curves_figure, output_figure
+from isopeel.study.outcome import Outcome, Task
+from isopeel.study.sobol import variance_shares
+from isopeel.study.study_file import Study
+from isopeel.study.table import StudyResults, columns_of, write_tables
+
+#: Rows of the table in the report; the file has all of them.
+_MOST_ROWS = 200
+#: Runs that are named beside a note.
+_MOST_NAMED = 5
+#: Outputs that have a figure.
+_MOST_FIGURES = 12
+
+
+def run_study(
+    study: Study,
+    out: Path,
+    console: Console,
+    executor: Executor | None = None,
+    *,
+    force: bool = False,
+    command: str = "isopeel study",
+) -> StudyResults:
+    """Compute the runs of a study that its folder does not have yet, and write its tables and report.
+
+    The runs are computed by an executor, by default in a process for each core. Raises InputError if the
+    folder cannot be written, or if it contains files that are not of a report, unless with `force`. Raises
+    OSError if a file cannot be written.
+    """
+    folder = take_folder(out, "", lambda _: False, force=force)
+    store = Store(out / RUNS)
+    make_folder(store.folder)
+    tasks = [Task(study.case.text, point) for point in study.points]
+    known = sum(store.read(task) is not None for task in tasks)
+    console.print(f"{len(tasks)} runs, {known} of them are finished already")
+    if message := replaced(folder):
+        console.print(message, soft_wrap=True)
+    with _progress(console) as bar:
+        line = bar.add_task(study.name, total=len(tasks), completed=known)
+
+        def finished(number: int, outcome: Outcome) -> None:
+            bar.update(line, advance=1)
+            if outcome.ending != "completed":
+                bar.console.print(f"run {number + 1}: {outcome.ending}: {outcome.cause}", soft_wrap=True)
+
+        outcomes = compute(tasks, store, executor or InProcesses(cores()), finished)
+    results = StudyResults(study, tuple(outcomes))
+    make_folder(folder / TABLES)
+    files = write_tables(results, folder / TABLES)
+    write_document(make_document(results, Provenance.of_this_process(), command), folder)
+    for name in results.missing_outputs:
+        console.print(f"note: no run has the reading {name!r}; there are {_names(results)}", soft_wrap=True)
+    console.print(f"the tables are {listed(list(map(str, files)))}", soft_wrap=True)
+    return results
+
+
+def make_document(results: StudyResults, provenance: Provenance, command: str) -> Document:
+    """Return the report of a study; its figures are drawn when it is written."""
+    study, outcomes = results.study, results.outcomes
+    completed = sum(outcome.ending == "completed" for outcome in outcomes)
+    abstract = (
+        f"The case {study.case.name} was run {len(outcomes)} times, with other values of"
+        f" {listed([f'`{factor.key}`' for factor in study.factors])}. {completed} runs were completed."
+    )
+    sections = [
+        Section("Runs", tuple(_runs(results)), command),
+        Section(
+            "Curves", (Picture("curves", "The reactions of all runs.", partial(curves_figure, results)),)
+        ),
+        Section("Outputs", tuple(_outputs(results))),
+        Section("Where the numbers come from", tuple(_provenance(results, provenance))),
+    ]
+    return Document(f"Study {study.name}", Text(abstract), tuple(sections))
+
+
+def _runs(results: StudyResults) -> Iterator[Block]:
+    columns = columns_of(results)
+    left_out = {"cause", "notes", "host"}
+    headings = tuple(name for name in columns if name not in left_out)
+    rows = list(zip(*(columns[name] for name in headings), strict=True))
+    yield Text("`tables/runs.csv` has all rows and columns, and `tables/curves.h5` all curves.")
+    notes = [] if len(rows) <= _MOST_ROWS else [f"The first {_MOST_ROWS} of {len(rows)} runs."]
+    notes += [
+        f"Run {number}: {outcome.cause}"
+        for number, outcome in enumerate(results.outcomes, start=1)
+        if outcome.cause
+    ][:_MOST_ROWS]
+    yield Table(
+        "first-runs",
+        "The runs: factors, readings and cost.",
+        tuple(" ".join(heading.split()) for heading in headings),
+        tuple(tuple(map(_cell, row)) for row in rows[:_MOST_ROWS]),
+        tuple(" ".join(note.split()) for note in notes),
+    )
+    doubts: dict[str, list[int]] = {}
+    for number, outcome in enumerate(results.outcomes, start=1):
+        for note in outcome.notes:
+            doubts.setdefault(_cell(note), []).append(number)
+    if doubts:
+        title = "Notes on readings and discretizations, and the runs that have them."
+        lines = tuple((note, _of_runs(numbers)) for note, numbers in doubts.items())
+        yield Table("notes", title, ("note", "runs"), lines)
+
+
+def _of_runs(numbers: Sequence[int]) -> str:
+    shown = ", ".join(map(str, numbers[:_MOST_NAMED]))
+    return shown + (f" and {len(numbers) - _MOST_NAMED} more" if len(numbers) > _MOST_NAMED else "")
+
+
+def _outputs(results: StudyResults) -> Iterator[Block]:
+    drawn = [output for output in results.outputs if output.name not in results.missing_outputs]
+    if not drawn:
+        yield Text("No run has a reading.")
+    for number, output in enumerate(drawn[:_MOST_FIGURES], start=1):
+        yield Picture(f"output-{number}", f"{output.heading}.", partial(output_figure, results, output))
+        shares = variance_shares(results, output)
+        if shares:
+            yield Table(
+                f"shares-{number}",
+                f"Shares of the variance of {output.name} (Sobol's indices).",
+                ("factor", "alone", "with interactions"),
+                tuple((one.name, f"{one.first_order:.3f}", f"{one.total_order:.3f}") for one in shares),
+            )
+    if len(drawn) > _MOST_FIGURES:
+        others = listed([output.name for output in drawn[_MOST_FIGURES:]])
+        yield Text(f"Not drawn: {others}. `outputs` in the file of the study selects readings.")
+
+
+def _provenance(results: StudyResults, provenance: Provenance) -> Iterator[Block]:
+    versions = ", ".join(f"{name} {version}" for name, version in provenance.versions.items())
+    hosts = len({outcome.host for outcome in results.outcomes} - {""})
+    seconds = sum(outcome.seconds for outcome in results.outcomes)
+    revision = f", source revision {provenance.git_revision}" if provenance.git_revision else ""
+    yield Text(
+        f"Computed by {versions}{revision}, on {hosts} machine{'' if hosts == 1 else 's'}. The runs took"
+        f" {seconds:.0f} s in all."
+    )
+
+
+def _names(results: StudyResults) -> str:
+    names = dict.fromkeys(name for outcome in results.outcomes for name in outcome.readings)
+    return ", ".join(names) or "none"
+
+
+def _cell(value: object) -> str:
+    if value is None:
+        return ""
+    return f"{value:.6g}" if isinstance(value, float) else " ".join(str(value).split())
+
+
+def _progress(console: Console) -> Progress:
+    return Progress(
+        TextColumn("{task.description}"),
+        BarColumn(bar_width=None),
+        MofNCompleteColumn(),
+        TextColumn("runs, left"),
+        TimeRemainingColumn(),
+        console=console,
+        transient=True,
+        disable=not console.is_terminal,
+    )

@@ -1,0 +1,277 @@
+"""The file of a study: a base case, factors, the design, and the outputs that are read."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from math import isfinite
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from pydantic import Field, ValidationError
+
+from isopeel.case import Case, load_case, shipped_cases
+from isopeel.case.text import document_of
+from isopeel.case.values import Section
+from isopeel.common.errors import InputError
+from isopeel.common.units import measured_as, unit_of
+from isopeel.study.design import Method, Point, groups_of, points_of
+from isopeel.study.factors import Factor, Listed, Range
+
+#: Most runs of a study: each takes a second or more.
+MOST_RUNS = 100_000
+_LARGEST_FILE = 50_000  # bytes
+_NAME = r"^[A-Za-z0-9][A-Za-z0-9._-]{0,99}$"
+_RANGE = "a factor has `values`, a list, or a range: `from`, `to` and `count`"
+
+
+class _FactorTable(Section):
+    key: Annotated[str, Field(min_length=1, description="a key of the case is needed, such as body.height")]
+    values: Annotated[
+        list[Any] | None, Field(min_length=1, description="a list of one value or more is needed")
+    ] = None
+    start: Annotated[Any, Field(alias="from", description="the first value of the range is needed")] = None
+    to: Annotated[Any, Field(description="the last value of the range is needed")] = None
+    count: Annotated[
+        int | None, Field(ge=2, le=MOST_RUNS, strict=True, description="a whole number from 2 on is needed")
+    ] = None
+    scale: Annotated[
+        Literal["linear", "logarithmic"], Field(description="'linear' or 'logarithmic' is needed")
+    ] = "linear"
+    zip: Annotated[str, Field(description="a name is needed; factors of one name change together")] = ""
+
+
+class _DesignTable(Section):
+    method: Annotated[
+        Method, Field(description="'grid', 'latin-hypercube', 'sobol' or 'saltelli' is needed")
+    ] = "grid"
+    count: Annotated[
+        int | None, Field(ge=1, le=MOST_RUNS, strict=True, description="a whole number from 1 on is needed")
+    ] = None
+    seed: Annotated[int, Field(ge=0, strict=True, description="a whole number from 0 on is needed")] = 0
+
+
+class _StudyTable(Section):
+    name: Annotated[
+        str, Field(pattern=_NAME, description="a name of letters, digits, '.', '_' and '-' is needed")
+    ]
+    case: Annotated[str, Field(description="a shipped case, or the path of a TOML file, is needed")]
+    set: Annotated[
+        dict[str, Any],
+        Field(default_factory=dict, description="a table of keys of the case and their values is needed"),
+    ]
+    factor: Annotated[
+        list[_FactorTable], Field(min_length=1, description="one table [[factor]] or more is needed")
+    ]
+    design: Annotated[_DesignTable, Field(description="a table [design] is needed")] = _DesignTable()
+    outputs: Annotated[
+        tuple[str, ...], Field(description='a list of readings is needed, such as ["largest moment"]')
+    ] = ()
+
+
+@dataclass(frozen=True)
+class Study:
+    """A base case, and the values of its keys for each run.
+
+    Make one with `load_study`, or with `study` from Python objects. `outputs` are the names of the readings
+    in the table; all of them if it is empty.
+    """
+
+    name: str
+    case: Case
+    factors: tuple[Factor, ...]
+    method: Method = "grid"
+    count: int = 0
+    seed: int = 0
+    outputs: tuple[str, ...] = ()
+
+    @property
+    def points(self) -> list[Point]:
+        """The values of each run, in their order."""
+        return points_of(self.factors, self.method, self.count, self.seed)
+
+
+def load_study(path: Path) -> Study:
+    """Read the file of a study, whose case is a shipped one or is seen from its folder.
+
+    Raises InputError, whose field is the key, or STUDY for the file itself.
+    """
+    return study_of(document_of(_text(path), str(path), "STUDY", "study"), path.parent)
+
+
+def study_of(document: Mapping[str, Any], folder: Path = Path()) -> Study:
+    """Check the tables of a study, whose case is a shipped one or is seen from a folder.
+
+    Raises InputError, whose field is the key.
+    """
+    try:
+        tables = _StudyTable.model_validate(document)
+    except ValidationError as error:
+        raise _first_error(error) from error
+    name = tables.case
+    try:
+        base = load_case(name if name in shipped_cases() else folder / name)
+    except InputError as error:
+        field = "case" if error.field == "CASE" else f"case {name}, {error.field}"
+        raise InputError(field, error.value, error.allowed) from error
+    try:
+        base = base.with_values(tables.set)
+    except InputError as error:
+        raise InputError(f"set.{error.field}", error.value, error.allowed) from error
+    factors = tuple(_factor(table, f"factor.{number}") for number, table in enumerate(tables.factor, start=1))
+    _check_zips(factors)
+    _check_keys(base, factors)
+    design = tables.design
+    return Study(
+        tables.name,
+        base,
+        factors,
+        design.method,
+        _count(design, factors),
+        design.seed,
+        tuple(dict.fromkeys(tables.outputs)),
+    )
+
+
+def _text(path: Path) -> str:
+    try:
+        if not path.is_file():
+            kind = "is no file" if path.exists() else "does not exist"
+            raise InputError("STUDY", str(path), f"it {kind}; the TOML file of a study is needed")
+        with path.open("rb") as file:
+            content = file.read(_LARGEST_FILE + 1)
+        if len(content) > _LARGEST_FILE:
+            raise InputError("STUDY", str(path), f"a study has at most {_LARGEST_FILE} bytes")
+        return content.decode().replace("\r\n", "\n")
+    except OSError as error:
+        raise InputError("STUDY", str(path), f"it cannot be read: {error.strerror}") from error
+    except UnicodeDecodeError as error:
+        raise InputError("STUDY", str(path), "a TOML file is UTF-8 text") from error
+
+
+def _first_error(error: ValidationError) -> InputError:
+    """Translate the first error; unknown keys go first, since they explain the missing ones."""
+    details = min(error.errors(), key=lambda details: details["type"] != "extra_forbidden")
+    place = [part + 1 if isinstance(part, int) else part for part in details["loc"]]
+    field = ".".join(map(str, place))
+    table: Any = _StudyTable
+    if place[0] == "factor" and len(place) > 2:
+        table = _FactorTable
+    elif place[0] == "design" and len(place) > 1:
+        table = _DesignTable
+    keys = {info.alias or name: info for name, info in table.model_fields.items()}
+    if details["type"] == "extra_forbidden":
+        return InputError(
+            field, details["input"], f"there is no such key; here the keys are {', '.join(keys)}"
+        )
+    known = next((keys[str(part)] for part in reversed(place) if str(part) in keys), None)
+    needed = (known.description if known else None) or "a table is needed"
+    if details["type"] == "missing":
+        return InputError(field, None, f"the key is missing; {needed}")
+    return InputError(field, details["input"], needed)
+
+
+def _factor(table: _FactorTable, field: str) -> Factor:
+    """Return the factor of a table. Raises InputError."""
+    given = [
+        name
+        for name, value in (("from", table.start), ("to", table.to), ("count", table.count))
+        if value is not None
+    ]
+    if table.values is not None:
+        if given:
+            raise InputError(f"{field}.{given[0]}", None, f"{_RANGE}; not both")
+        return Factor(table.key, Listed(tuple(table.values)), table.zip)
+    if len(given) < 3 or table.count is None:
+        raise InputError(field, table.key, _RANGE)
+    unit = _unit(table.start, f"{field}.from")
+    lower, upper = (
+        _number(value, unit, f"{field}.{name}") for name, value in (("from", table.start), ("to", table.to))
+    )
+    logarithmic = table.scale == "logarithmic"
+    if logarithmic and not (lower > 0 and upper > 0):
+        raise InputError(f"{field}.scale", table.scale, "both ends of a logarithmic range must be positive")
+    if lower == upper:
+        raise InputError(f"{field}.to", table.to, "it must differ from `from`")
+    return Factor(table.key, Range(lower, upper, unit, table.count, logarithmic), table.zip)
+
+
+def _unit(value: object, field: str) -> str:
+    if isinstance(value, int | float) and not isinstance(value, bool):
+        return ""
+    try:
+        return unit_of(str(value))
+    except ValueError as error:
+        raise InputError(
+            field, value, f"{error}; a range begins at a number, or at a number and a unit"
+        ) from error
+
+
+def _number(value: object, unit: str, field: str) -> float:
+    """Return an end of a range in the unit of its first end."""
+    plain = isinstance(value, int | float) and not isinstance(value, bool)
+    if plain and not unit:
+        number = float(str(value))
+        if not isfinite(number):
+            raise InputError(field, value, "it must be finite")
+        return number
+    needed = (
+        f"a number and a unit such as {unit!r} is needed"
+        if unit
+        else "a plain number is needed, as in `from`"
+    )
+    if plain or not unit:
+        raise InputError(field, value, needed)
+    try:
+        return measured_as(str(value), unit)
+    except ValueError as error:
+        raise InputError(field, value, f"{error}; {needed}") from error
+
+
+def _check_keys(base: Case, factors: tuple[Factor, ...]) -> None:
+    """Check the keys of factors, and their listed values or the ends of their ranges. Raises InputError.
+
+    Factors that change together are checked together; other combinations may fail as runs.
+    """
+    numbers: dict[str, int] = {}
+    for number, factor in enumerate(factors, start=1):
+        if factor.key in numbers:
+            raise InputError(f"factor.{number}.key", factor.key, "another factor has this key")
+        numbers[factor.key] = number
+    for group in groups_of(factors):
+        for values in zip(*(factor.ends for factor in group), strict=False):
+            point = {factor.key: value for factor, value in zip(group, values, strict=True)}
+            try:
+                base.with_values(point)
+            except InputError as error:
+                field = f"factor.{numbers[group[0].key]}, {error.field}"
+                raise InputError(field, error.value, error.allowed) from error
+
+
+def _check_zips(factors: tuple[Factor, ...]) -> None:
+    for group in groups_of(factors):
+        lengths = {factor.key: len(factor.values.values) for factor in group}
+        if len(set(lengths.values())) > 1:
+            listed = ", ".join(f"{key} has {length}" for key, length in lengths.items())
+            raise InputError(
+                "zip", group[0].zip, f"factors that change together have as many values: {listed}"
+            )
+
+
+def _count(design: _DesignTable, factors: tuple[Factor, ...]) -> int:
+    """Return the number of points of a sample. Raises InputError, also where a study has too many runs."""
+    groups = groups_of(factors)
+    if design.method == "grid":
+        if design.count is not None:
+            raise InputError("design.count", design.count, "a grid has all combinations; leave the key out")
+        runs = 1
+        for group in groups:
+            runs *= len(group[0].values.values)
+    elif design.count is None:
+        raise InputError("design.count", None, "the key is missing; a sample needs a number of points")
+    else:
+        if design.method != "latin-hypercube" and design.count & (design.count - 1):
+            allowed = "Sobol's sequence is balanced for powers of two only, such as 64 or 128"
+            raise InputError("design.count", design.count, allowed)
+        runs = design.count * (len(groups) + 2 if design.method == "saltelli" else 1)
+    if runs > MOST_RUNS:
+        raise InputError("factor", f"{runs} runs", f"a study has at most {MOST_RUNS} runs")
+    return design.count or 0
