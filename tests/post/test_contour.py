@@ -29,6 +29,7 @@ from isopeel.post.contour import JIntegral, j_integral
 from isopeel.post.findings import find
 from isopeel.post.sections import section_means
 from isopeel.problem.place import placed
+from isopeel.problem.tie import Tie
 from isopeel.results.fields import StoredState
 from isopeel.splines.nurbs import annulus_sector, rectangle
 
@@ -151,6 +152,11 @@ def test_it_is_not_given_where_it_has_no_meaning() -> None:
     bent = replace(problem, bodies=(upper, Body(annulus_sector(20.0, 23.0, 1.0), SOFT, "lower")))
     words = "the sides that face each other, and the opposite ones, are not straight and parallel"
     assert j_integral(bent, spaces, rest, "upper.bottom") == words
+    third = Body(placed(rectangle(30.0, 1.0), (0.0, 3.0), 0.0), SOFT, "third")
+    tie = Tie(third.side("bottom"), upper.side("top"))
+    layers = replace(problem, bodies=(*problem.bodies, third), ties=(tie,))
+    words = "a side of one of the bodies is tied, and sections end there"
+    assert j_integral(layers, spaces, rest, "upper.bottom") == words
     held_below = Interface(lower.side("bottom"), LAW, Flat(-6.0))
     sandwich = replace(problem, interfaces=(joint, held_below))
     assert j_integral(sandwich, spaces, rest, "upper.bottom") == "another interface acts on the same body"

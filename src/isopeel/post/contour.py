@@ -164,6 +164,9 @@ def _unfit(problem: Problem, joint: Interface, lines: Sequence[StraightSide]) ->
     turned = [abs(directions[0][0] * one[1] - directions[0][1] * one[0]) for one in directions]
     if len(lines) < len(sides) or max(turned) > _ROUND_OFF:
         return "the sides that face each other, and the opposite ones, are not straight and parallel"
+    tied = {_name(one) for tie in problem.ties for one in (tie.boundary, tie.to)}
+    if tied & {f"{one.body}.{side}" for one in sides for side in (one.side, OPPOSITE[one.side])}:
+        return "a side of one of the bodies is tied, and sections end there"
     for other in problem.interfaces:
         beside = _sides(other)
         if joint in other.faces:
