@@ -72,7 +72,7 @@ def test_a_front_that_moves_takes_the_work_of_adhesion(problem: Problem) -> None
         found = j_of(problem, spaces, step)
         assert found.parted
         # the arm is not parted completely where it is cut, or the joint not closed
-        assert 0 < found.neglected < 1e-3 * LAW.work_of_adhesion
+        assert 0 < found.neglected < 2e-3 * LAW.work_of_adhesion
         # what the mesh leaves, with six elements in the process zone
         assert found.value + found.neglected == pytest.approx(LAW.work_of_adhesion, rel=1.5e-3)
 

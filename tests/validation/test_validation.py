@@ -29,6 +29,7 @@ from isopeel.validation import (
     curvature,
     cylinder,
     mixed_mode,
+    mode_ratios,
     patch,
     report,
     tapes,
@@ -43,6 +44,7 @@ QUICK = ("cantilever", "hertz", "bending", "curvature", "patch", "arms", "separa
 CHEAPEST: dict[str, Any] = {
     "tapes": lambda: tapes.peel(tapes.Tape(30.0, 6.0, stretch=1.03), elements=(60, 2)),
     "cylinder": lambda: cylinder.pull_off(0.001, elements=(50, 12)),
+    "modes": lambda: mode_ratios.grow(mode_ratios.Growing(0.5)),
     "cylinders": lambda: two_cylinders.meet(two_cylinders.CHECK.cases[0]),
     "mixed-mode": lambda: mixed_mode.crack(87.4),
 }

@@ -21,7 +21,7 @@ from isopeel.problem import Boundary, Interface, Problem
 from isopeel.results.fields import StoredState
 
 #: Where sections are, as shares of the way from the front to the end of the free part or of the joint.
-_FROM, _TO = 0.5, 0.9
+_FROM, _TO = 0.5, 0.75
 #: Traction of a joint, over its largest one, below which its faces have parted.
 _PARTED = 1e-3
 #: Share of the work of adhesion that is left at the open end of a joint that has parted.

@@ -21,6 +21,7 @@ from isopeel.validation import (
     cylinder,
     hertz,
     mixed_mode,
+    mode_ratios,
     patch,
     separation,
     tapes,
@@ -42,6 +43,7 @@ CHECKS: dict[str, Check[Any, Any]] = {
     "arms": two_arms.CHECK,
     "separation": separation.CHECK,
     "mixed-mode": mixed_mode.CHECK,
+    "modes": mode_ratios.CHECK,
 }
 
 _ABSTRACT = """
