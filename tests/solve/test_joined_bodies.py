@@ -12,6 +12,7 @@ from isopeel import (
     Flat,
     Interface,
     MixedModeBilinear,
+    MovedSide,
     NeoHooke,
     NewtonSettings,
     Problem,
@@ -192,3 +193,41 @@ def test_faces_of_a_crack_that_barely_touch_find_their_contact() -> None:
     beams = BondedBeams(1 / 0.91, 1 / 2.6, HEIGHT, length / 2)
     assert step.parameter / step.reaction == pytest.approx(beams.compliance(crack), rel=0.04)
     assert step.dissipated_energy == 0.0
+
+
+@pytest.mark.parametrize("mixity", [0.0, 0.4, 1.0])
+def test_blocks_that_are_parted_in_loops_unload_and_reload_along_the_secant(mixity: float) -> None:
+    """A joint of stiff blocks opens and slides by half, goes back, beyond and back, and parts."""
+    law = MixedModeBilinear(1e-3, 1.5e-3, 1e-4, 3e-4, 0.2)
+    stiff, length = NeoHooke(100.0, 0.0), 4.0
+    upper = Body(rectangle(length, 1.0), stiff, "upper")
+    lower = Body(placed(rectangle(length, 1.0), (0.0, -1.0), 0.0), stiff, "lower")
+    K_n, K_t = law.stiffnesses
+    energy = law.work_at(mixity) / law.rise
+    jump = np.sqrt([2 * (1 - mixity) * energy / K_n, 2 * mixity * energy / K_t])
+    problem = Problem(
+        "blocks",
+        (upper, lower),
+        (Interface(upper.side("bottom"), law, lower.side("top")),),
+        (Support(lower.side("bottom"), (0, 1)),),
+        MovedSide(upper.side("top"), float(np.arctan2(*jump)), "held"),
+    )
+    legs = [np.linspace(0.0, 0.5, 51), np.linspace(0.5, 0.0, 21), np.linspace(0.0, 0.7, 71)]
+    legs += [np.linspace(0.7, 0.0, 21), np.linspace(0.0, 1.02, 103)]
+    share = np.concatenate([legs[0], *(leg[1:] for leg in legs[1:])])
+    space = row_space("N2", (2, 1), 2)
+    path = share * float(np.hypot(*jump))
+    steps = list(trace(problem, {"upper": space, "lower": space}, path))
+    traction = np.array([step.reaction for step in steps]) / length
+    lost = np.array([step.dissipated_energy for step in steps]) / length
+    assert len(steps) == share.size
+    # the bilinear law of the largest share so far; blocks yield by 2e-3 of a jump at the onset of damage
+    largest = np.maximum.accumulate(share)
+    stiffness = traction[1] / share[1]
+    kept = law.rise * (1 - largest.clip(law.rise, 1.0)) / (largest.clip(law.rise) * (1 - law.rise))
+    expected = stiffness * kept * share
+    np.testing.assert_allclose(traction, expected, atol=5e-3 * expected.max())
+    # nothing is lost below the largest share, to the round-off of 250 sums; all of the work in the end
+    back = largest[1:] == largest[:-1]
+    np.testing.assert_allclose(np.diff(lost)[back], 0.0, atol=1e-9 * lost[-1])
+    assert lost[-1] == pytest.approx(law.work_at(mixity), rel=1e-3)
