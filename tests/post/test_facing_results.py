@@ -5,9 +5,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from two_arms_apart import LAW, LOWER, SPACE, SPACES, UPPER, one, run_of, steps_of, two
+from two_arms_apart import ANGLES, LAW, LOWER, SPACE, SPACES, UPPER, one, run_of, steps_of, two
 
-from isopeel import NeoHooke, Problem, RotatedSide, Step, Support, row_space
+from isopeel import NeoHooke, Problem, RotatedSide, Step, Support, XuNeedleman, row_space
 from isopeel.assembly.system import System
 from isopeel.common.units import UnitSystem
 from isopeel.post.energy import energies
@@ -210,3 +210,14 @@ def test_the_summary_and_the_table_name_both_sides(run: StoredRun, tmp_path: Pat
     heading = (tmp_path / "curve.csv").read_text("utf-8").splitlines()[0].split(",")
     cracks = [name for name in heading if name.startswith("crack")]
     assert cracks == [f"crack_length {name} [nm]" for name in FACES]
+
+
+def test_a_run_with_a_joint_law_whose_energy_may_fall_has_a_note() -> None:
+    problem = two()
+    for q, count in ((1.0, 0), (0.7, 1)):
+        joint = replace(problem.interfaces[0], law=XuNeedleman(0.03, 0.03, 0.02, q))
+        joined = replace(problem, interfaces=(joint,))
+        run = run_of(joined, SPACES, steps_of(joined, SPACES, ANGLES[:3]))
+        texts = [note.text for note in find(joined, SPACES, run, None).notes if note.subject == "law"]
+        assert len(texts) == count
+        assert all(text.startswith("xu-needleman: with q = 0.7 the energy") for text in texts)

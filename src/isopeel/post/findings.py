@@ -7,6 +7,7 @@ import numpy as np
 
 from isopeel.assembly.spaces import SpaceOfBodies, spaces_by_name
 from isopeel.common.units import UnitSystem
+from isopeel.physics.joints import JointLaw
 from isopeel.post.closed_form import Expected
 from isopeel.post.crack import Fronts, fronts, jumps, release
 from isopeel.post.energy import balance
@@ -138,6 +139,7 @@ def _of_several(
             *overlap_notes(problem, space, run.states, laboratory),
             *(note for note in resolved if note is not None),
             *locking_notes(problem, space, laboratory),
+            *_law_notes(problem),
         ],
         laboratory=laboratory,
     )
@@ -216,6 +218,12 @@ def _at_fronts(problem: Problem, space: SpaceOfBodies, run: StoredRun) -> list[R
         if isinstance(interface.against, Boundary):
             readings += front_readings(problem, space, run.states[-1], name)
     return readings
+
+
+def _law_notes(problem: Problem) -> list[Note]:
+    """Return a note on each joint law that may give wrong results."""
+    laws = dict.fromkeys(one.law for one in problem.interfaces if isinstance(one.law, JointLaw))
+    return [Note("law", f"{law.name}: {law.doubt}") for law in laws if law.doubt]
 
 
 def _listed(reading: Reading | None) -> list[Reading]:

@@ -6,7 +6,15 @@ from typing import Literal, NamedTuple, TypeAlias
 
 #: The subject of a note. All except `reading` and `bifurcation` mean that numbers of the run may be wrong.
 Subject: TypeAlias = Literal[
-    "reading", "bifurcation", "resolution", "locking", "stability", "closed form", "penetration", "history"
+    "reading",
+    "bifurcation",
+    "resolution",
+    "locking",
+    "stability",
+    "closed form",
+    "penetration",
+    "history",
+    "law",
 ]
 
 

@@ -66,6 +66,11 @@ class JointLaw(Component):
         return softer
 
     @property
+    def doubt(self) -> str:
+        """Why results with these constants may be wrong; empty if nothing is known against them."""
+        return ""
+
+    @property
     def equilibrium_gap(self) -> float:
         """Opening of the joined faces: zero."""
         return 0.0

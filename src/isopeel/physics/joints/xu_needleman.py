@@ -33,6 +33,16 @@ class XuNeedleman(JointLaw):
         if self.r == 1.0:
             raise self.error("r", "it must not be 1")
 
+    @property
+    def doubt(self) -> str:
+        """For q other than 1."""
+        if self.q == 1.0:
+            return ""
+        return (
+            f"with q = {self.q:g} the energy of the law does not grow along every path to separation, so that"
+            " faces that slide may push each other apart or pull each other together; it does with q = 1"
+        )
+
     def constants(self) -> tuple[float, ...]:
         """W, both lengths, q, and the factors of (1 - r + x) and of -x exp(-z^2)."""
         W, q, r = self.work_of_adhesion, self.q, self.r
