@@ -1,6 +1,6 @@
 """Two arms that adhere to each other: peeled by forces or moments, or a tape on a soft layer."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
 from math import pi, sqrt
@@ -11,11 +11,12 @@ from matplotlib.figure import Figure
 from isopeel.common.arrays import FloatArray
 from isopeel.physics.adhesion import AdhesionLaw, Exponential
 from isopeel.physics.adhesion.mirrored import Mirrored
+from isopeel.physics.joints import JointLaw, XuNeedleman
 from isopeel.physics.materials import Material, NeoHooke
 from isopeel.physics.materials.base import plane_strain_modulus
 from isopeel.physics.substrates import Flat
 from isopeel.post.closed_form import kendall_force
-from isopeel.post.style import BLUE, DASHES, DOTS, GREY, ONE_COLUMN, VERMILION, style
+from isopeel.post.style import BLUE, DASHES, DOTS, GREEN, GREY, ONE_COLUMN, VERMILION, style
 from isopeel.problem import Body, Drive, Interface, Problem, PulledSide, RotatedSide, Support
 from isopeel.problem.place import placed
 from isopeel.report.document import Picture
@@ -34,6 +35,8 @@ _MATERIAL = NeoHooke(1.0, 0.2)
 _HEIGHT = 3.0
 _PULLED = Exponential(0.02, 0.0153)
 _TURNED = Exponential(0.005, 1e-3)
+#: Its work is the same whatever the mode ratio.
+_BONDED = XuNeedleman(0.005, 0.005, 1e-3)
 _UNEQUAL = (3.0, 4.0)
 _SOFT, _SOFT_HEIGHT = NeoHooke(0.1, 0.4), 6.0
 _PERIODS, _STEPS_PER_PERIOD = 3, 8
@@ -116,19 +119,23 @@ def _on_a_soft_layer() -> Peeled:
     return _mean("tape on a soft layer, S", found, found.reaction, _steady(1.0), _LAST, ALLOWED_FORCE)
 
 
-def _unequal_arms() -> Peeled:
+def _unequal_arms(law: AdhesionLaw) -> Peeled:
     length, elements, steps = 100.0, 50, 30
-    upper, lower, joint, spaces = _joined(_UNEQUAL[1], length, _TURNED, elements)
+    upper, lower, joint, spaces = _joined(_UNEQUAL[1], length, law, elements)
     drive = RotatedSide(((upper.side("right"), 1.0), (lower.side("right"), -1.0)))
     held = Support(upper.side("left"), (0, 1)), Support(lower.side("left"), (0, 1))
     problem = Problem("unequal arms", (upper, lower), (joint,), held, drive)
     found = traced(problem, spaces, np.radians(np.linspace(0.0, 50.0, steps + 1)))
-    released = np.full(found.parameter.shape, np.nan)
+    released, paired = np.full(found.parameter.shape, np.nan), isinstance(law, JointLaw)
     if not found.failure:
         bending = plane_strain_modulus(_MATERIAL) * np.array(_UNEQUAL) ** 3 / 12
         moments = found.reactions
-        released = (moments**2 / (2 * bending)).sum(axis=1) - moments.sum(axis=1) ** 2 / (2 * bending.sum())
-    return _mean("unequal arms, G", found, released, _TURNED.work_of_adhesion, 8, ALLOWED_MOMENT)
+        # faces that do not slide bend as one beam
+        whole = plane_strain_modulus(_MATERIAL) * sum(_UNEQUAL) ** 3 / 12
+        joined = whole if paired else bending.sum()
+        released = (moments**2 / (2 * bending)).sum(axis=1) - moments.sum(axis=1) ** 2 / (2 * joined)
+    name = "unequal arms, fixed pairs, G" if paired else "unequal arms, G"
+    return _mean(name, found, released, law.work_of_adhesion, 8, ALLOWED_MOMENT)
 
 
 def _copy() -> Peeled:
@@ -173,17 +180,19 @@ def judge(outcomes: Sequence[Peeled]) -> Result:
     return Result(
         quantity="force S / E0 L0, energy release rate G / E0 L0, moment M / E0 L0^2",
         text=(
-            "Two bodies adhere to each other by an interface with the scheme `unbiased`; their faces slide"
-            " without friction: {arms-steady}. **T-peel**: two equal arms are pulled apart at right angles"
-            " to the joint. The force S on each of them satisfies 2 S + S^2/(E' h) = W. **Tape on a soft"
-            " layer**: at right angles S + S^2/(2 E' h) = W, whatever the layer, as its deformation moves"
+            "Two bodies adhere to each other by an interface with the scheme `unbiased`, and their faces"
+            " slide without friction, if nothing else is said: {arms-steady}. **T-peel**: two equal arms are"
+            " pulled apart at right angles to the joint. The force S on each of them satisfies"
+            " 2 S + S^2/(E' h) = W. **Tape on a soft layer**: at right angles S + S^2/(2 E' h) = W,"
+            " whatever the layer, as its deformation moves"
             " along with the front. **Unequal arms**: the ends of two arms of different heights turn by"
             " opposite angles, and the left ends are clamped. The energy release rate is that of the"
             " moments M_1 and M_2 at the ends, in one sense of rotation, G = M_1^2/(2 E' I_1) + M_2^2/(2 E'"
-            " I_2) - (M_1 + M_2)^2/(2 E' (I_1 + I_2)); it must be W. The last term is that of faces that"
-            " slide: the part that is joined bends as two beams. (If the joint resisted sliding, it would"
-            " have (h_1 + h_2)^3/12 in place of I_1 + I_2.) **Copy**: the moment on two equal arms is"
-            " compared with that of one arm and its mirror image. Both differ where the sides are inclined:"
+            " I_2) - (M_1 + M_2)^2/(2 E' I_0); it must be W. Faces that slide have I_0 = I_1 + I_2, as the"
+            " part that is joined bends as two beams. With fixed pairs of points, by the law of Xu and"
+            " Needleman with one work in all modes, it bends as one beam, I_0 = (h_1 + h_2)^3/12. **Copy**:"
+            " the moment on two equal arms is compared with that of one arm and its mirror image. Both"
+            " differ where the sides are inclined:"
             " there the closest point is nearer than the opposite one."
         ),
         settings=(
@@ -213,7 +222,8 @@ def _draw(outcomes: Sequence[Peeled]) -> Figure:
         axes = figure.subplots()
         axes.axhline(1.0, color=GREY, linewidth=0.6)
         drawn = [found for found in outcomes if found.averaged]
-        for found, color, line in zip(drawn, (BLUE, VERMILION, "black"), ("-", DASHES, DOTS), strict=False):
+        colors, lines = (BLUE, VERMILION, "black", GREEN), ("-", DASHES, DOTS, "-")
+        for found, color, line in zip(drawn, colors, lines, strict=False):
             way = found.parameter / found.parameter[-1]
             axes.plot(way, found.number / found.expected, color=color, linestyle=line, label=found.name)
         if drawn:
@@ -224,10 +234,11 @@ def _draw(outcomes: Sequence[Peeled]) -> Figure:
         return figure
 
 
-_RUNS = {
+_RUNS: dict[str, Callable[[], Peeled]] = {
     "T-peel": _t_peel,
     "soft layer": _on_a_soft_layer,
-    "unequal arms": _unequal_arms,
+    "unequal arms": partial(_unequal_arms, _TURNED),
+    "unequal arms, fixed pairs": partial(_unequal_arms, _BONDED),
     "copy": _copy,
 }
 CHECK = Check("Two arms", tuple(_RUNS), peel, judge)
