@@ -16,6 +16,9 @@ from isopeel.study.execution import CHECK_SECONDS, Executor, InProcesses, lost
 from isopeel.study.outcome import Outcome, Task
 
 _CONNECT_SECONDS = 10.0
+#: A worker that is silent for so long is lost. Dask waits five minutes; a compiler keeps a worker silent for
+#: some seconds.
+_SILENCE = "60 s"
 
 
 def is_installed() -> bool:
@@ -93,12 +96,17 @@ class OnDask:
 
     @contextmanager
     def _client(self) -> Iterator[Any]:
+        import dask
         import distributed
 
         if self.address is None:
             with (
+                dask.config.set({"distributed.scheduler.worker-ttl": _SILENCE}),
                 distributed.LocalCluster(
-                    n_workers=self.workers, threads_per_worker=1, processes=True, silence_logs=logging.ERROR
+                    n_workers=self.workers,
+                    threads_per_worker=1,
+                    processes=True,
+                    silence_logs=logging.CRITICAL,
                 ) as cluster,
                 distributed.Client(cluster, set_as_default=False) as client,
             ):
