@@ -244,7 +244,7 @@ def constrain(
         of_part = np.where(groups[place] == HELD, HELD, groups[place] - 2 * place.start)
         own = [functions - place.start for functions in coupled]
         numberings = [number_by_place(of_part, positions, axis) for axis in (0, 1)]
-        if together:
+        if together and own:
             numberings.append(number_by_neighbours(of_part, own))
         numbers = min(numberings, key=lambda numbering: half_bandwidth(numbering, own))
         unknowns[place] = np.where(numbers == HELD, HELD, numbers + count)
