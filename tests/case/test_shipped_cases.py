@@ -35,6 +35,7 @@ CASES = {
     "tape-on-soft-substrate",
     "mixed-mode-bending",
     "transfer-printing",
+    "laminate",
 }
 
 
@@ -109,6 +110,7 @@ FORCES: dict[str, tuple[Callable[[Case], float], float]] = {
     "tape-on-soft-substrate": (of_bodies, 0.03),
     # at first the process zone, of 0.7 heights, lies in front of the crack
     "mixed-mode-bending": (of_lever, 0.04),
+    "laminate": (of_bodies, 0.001),  # steady, and largest by the wave of the mesh
 }
 
 

@@ -7,9 +7,9 @@ import numpy as np
 
 from isopeel.assembly.spaces import SpaceOfBodies
 from isopeel.common.arrays import FloatArray
-from isopeel.post.driven import driven_on
+from isopeel.post.driven import driven_boundaries, driven_on, tied_with
 from isopeel.post.front import ProcessZone, process_zones
-from isopeel.problem import Problem, raises_load
+from isopeel.problem import Boundary, Problem, raises_load
 from isopeel.results.curve import Curve
 from isopeel.results.fields import StoredState
 from isopeel.solve.step import KINDS
@@ -17,6 +17,8 @@ from isopeel.solve.step import KINDS
 #: Least distance of the front from its start, and from the end of the joint, in steady peeling: in lengths of
 #: the process zone.
 _AWAY = 2.0
+#: Share of the length of a side within which a body tied to it ends where the side ends.
+_AT_THE_END = 1e-9
 
 
 class Front(NamedTuple):
@@ -60,10 +62,21 @@ def load_position(problem: Problem, interface: str = "") -> float | None:
     """Return the place along an adhering side from which cracks are measured; None where there is none."""
     boundary = problem.interface_of(interface).boundary
     loaded = driven_on(problem, boundary.body)
+    if not loaded:
+        tied = tied_with(problem, boundary.body)
+        loaded = tuple(one for one in driven_boundaries(problem) if one.body in tied)
     if len(loaded) != 1:
         return None
     (one,) = loaded
     length = problem.body_of(boundary.body).shape.boundary(boundary.side).length()
+    if one.body != boundary.body:
+        share = _share_along(problem, boundary, one)
+        # of a layer that is driven at one of its ends
+        return (
+            length * round(share)
+            if abs(share - round(share)) < _AT_THE_END and round(share) in (0, 1)
+            else None
+        )
     ends = (
         {"left": 0.0, "right": length}
         if boundary.side in ("bottom", "top")
@@ -75,6 +88,14 @@ def load_position(problem: Problem, interface: str = "") -> float | None:
         return None
     # a part of the opposite side, whose parameter has the direction of that of the adhering side
     return length * (one.start + one.end) / 2
+
+
+def _share_along(problem: Problem, boundary: Boundary, other: Boundary) -> float:
+    """Return where the middle of another boundary lies along the chord of a side, from 0 to 1."""
+    start, end = problem.body_of(boundary.body).shape.boundary(boundary.side).evaluate([0.0, 1.0])
+    curve = problem.body_of(other.body).shape.boundary(other.side)
+    middle = curve.evaluate([(other.start + other.end) / 2])[0]
+    return float((middle - start) @ (end - start) / ((end - start) @ (end - start)))
 
 
 def joint_ends(problem: Problem, interface: str = "") -> tuple[float, float]:

@@ -70,8 +70,8 @@ class Findings:
 
 #: The note on a run of several bodies or interfaces.
 _NO_CLOSED_FORM = (
-    "closed forms exist for one body with one interface, and for a tape that is peeled off another body or"
-    " off an equal tape at 90 degrees"
+    "closed forms exist for one body with one interface, for a tape that is peeled off another body or"
+    " off an equal tape at 90 degrees, and for a tape of layers"
 )
 
 

@@ -5,7 +5,7 @@ from dataclasses import replace
 from typing import NamedTuple
 
 from isopeel.assembly.spaces import SpaceOfBodies
-from isopeel.post.closed_form import Expected, t_peel, tape_on_body
+from isopeel.post.closed_form import Expected, laminate, t_peel, tape_on_body
 from isopeel.post.closed_form.expected import Theory, invalid, theory
 from isopeel.post.crack import Fronts, crack_length_at, joint_ends
 from isopeel.post.laboratory import Laboratory, kind_of
@@ -52,8 +52,11 @@ class SteadyPart(NamedTuple):
 
 def theory_of_bodies(problem: Problem, space: SpaceOfBodies) -> Theory:
     """Return the closed form of several bodies that begin at rest, or why there is none."""
-    found = t_peel(problem, space)
-    return found if found != Theory() else tape_on_body(problem, space)
+    for find in (laminate, t_peel, tape_on_body):
+        found = find(problem, space)
+        if found != Theory():
+            return found
+    return Theory()
 
 
 def steady_part_of_bodies(
@@ -66,7 +69,7 @@ def steady_part_of_bodies(
 ) -> SteadyPart:
     """Return the steady part of a run of several bodies or interfaces, whose fronts have their names.
 
-    Two bodies that begin at rest may have a closed form; others have none.
+    Two bodies or tied layers that begin at rest may have a closed form; others have none.
     """
     curve = run.curve
     expected = theory_of_bodies(problem, space) if run.base is None else Theory()

@@ -5,7 +5,12 @@ That of a rigid cylinder is in `closed_form.rigid_cylinder`, which loads SciPy's
 runs can save.
 """
 
-from isopeel.post.closed_form.beams import beam_moment, double_cantilever_force, double_cantilever_moment
+from isopeel.post.closed_form.beams import (
+    beam_moment,
+    composite_stiffness,
+    double_cantilever_force,
+    double_cantilever_moment,
+)
 from isopeel.post.closed_form.bonded_beams import BondedBeams
 from isopeel.post.closed_form.cohesive_cylinder import (
     CohesiveCylinder,
@@ -13,6 +18,7 @@ from isopeel.post.closed_form.cohesive_cylinder import (
     maugis_cylinder_pull_off,
 )
 from isopeel.post.closed_form.expected import Expected, expected
+from isopeel.post.closed_form.laminate import laminate
 from isopeel.post.closed_form.line_contact import HertzLine, hertz_line, jkr_line_load, jkr_line_pull_off
 from isopeel.post.closed_form.strip import BeamPeeling, beam_peeling
 from isopeel.post.closed_form.t_peel import t_peel
@@ -27,6 +33,7 @@ __all__ = [
     "HertzLine",
     "beam_moment",
     "beam_peeling",
+    "composite_stiffness",
     "double_cantilever_force",
     "double_cantilever_moment",
     "expected",
@@ -34,6 +41,7 @@ __all__ = [
     "jkr_line_load",
     "jkr_line_pull_off",
     "kendall_force",
+    "laminate",
     "maugis_cylinder",
     "maugis_cylinder_pull_off",
     "sliding_tape_force",

@@ -4,7 +4,25 @@
 peels releases what the load does less what it stores in the beam.
 """
 
+from collections.abc import Sequence
 from math import sqrt
+
+import numpy as np
+
+
+def composite_stiffness(layers: Sequence[tuple[float, float]]) -> tuple[float, float]:
+    """Return EA and EI of a beam of layers, each of a modulus E and a height h, per width and upwards.
+
+    EA = sum E h, and EI = sum E (h^3/12 + h d^2) with the distances d of the layers' centres from the neutral
+    axis, at the mean height of the centres weighted by E h (Gere and Timoshenko, Mechanics of Materials,
+    composite beams). In plane strain the moduli are E/(1 - nu^2).
+    """
+    moduli, heights = np.array(layers, dtype=np.float64).T
+    centres = np.cumsum(heights) - heights / 2
+    stretching = moduli * heights
+    neutral = (stretching * centres).sum() / stretching.sum()
+    bending = moduli * heights**3 / 12 + stretching * (centres - neutral) ** 2
+    return float(stretching.sum()), float(bending.sum())
 
 
 def beam_moment(work: float, bending_stiffness: float) -> float:

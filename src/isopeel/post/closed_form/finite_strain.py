@@ -36,32 +36,43 @@ def energy_at_rest(material: Material) -> float:
 
 @dataclass(frozen=True)
 class Membrane:
-    """A tape of a material without bending stiffness, free of stress across its height."""
+    """A tape of layers without bending stiffness, each free of stress across its height."""
 
-    material: Material
-    height: float
+    layers: tuple[tuple[Material, float], ...]  # material and height of each
 
     def state(self, stretch: float) -> tuple[float, float]:
         """Return the energy above that of the reference shape, and S = h dpsi/dlambda, per reference length.
 
-        Raises ArithmeticError where no transverse stretch leaves the tape free of stress across.
+        Both are sums over the layers, which have one stretch. Raises ArithmeticError where no transverse
+        stretch leaves a layer free of stress across.
         """
-        across = _root_around(lambda s: float(self._evaluated(stretch, s)[1][1, 1]), 1.0)
-        energy, stress = self._evaluated(stretch, across)
-        return self.height * (energy - self._at_rest), self.height * float(stress[0, 0])
+        total, force = 0.0, 0.0
+        for (material, height), at_rest in zip(self.layers, self._at_rest, strict=True):
+            energy, stress = _without_stress_across(material, stretch)
+            total += height * (energy - at_rest)
+            force += height * float(stress[0, 0])
+        return total, force
 
     def stretch(self, force: float) -> float:
         """Return the stretch under a force. Raises ArithmeticError where there is none."""
         return _root_around(lambda stretch: self.state(stretch)[1] - force, 1.0)
 
     @cached_property
-    def _at_rest(self) -> float:
-        return energy_at_rest(self.material)
+    def _at_rest(self) -> tuple[float, ...]:
+        return tuple(energy_at_rest(material) for material, _ in self.layers)
 
-    def _evaluated(self, stretch: float, across: float) -> tuple[float, FloatArray]:
-        F = np.diag([stretch, across])[None]
-        energy, stress, _ = evaluate_material(self.material.kernel, self.material.parameters, F)
-        return float(energy[0]), stress[0]
+
+def _without_stress_across(material: Material, stretch: float) -> tuple[float, FloatArray]:
+    """Return energy density and stress (2, 2) at a stretch along, without stress across."""
+    across = _root_around(lambda s: float(_stretched(material, stretch, s)[1][1, 1]), 1.0)
+    return _stretched(material, stretch, across)
+
+
+def _stretched(material: Material, stretch: float, across: float) -> tuple[float, FloatArray]:
+    """Return the energy density and the stress (2, 2) of a material stretched along and across."""
+    F = np.diag([stretch, across])[None]
+    energy, stress, _ = evaluate_material(material.kernel, material.parameters, F)
+    return float(energy[0]), stress[0]
 
 
 @dataclass(frozen=True)
@@ -79,7 +90,16 @@ class PeeledTape:
 def peeled_tape(
     material: Material, height: float, work: float, angle: float, *, held: bool = True
 ) -> PeeledTape | None:
+    """Return the force S that peels a tape of one material at an angle, see `peeled_layers`."""
+    return peeled_layers(((material, height),), work, angle, held=held)
+
+
+def peeled_layers(
+    layers: tuple[tuple[Material, float], ...], work: float, angle: float, *, held: bool = True
+) -> PeeledTape | None:
     """Return the force S that peels a tape at an angle (radians), at any stretch; None where none does.
+
+    The tape has layers, each of a material and a height; h psi below is the sum over them.
 
     The membrane form for soft tapes (He et al. 2018), with the energy of the material itself, per reference
     length. If the joint holds along the substrate, the adhering part has its undeformed shape:
@@ -95,7 +115,7 @@ def peeled_tape(
     """
     from scipy.optimize import brentq
 
-    tape, cosine = Membrane(material, height), cos(angle)
+    tape, cosine = Membrane(layers), cos(angle)
 
     def released(stretch: float) -> float:
         energy, force = tape.state(stretch)
