@@ -228,6 +228,7 @@ def table(paths: list[Found]) -> Table:
 def main(
     elements: Annotated[float, typer.Option(min=2, help="Elements of the strip on a contact width.")] = 20.0,
     widths: Annotated[float, typer.Option(min=0.5, help="Length of the path in contact widths.")] = 10.0,
+    space: Annotated[list[str] | None, typer.Option(help="Only these functions of the strip.")] = None,
     step: Annotated[float, typer.Option(min=0.05, max=1, help="A step as a share of an element.")] = 0.37,
 ) -> None:
     """Compare strips of smooth and of Lagrange elements, the latter also smoothed."""
@@ -236,9 +237,10 @@ def main(
     kinds = (("N2", False), ("L2", False), ("L2", True), ("L1", False), ("L1", True))
     paths = []
     for rolls in (False, True):
-        for space, smoothed in kinds:
-            setting = Setting(rolls, space, smoothed, elements=elements, widths=widths)
-            paths.append(run(setting, step))
+        for name, smoothed in kinds:
+            if not space or name in space:
+                setting = Setting(rolls, name, smoothed, elements=elements, widths=widths)
+                paths.append(run(setting, step))
     console.print(table(paths))
     console.print(description(), soft_wrap=True)
 
