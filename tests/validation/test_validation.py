@@ -39,7 +39,7 @@ from isopeel.validation.check import Result, Row
 from isopeel.validation.report import CHECKS, make_document
 
 #: The checks whose rows take seconds; the rows of the others take minutes.
-QUICK = ("cantilever", "hertz", "bending", "curvature", "patch", "arms", "separation")
+QUICK = ("cantilever", "hertz", "bending", "curvature", "patch", "layers", "arms", "separation")
 #: One case of each other check, and what computes it; coarser than in the table where that will do.
 CHEAPEST: dict[str, Any] = {
     "tapes": lambda: tapes.peel(tapes.Tape(30.0, 6.0, stretch=1.03), elements=(60, 2)),
