@@ -102,12 +102,7 @@ class OnDask:
         if self.address is None:
             with (
                 dask.config.set({"distributed.scheduler.worker-ttl": _SILENCE}),
-                distributed.LocalCluster(
-                    n_workers=self.workers,
-                    threads_per_worker=1,
-                    processes=True,
-                    silence_logs=logging.CRITICAL,
-                ) as cluster,
+                self._cluster() as cluster,
                 distributed.Client(cluster, set_as_default=False) as client,
             ):
                 yield client
@@ -119,3 +114,15 @@ class OnDask:
             raise InputError("--scheduler", self.address, allowed) from error
         with client:
             yield client
+
+    def _cluster(self) -> Any:
+        """Start a cluster on this machine. Raises InputError for --scheduler if that fails."""
+        import distributed
+
+        try:
+            return distributed.LocalCluster(
+                n_workers=self.workers, threads_per_worker=1, processes=True, silence_logs=logging.CRITICAL
+            )
+        except (RuntimeError, OSError) as error:
+            allowed = f"its processes did not start: {error}; --scheduler processes does without Dask"
+            raise InputError("--scheduler", self._name, allowed) from error
