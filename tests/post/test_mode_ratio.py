@@ -9,6 +9,7 @@ from two_arms_apart import steps_of, two
 
 from isopeel import (
     Body,
+    HeldLoad,
     Interface,
     NeoHooke,
     Problem,
@@ -100,6 +101,15 @@ def test_rates_of_arms_that_slide_under_axial_forces() -> None:
     assert rates.sliding == pytest.approx(step.reaction**2 * HEIGHT**2 / (48 * BENDING), rel=1e-3)
     assert rates.ratio == pytest.approx(1.0, abs=1e-5)
     assert rates.sliding == pytest.approx(flow.value, rel=1e-4)
+
+
+def test_a_load_on_the_joined_part_releases_nothing() -> None:
+    """It bends the joined part, but not the section at the front; the joint there carries it."""
+    problem = joined(lambda upper, lower: RotatedSide(((upper, 1.0), (lower, -0.3))))
+    ahead = HeldLoad(UPPER.side("top", 0.3, 0.4), 1e-3, -np.pi / 2)
+    rates, flow, _ = rates_of(replace(problem, loads=(ahead,)), 0.05)
+    # measured 2e-6: beams of small strain
+    assert rates.opening + rates.sliding == pytest.approx(flow.value, rel=1e-4)
 
 
 def test_they_are_readings() -> None:

@@ -119,19 +119,21 @@ def find_contour(
     along = _opens_towards(found, peak) * whole[0].direction
     measured = [line.measured(whole[0].start, along) for line in whole]
     front = measured[0].place(parameters[peak])
-    # where the joint ends ahead of the front
-    closed = [
+    # sections of both bodies are at the same places, as the joint ahead of the front may carry tractions;
+    # there they end with the joint
+    low = max(
         min(line.place(side.start), line.place(side.end)) for line, side in zip(measured, sides, strict=True)
-    ]
-    arms = []
+    )
+    low, high = max(low, *(line.ends[0] for line in measured)), min(line.ends[1] for line in measured)
     for line in measured:
-        low, high = max(line.ends[0], *closed), line.ends[1]
         for start, end in _loaded(problem, line, whole[0].start, along):
             if start <= front <= end:
                 return f"{line.side.body} is loaded beside the front"
             low, high = (max(low, end), high) if end < front else (low, min(high, start))
-        if not low < front < high:
-            return "the front is at the end of the joint or of a body"
+    if not low < front < high:
+        return "the front is at the end of the joint or of a body"
+    arms = []
+    for line in measured:
         ahead, behind = (
             line.part(front + _FROM * (end - front), front + _TO * (end - front)) for end in (low, high)
         )
