@@ -126,6 +126,22 @@ def test_a_rigid_motion_of_both_bodies_opens_nothing() -> None:
     assert jumps.max() < 1e-14 * np.abs(x).max()
 
 
+def test_jump_rates_are_those_of_the_distances_of_pairs_that_are_joined() -> None:
+    system = system_of(joined(BENT, EXPONENTIAL))
+    (term,) = system.interfaces
+    assert isinstance(term, PairTerm)
+    rates = system.jump_rates()
+    assert rates is not None
+    z = np.random.default_rng(2).standard_normal(system.constraints.count)
+    rest, u = (system.constraints.displacement(one, 0.0) for one in (0 * z, z))
+    change = term.directions(u)[1] - term.directions(rest)[1]
+    weighted = change * np.sqrt(np.where(term.paired, term.table.weights, 0.0)).reshape(-1, 1)
+    np.testing.assert_allclose(rates @ z, weighted.T.ravel(), atol=1e-13)
+    # faces of a crack are not joined
+    cracked = system_of(joined(BENT, replace(BILINEAR, initial_damage=1.0)))
+    assert cracked.jump_rates() is None
+
+
 def test_pairs_are_closest_points_of_the_undeformed_sides() -> None:
     over = replace(FLAT, shape=placed(rectangle(8.0, 1.0), (6.1, 0.1), 0.0))
     (term,) = system_of(joined(over, EXPONENTIAL)).interfaces

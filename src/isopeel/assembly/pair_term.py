@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -24,6 +25,9 @@ from isopeel.assembly.tables import SideTable, table_at
 from isopeel.common.arrays import BoolArray, FloatArray, IntArray, frozen
 from isopeel.physics.joints import JointLaw
 from isopeel.problem import Boundary, Interface
+
+if TYPE_CHECKING:
+    from scipy.sparse import csr_array
 
 #: Slopes below this share of the largest one are round-off.
 _ROUND_OFF = 1e-12
@@ -99,6 +103,27 @@ class PairTerm:
             return history
         later = self._at(displacement, history)[1].history
         return frozen(np.where(self.paired.ravel(), later, history.reshape(later.shape)).ravel())
+
+    def jump_rates(self, unknowns: IntArray, count: int) -> "csr_array":
+        """Return the matrix (2 E Q, count) from unknowns to the distances r of the pairs that are joined.
+
+        Each row has the root of the reference length of its point as a factor. `unknowns` (size, 2) are the
+        numbers of the unknowns of the functions, -1 where there is none.
+        """
+        from scipy.sparse import csr_array
+
+        # the faces of a crack repel each other, but do not resist sliding
+        holds = self.stiffness(np.zeros((self.size, 2)))[1].reshape(self.paired.shape) > 0
+        own = np.broadcast_to(
+            self.table.functions[:, None], (*self.paired.shape, self.table.functions.shape[1])
+        )
+        columns = np.moveaxis(unknowns[np.concatenate([own, self.other_functions], axis=2)], 3, 0)
+        factors = np.sqrt(np.where(holds, self.table.weights, 0.0))
+        values = np.broadcast_to(self.values * factors[..., None], columns.shape)
+        rows = np.broadcast_to(np.arange(2 * self.paired.size).reshape(*columns.shape[:3], 1), columns.shape)
+        free = columns >= 0
+        shape = 2 * self.paired.size, count
+        return csr_array((values[free], (rows[free], columns[free])), shape=shape)
 
     def opening(self, displacement: FloatArray | None) -> FloatArray:
         """Return the openings d_n (E Q,) at coefficients (size, 2) or zero."""

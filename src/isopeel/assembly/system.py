@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from copy import copy
 from dataclasses import dataclass, replace
 from math import prod
-from typing import Self
+from typing import TYPE_CHECKING, Self
 
 import numpy as np
 from psutil import virtual_memory
@@ -34,6 +34,9 @@ from isopeel.physics.joints import JointLaw
 from isopeel.problem import Boundary, Interface, Problem
 from isopeel.problem.boundary import boundary_names
 from isopeel.splines.rows import RowSpace
+
+if TYPE_CHECKING:
+    from scipy.sparse import csr_array
 
 
 @dataclass(frozen=True, eq=False)
@@ -263,6 +266,20 @@ class System:
     def storage(self) -> Storage:
         """Of the tangent."""
         return "symmetric" if self.has_potential else "general"
+
+    def jump_rates(self) -> "csr_array | None":
+        """Return the matrix (rows, unknowns of the displacement) of `PairTerm.jump_rates` for all joints.
+
+        None without a joint that holds bodies together.
+        """
+        joints = [term for term in self.interfaces if isinstance(term, PairTerm)]
+        if not joints:
+            return None
+        from scipy.sparse import vstack
+
+        of = self.constraints
+        found = vstack([term.jump_rates(of.unknowns, of.count) for term in joints], format="csr")
+        return found if found.nnz and np.any(found.data) else None
 
     def state(self, unknown_values: FloatArray, parameter: float) -> tuple[FloatArray, float]:
         """Coefficients u (size, 2) and size of the load, of unknowns y (count,) at a parameter."""

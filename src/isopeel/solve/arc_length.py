@@ -65,6 +65,11 @@ class Curve:
     linearization there, which is made anew where it converges slowly (Keller, Numerical Solution of
     Bifurcation and Nonlinear Eigenvalue Problems, 1977).
 
+    Where joints hold bodies together, the integral of the squared motion of their faces against each other
+    stands in place of |dy|^2 / n. While a joint parts, its faces move on even where the bodies move back. In
+    the other metric the curve of a crack that snaps back has corners of more than a right angle, where points
+    begin to be damaged.
+
     All methods raise SingularError where a tangent is singular.
     """
 
@@ -76,9 +81,10 @@ class Curve:
         self._threshold = settings.tolerance * system.energy_scale
         self._difference = _DIFFERENCE * abs(step)
         self._n = system.constraints.count
+        self._jumps = system.jump_rates()
         tangent = self._linearize(y, parameter)
         slope = -tangent.factor.solve(tangent.by_parameter)
-        self._scale = float(np.sqrt(slope[: self._n] @ slope[: self._n] / self._n))
+        self._scale = float(np.sqrt(self._product(slope, slope)))
         size = np.sqrt(2.0) * self._scale
         direction = np.sign(step)
         result = NewtonResult(parameter, y, tangent.displacement, tangent.load, tangent.at, ())
@@ -86,6 +92,11 @@ class Curve:
         self.start = Point(result, direction * slope / size, float(direction / size), tangent.negative, 0)
         #: Radius that the first step of the parameter would have.
         self.radius = float(size * abs(step))
+
+    @property
+    def has_corners(self) -> bool:
+        """Whether its tangent may jump: where a point of a joint begins to be damaged, opens or closes."""
+        return self._jumps is not None
 
     def share(self, point: Point) -> float:
         """Return the share of the parameter in the tangent: 1/sqrt(2) at the start, zero at a limit point."""
@@ -197,8 +208,15 @@ class Curve:
         """Return the equation of the plane normal to the tangent of a point: its row and its corner."""
         row = point.along / self._n
         row[self._n :] = 0.0
+        if self._jumps is not None:
+            row[: self._n] = self._jumps.T @ (self._jumps @ point.along[: self._n])
         return row, self._scale**2 * point.turning
 
     def _inner(self, y: FloatArray, p: float, other_y: FloatArray, other_p: float) -> float:
+        return self._product(y, other_y) + self._scale**2 * p * other_p
+
+    def _product(self, y: FloatArray, other: FloatArray) -> float:
         n = self._n
-        return float(y[:n] @ other_y[:n]) / n + self._scale**2 * p * other_p
+        if self._jumps is None:
+            return float(y[:n] @ other[:n]) / n
+        return float((self._jumps @ y[:n]) @ (self._jumps @ other[:n]))

@@ -17,6 +17,8 @@ _MET = 1e-10
 _SLOW = 0.5
 #: Number of points that such a search interpolates.
 _INTERPOLATED = 4
+#: Share of a step to which a limit point is located at a corner of the curve, where the tangent jumps.
+_CORNER = 1e-6
 #: Most trials of such a search: enough to halve a step down to round-off, even if each second trial is slow.
 _MOST_TRIALS = 120
 
@@ -78,6 +80,7 @@ def _between(
     tried = [(function(point), curve.distance(one, point), point) for point in (one, other)]
     falls, last, slow = tried[0][0] > 0, np.inf, False
     low, high = 0.0, tried[1][1]
+    corner = _CORNER * high if curve.has_corners else 0.0
     for _ in range(_MOST_TRIALS):
         tried = sorted(tried, key=lambda trial: abs(trial[0]))[:_INTERPOLATED]
         values, places, points = zip(*tried, strict=True)
@@ -96,4 +99,6 @@ def _between(
             low = max(low, at)
         else:
             high = min(high, at)
+        if high - low < corner:
+            break
     return found
