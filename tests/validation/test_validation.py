@@ -32,6 +32,7 @@ from isopeel.validation import (
     mode_ratios,
     patch,
     report,
+    snap_back,
     tapes,
     two_cylinders,
 )
@@ -47,6 +48,7 @@ CHEAPEST: dict[str, Any] = {
     "modes": lambda: mode_ratios.grow(mode_ratios.Growing(0.5)),
     "cylinders": lambda: two_cylinders.meet(two_cylinders.CHECK.cases[0]),
     "mixed-mode": lambda: mixed_mode.crack(87.4),
+    "snap-back": lambda: snap_back.follow(66.25),
 }
 
 

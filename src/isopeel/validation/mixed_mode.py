@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 from math import inf, pi, sqrt
+from typing import TypeAlias
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -32,16 +33,17 @@ ALLOWED_RELEASE = 0.02
 ALLOWED_FORCE = 0.01
 #: In the process zone the local mixity differs by up to 0.1 from that of the beams.
 ALLOWED_WORK = 0.01
-_HEIGHT, _HALF_SPAN, _CRACK = 5.0, 100.0, 82.0
+HEIGHT, HALF_SPAN, _CRACK = 5.0, 100.0, 82.0
 _MATERIAL = NeoHooke(1.0, 0.2)
-_MODULUS = plane_strain_modulus(_MATERIAL)
-_SHEAR_MODULUS = 1 / 2.4
+MODULUS = plane_strain_modulus(_MATERIAL)
+SHEAR_MODULUS = 1 / 2.4
 #: So small that the beams rotate by 2 degrees at most.
 _WORK = 5e-6
 #: E' W/strength^2 is one height: the process zone has about half a height. The ratio of strength^2 to work is
 #: the same in both modes, so that the zone is as long in both.
-_STRENGTH = sqrt(_MODULUS * _WORK / _HEIGHT)
+_STRENGTH = sqrt(MODULUS * _WORK / HEIGHT)
 LAW = MixedModeBilinear(_STRENGTH, sqrt(2) * _STRENGTH, _WORK, 2 * _WORK, 0.1, 2.0)
+Stretches: TypeAlias = Sequence[tuple[float, float]]
 #: Ends of stretches of equal elements along the beams, and the sizes of the elements there.
 _STRETCHES = ((74.0, 6.0), (80.0, 1.5), (87.0, 0.25), (91.0, 1.0), (97.0, 2.0), (103.0, 3.0), (200.0, 6.0))
 _ACROSS = (0.0, 0.14, 0.43, 1.0)  # from the joint on
@@ -66,7 +68,7 @@ class Cracked:
     @property
     def beams(self) -> BondedBeams:
         """The beams and their lever."""
-        return BondedBeams(_MODULUS, _SHEAR_MODULUS, _HEIGHT, _HALF_SPAN, self.lever)
+        return BondedBeams(MODULUS, SHEAR_MODULUS, HEIGHT, HALF_SPAN, self.lever)
 
     @property
     def released(self) -> FloatArray:
@@ -87,7 +89,7 @@ class Cracked:
 
 def crack(lever: float) -> Cracked:
     """Load two beams by a lever (0: end-notched flexure; inf: a double cantilever) until the crack grows."""
-    problem, spaces = _beams(lever)
+    problem, spaces = bonded_beams(lever, LAW, _CRACK, _STRETCHES)
     points = InterfacePoints.of_contact(problem, spaces, interface=problem.interface_names[0])
     seen: list[tuple[float, Step]] = []
 
@@ -96,13 +98,13 @@ def crack(lever: float) -> Cracked:
         damage = steps[-1].maximum_openings.ravel()[: points.lengths.size]
         parted = LAW.rise * damage / (1 - (1 - LAW.rise) * damage)  # share of the work that is dissipated
         seen.append((_CRACK + float(points.lengths.ravel() @ parted), steps[-1]))
-        return seen[-1][0] > _CRACK + _READ[1] * _HEIGHT
+        return seen[-1][0] > _CRACK + _READ[1] * HEIGHT
 
     path = _onset(lever) * np.array(_PATH)
     found = traced(problem, spaces, path, NewtonSettings(path_control="auto"), grown)
     if found.failure:
         return Cracked(lever, found.failure)
-    read = [one for one in seen if one[0] > _CRACK + _READ[0] * _HEIGHT]
+    read = [one for one in seen if one[0] > _CRACK + _READ[0] * HEIGHT]
     return Cracked(
         lever,
         "",
@@ -116,41 +118,47 @@ def crack(lever: float) -> Cracked:
 def _onset(lever: float) -> float:
     """Return the displacement at which the crack begins to grow by beam theory."""
     if lever == inf:
-        turned = BondedBeams(_MODULUS, _SHEAR_MODULUS, _HEIGHT, _HALF_SPAN).root_rotation
-        return 2 * sqrt(12 * LAW.work_of_adhesion / (_MODULUS * _HEIGHT**3)) * (_CRACK + turned) ** 2 / 3
-    beams = BondedBeams(_MODULUS, _SHEAR_MODULUS, _HEIGHT, _HALF_SPAN, lever)
+        turned = BondedBeams(MODULUS, SHEAR_MODULUS, HEIGHT, HALF_SPAN).root_rotation
+        return 2 * sqrt(12 * LAW.work_of_adhesion / (MODULUS * HEIGHT**3)) * (_CRACK + turned) ** 2 / 3
+    beams = BondedBeams(MODULUS, SHEAR_MODULUS, HEIGHT, HALF_SPAN, lever)
     opening, sliding = beams.release(1.0, _CRACK)
     work = LAW.work_at(sliding / (opening + sliding))
     return sqrt(work / (opening + sliding)) * beams.compliance(_CRACK)
 
 
-def _beams(lever: float) -> tuple[Problem, dict[str, RowSpace]]:
-    length = 2 * _HALF_SPAN
-    upper = Body(rectangle(length, _HEIGHT), _MATERIAL, "upper")
-    lower = Body(placed(rectangle(length, _HEIGHT), (0.0, -_HEIGHT), 0.0), _MATERIAL, "lower")
-    tip = _CRACK / length
-    joint = Interface(upper.side("bottom", start=tip), LAW, lower.side("top"))
-    faces = Interface(upper.side("bottom", end=tip), replace(LAW, initial_damage=1.0), lower.side("top"))
+def bonded_beams(
+    lever: float, law: MixedModeBilinear, crack: float, stretches: Stretches
+) -> tuple[Problem, dict[str, RowSpace]]:
+    """Return the problem of two beams of a joint law, with a crack of a length, and their spaces.
+
+    `stretches` are the ends of stretches of equal elements along the beams, and the sizes of the elements.
+    """
+    length = 2 * HALF_SPAN
+    upper = Body(rectangle(length, HEIGHT), _MATERIAL, "upper")
+    lower = Body(placed(rectangle(length, HEIGHT), (0.0, -HEIGHT), 0.0), _MATERIAL, "lower")
+    tip = crack / length
+    joint = Interface(upper.side("bottom", start=tip), law, lower.side("top"))
+    faces = Interface(upper.side("bottom", end=tip), replace(law, initial_damage=1.0), lower.side("top"))
     middle = upper.side("top", _MIDDLE[0] / length, _MIDDLE[1] / length)
     ends = upper.side("left"), lower.side("left")
     # the last element's lower side does not bend: it only holds the beams along
-    along = Support(lower.side("bottom", start=1 - _STRETCHES[-1][1] / length), (0,))
+    along = Support(lower.side("bottom", start=1 - stretches[-1][1] / length), (0,))
     held: tuple[Support, ...] = Support(ends[1], (1,)), Support(lower.side("right"), (1,)), along
     drive: Drive = PulledSide(middle, -pi / 2)
     if lever == inf:
         drive = PulledSide(((ends[0], 1.0), (ends[1], -1.0)), pi / 2)
         held = (Support(lower.side("right"), (0, 1)),)
     elif lever:
-        pressed = -(1 + lever / _HALF_SPAN)
-        drive = PulledSide(((ends[0], lever / _HALF_SPAN), (middle, pressed)), pi / 2)
+        pressed = -(1 + lever / HALF_SPAN)
+        drive = PulledSide(((ends[0], lever / HALF_SPAN), (middle, pressed)), pi / 2)
     across = np.array(_ACROSS)
-    spaces = {"upper": _space(across), "lower": _space(1 - across[::-1])}
+    spaces = {"upper": _space(across, stretches), "lower": _space(1 - across[::-1], stretches)}
     return Problem("bonded beams", (upper, lower), (joint, faces), held, drive), spaces
 
 
-def _space(across: FloatArray) -> RowSpace:
+def _space(across: FloatArray, stretches: Stretches) -> RowSpace:
     ends, places = 0.0, [np.zeros(1)]
-    for end, size in _STRETCHES:
+    for end, size in stretches:
         places.append(np.linspace(ends, end, round((end - ends) / size) + 1)[1:])
         ends = end
     along = SplineSpace.on(2, 1, np.concatenate(places) / ends)
@@ -161,7 +169,7 @@ def _space(across: FloatArray) -> RowSpace:
 def _name(lever: float) -> str:
     if lever == inf:
         return "double cantilever"
-    return f"mixed-mode flexure, c = {lever / _HALF_SPAN:g} L" if lever else "end-notched flexure"
+    return f"mixed-mode flexure, c = {lever / HALF_SPAN:g} L" if lever else "end-notched flexure"
 
 
 def judge(outcomes: Sequence[Cracked]) -> Result:
@@ -173,7 +181,7 @@ def judge(outcomes: Sequence[Cracked]) -> Result:
             rows.append(Row(np.nan, 1.0, ALLOWED_RELEASE, (name, "", "")))
             continue
         if found.lever == inf:
-            bending = _MODULUS * _HEIGHT**3 / 12
+            bending = MODULUS * HEIGHT**3 / 12
             forces = [double_cantilever_force(_WORK, bending, float(one)) for one in found.displacement]
             rows.append(
                 Row(float(found.load.mean()), float(np.mean(forces)), ALLOWED_FORCE, (name, "P", "0"))
@@ -205,7 +213,7 @@ def judge(outcomes: Sequence[Cracked]) -> Result:
             " 1, 4 and 16 heights, G of the load is -0.1, -1.8 and -6 % off at c = 0.87 L."
         ),
         settings=(
-            ("beams", f"height h = {_HEIGHT:g}, L = {_HALF_SPAN:g}, neo-Hooke, E = 1, Poisson's ratio 0.2"),
+            ("beams", f"height h = {HEIGHT:g}, L = {HALF_SPAN:g}, neo-Hooke, E = 1, Poisson's ratio 0.2"),
             (
                 "crack",
                 f"{_CRACK:g} at first, averages between {_READ[0]:g} and {_READ[1]:g} heights of growth",

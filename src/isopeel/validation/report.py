@@ -25,6 +25,7 @@ from isopeel.validation import (
     mode_ratios,
     patch,
     separation,
+    snap_back,
     tapes,
     two_arms,
     two_cylinders,
@@ -45,6 +46,7 @@ CHECKS: dict[str, Check[Any, Any]] = {
     "arms": two_arms.CHECK,
     "separation": separation.CHECK,
     "mixed-mode": mixed_mode.CHECK,
+    "snap-back": snap_back.CHECK,
     "modes": mode_ratios.CHECK,
 }
 
