@@ -9,6 +9,7 @@ import pytest
 from scipy.optimize import minimize_scalar
 from test_continuation import HAMAKER, HEIGHT, LENGTH, PULL, R0, REST, pull, tension
 
+from isopeel.common.arrays import FloatArray
 from isopeel.common.path_control import PathControl
 from isopeel.physics.adhesion import Exponential, VanDerWaals
 from isopeel.problem import Body, Boundary, Interface, MovedSide, Problem, Support, strip
@@ -46,7 +47,11 @@ def blocks(scheme: Scheme = "unbiased", *, irreversible: bool = False) -> Proble
 
 
 def path(problem: Problem, path_control: PathControl) -> list[Step]:
-    return list(trace(problem, SPACES, PULL, NewtonSettings(path_control=path_control)))
+    return path_of(problem, PULL, path_control)
+
+
+def path_of(problem: Problem, parameters: FloatArray, path_control: PathControl) -> list[Step]:
+    return list(trace(problem, SPACES, parameters, NewtonSettings(path_control=path_control)))
 
 
 def gap_of(step: Step) -> float:
@@ -137,3 +142,17 @@ def test_a_path_continues_from_its_file_bit_for_bit(
     if irreversible:
         # each side holds its half of the damage
         assert whole[-1].dissipated_energy > 0.9 * 0.02 * LENGTH
+
+
+def test_a_point_that_slides_off_the_end_of_the_other_side_is_the_cause() -> None:
+    """The upper block is moved along the lower one; its last point is (1 - 1/sqrt(3))/2 from the end."""
+    problem = blocks("biased")
+    supports = tuple(one for one in problem.supports if one.boundary.body == "lower")
+    slides = replace(problem, supports=supports, drive=MovedSide(Boundary("upper", "top"), 0.0, "held"))
+    end = LENGTH * (1 - 1 / np.sqrt(3)) / 2
+    with pytest.raises(
+        ConvergenceError, match=r"a point of upper\.bottom slides off the end of lower\.top"
+    ) as failed:
+        path_of(slides, np.linspace(0.0, 2 * end, 9), "newton")
+    assert failed.value.cause == "lost partner"
+    assert failed.value.parameter >= end

@@ -141,6 +141,23 @@ class FacingTerm:
         gap: FloatArray = self.partners(displacement).gap
         return gap
 
+    @property
+    def against(self) -> Boundary:
+        """The boundary of the other body."""
+        assert isinstance(self.adhesion.against, Boundary)
+        return self.adhesion.against
+
+    def energy_off_the_end(self, before: FloatArray, beyond: FloatArray) -> float:
+        """Return the energy at points that slide off an end of the curve between two states (size, 2)."""
+        one, other = self.partners(before), self.partners(beyond)
+        last = len(self.curve.ends) - 2
+        lost = (one.kind != NONE) & (other.kind == NONE) & np.isin(one.segment, [0, last])
+        law = self.adhesion.law
+        potential = evaluate_law(law.kernel, law.parameters, one.gap[lost], np.zeros(np.count_nonzero(lost)))[
+            0
+        ]
+        return float(np.abs(potential * self.table.weights.ravel()[lost]).sum())
+
     def respond(self, displacement: FloatArray, history: FloatArray) -> Response:
         """Return the state of all points, at coefficients (size, 2) after a history (E Q,)."""
         found: Response = respond_to(self._facing, self.partners(displacement), history)

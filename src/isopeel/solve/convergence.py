@@ -12,6 +12,7 @@ Cause = Literal[
     "limit load",
     "held load",
     "energy without work",
+    "lost partner",
     "instability",
     "long fall",
     "stalled residual",
@@ -34,6 +35,10 @@ HINTS: dict[Cause, str] = {
     "limit load": "stay below it, or prescribe the displacement where the load acts (control = displacement)",
     "held load": "make the held loads smaller, or let the drive raise one (control = force)",
     "energy without work": "use path_control = auto, which looks for the stable branch, or smaller steps",
+    "lost partner": (
+        "let one side of the interface end before the end of the other one (length), or use a joint law,"
+        " whose points stay paired"
+    ),
     "instability": "follow the unstable branch by path_control = continuation, or refine the mesh",
     "long fall": "refine the mesh where the joint opens, or end the path where the body begins to come off",
     "stalled residual": "use smaller steps, or path_control = continuation",

@@ -11,6 +11,7 @@ from isopeel.solve.continuation_control import along_curve
 from isopeel.solve.convergence import ConvergenceError
 from isopeel.solve.cutting import cut_steps
 from isopeel.solve.diagnosis import diagnosed
+from isopeel.solve.lost_partners import with_lost_partner
 from isopeel.solve.path import Path
 from isopeel.solve.step import Found, Step
 from isopeel.solve.verification import without_gain
@@ -39,7 +40,7 @@ def follow_path(path: Path, parameters: Iterable[float], passed: Sequence[float]
             try:
                 one = next(found, None)
             except ConvergenceError as error:
-                raise error.located(path.system) from error.__cause__
+                raise with_lost_partner(path, error).located(path.system) from error.__cause__
             if one is None:
                 return
             step = path.accept(one, began)
