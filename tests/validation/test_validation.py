@@ -91,7 +91,8 @@ def _no_equilibria(monkeypatch: pytest.MonkeyPatch) -> None:
         raise ConvergenceError("an element is inverted", (), 0.5)
         yield
 
-    monkeypatch.setattr(check, "trace", fails)
+    for module in (check, mode_ratios):
+        monkeypatch.setattr(module, "trace", fails)
 
 
 @pytest.mark.usefixtures("_no_equilibria")
