@@ -172,7 +172,11 @@ def judge(outcomes: Sequence[Grown]) -> Result:
                 float(found.rate.mean()) if reached else np.nan,
                 float(found.toughness.mean()) if reached else 1.0,
                 None if found.of.differs else ALLOWED,
-                (f"{found.of.intended:g}", found.of.differs, f"{found.ratio.mean():.4f}" if reached else ""),
+                (
+                    f"{found.of.intended:g}",
+                    found.of.differs or "-",
+                    f"{found.ratio.mean():.4f}" if reached else "",
+                ),
             )
         )
     return Result(
