@@ -4,6 +4,7 @@ import csv
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
+from time import process_time
 from typing import Annotated
 
 import numpy as np
@@ -150,19 +151,24 @@ class Outcome:
 
 @dataclass(frozen=True)
 class Attempt:
-    """The task of a pair: its path."""
+    """The task of a pair: its path, which ends with the first step after a limit of processor time."""
 
     pair: Pair
+    limit: float  # s
 
     def __call__(self) -> Outcome:
         case = Case.parse(self.pair.toml())
         (stage,) = case.stages()
         settings = isopeel.NewtonSettings(path_control="auto")
         reached, steps, jumps, seconds, cause, reason = 0.0, 0, 0, 0.0, "", ""
+        begun = process_time()
         try:
             for step in isopeel.trace(stage.problem, case.spaces(), stage.parameters, settings):
                 reached, steps = step.parameter / stage.parameters[-1], steps + 1
                 jumps, seconds = jumps + (step.kind == "jump"), seconds + step.seconds
+                if process_time() - begun > self.limit and reached < 1.0:
+                    cause, reason = "time limit", f"{self.limit:g} s of processor time"
+                    break
         except isopeel.ConvergenceError as error:
             cause, reason = error.cause, error.reason
         return Outcome(float(reached), steps, jumps, cause, reason, seconds)
@@ -273,6 +279,7 @@ def main(
     only: Annotated[list[int] | None, typer.Option(help="Numbers of pairs; repeatable.")] = None,
     processes: Annotated[int | None, typer.Option(min=1, help="All cores when left out.")] = None,
     out: Annotated[Path, typer.Option(help="Table of every pair.")] = Path("out/stress_two_bodies.csv"),
+    limit: Annotated[float, typer.Option(min=0, help="Processor time of a pair, in s.")] = 300.0,
     case: Annotated[bool, typer.Option("--case", help="Print the cases instead of running them.")] = False,
 ) -> None:
     """Draw random pairs of strips, and print which reach the end of their path, and why others do not."""
@@ -284,7 +291,7 @@ def main(
     with bar:
         task = bar.add_task("pairs", total=len(chosen))
         done = compute_all(
-            [Attempt(pair) for pair in chosen], processes or cores(), lambda *_: bar.advance(task)
+            [Attempt(pair, limit) for pair in chosen], processes or cores(), lambda *_: bar.advance(task)
         )
     found = []
     for pair, one in zip(chosen, done, strict=True):

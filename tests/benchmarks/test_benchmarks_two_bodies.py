@@ -35,10 +35,12 @@ def test_a_pair_is_traced_and_a_failure_reported() -> None:
     drawn = stress.draws(0, 1)[0]
     short = replace(drawn.upper, space="N2", mesh="12x1"), replace(drawn.lower, space="N2", mesh="9x1")
     pair = replace(drawn, upper=short[0], lower=short[1], law="exponential", drive="rotation")
-    outcome = stress.Attempt(pair)()
+    outcome = stress.Attempt(pair, 300.0)()
     assert outcome.cause == ""
     assert outcome.reached == pytest.approx(1.0)
     assert outcome.steps >= stress.STEPS + 1
+    stopped = stress.Attempt(pair, 0.0)()
+    assert (stopped.cause, stopped.steps) == ("time limit", 1)
     failed = replace(outcome, cause="limit point", reached=0.5)
     assert [next(iter(column.cells)) for column in stress.summary([(pair, outcome)]).columns][:3] == [
         *("all", "1", "1")
