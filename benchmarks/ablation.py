@@ -4,6 +4,7 @@ import json
 import os
 import subprocess
 import sys
+from itertools import product
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Annotated, NamedTuple
@@ -115,7 +116,10 @@ def main(
     to: Annotated[float, typer.Option(min=1, help="Last angle in degrees.")] = 150.0,
     passes: Annotated[int, typer.Option(min=1, help="Times that each run is computed.")] = 1,
 ) -> None:
-    """Compute the published study with all methods that save time, and without each of them, in turn."""
+    """Compute the published study with all methods that save time, and without each of them, in turn.
+
+    The table is printed after each mesh, over all runs so far.
+    """
     for option, chosen, known in (
         ("--space", space, SPACES),
         ("--mesh", mesh, tuple(MESHES)),
@@ -123,33 +127,40 @@ def main(
     ):
         if unknown := set(chosen or ()) - set(known):
             raise InputError(option, unknown.pop(), f"there is {', '.join(known)}")
-    runs = [run for run in table_runs(mesh or MESHES) if run.space in (space or SPACES)]
+    meshes = mesh or list(MESHES)
+    runs_of = {name: [run for run in table_runs([name]) if run.space in (space or SPACES)] for name in meshes}
+    first = runs_of[meshes[0]][0]
     with TemporaryDirectory(prefix="isopeel-ablation-") as folder:
         base = Worker(None, Path(folder))
         workers = [Worker(one, Path(folder)) for one in METHODS if one.name in (method or (one.name,))]
         everyone = [base, *workers]
         try:
             # a whole path compiles all functions, which most processes load from the first one
-            base.send(runs[0], to)
+            base.send(first, to)
             base.receive()
             for worker in workers:
-                worker.send(runs[0], to)
+                worker.send(first, to)
             for worker in workers:
                 worker.receive()
-            with Progress(console=Console(stderr=True), auto_refresh=False, transient=True) as bar:
-                for _, run in bar.track([(k, run) for k in range(passes) for run in runs]):
-                    for worker in everyone:
-                        worker.send(run, to)
-                        worker.costs.setdefault(run.name, []).append(worker.receive())
+            for number, name in enumerate(meshes, 1):
+                with Progress(console=Console(stderr=True), auto_refresh=False, transient=True) as bar:
+                    for _, run in bar.track(list(product(range(passes), runs_of[name])), description=name):
+                        for worker in everyone:
+                            worker.send(run, to)
+                            worker.costs.setdefault(run.name, []).append(worker.receive())
+                # what is known so far: the whole study takes an hour
+                _show(base, workers, [run for mesh in meshes[:number] for run in runs_of[mesh]], to)
         finally:
             for worker in everyone:
                 worker.close()
+
+
+def _show(base: Worker, workers: list[Worker], runs: list[Run], to: float) -> None:
     console = wide_console()
     console.print(ablation_table(base, workers, runs))
-    corrections = base.corrections(runs)
     console.print(
         f"{len(runs)} runs to {to:g} degrees with all methods: {base.least(runs):.1f} s of processor time, "
-        f"{corrections:.2f} corrections per step"
+        f"{base.corrections(runs):.2f} corrections per step"
     )
     console.print(machine.description(), soft_wrap=True)
 
