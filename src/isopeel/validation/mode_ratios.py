@@ -18,12 +18,11 @@ from isopeel.problem import Body, Interface, Problem, RotatedSide, Support
 from isopeel.problem.place import placed
 from isopeel.report.document import Picture
 from isopeel.results.fields import StoredState
-from isopeel.solve.convergence import ConvergenceError
-from isopeel.solve.trace import trace
+from isopeel.solve.step import Step
 from isopeel.splines.nurbs import rectangle
 from isopeel.splines.rows import RowSpace
 from isopeel.splines.space import SplineSpace
-from isopeel.validation.check import Check, Result, Row
+from isopeel.validation.check import Check, Result, Row, traced
 
 #: What is left of the mixity's lag in a step, of the length of the process zone, and of the mesh.
 ALLOWED = 0.005
@@ -84,20 +83,22 @@ def grow(of: Growing) -> Grown:
     problem, spaces = _arms(of)
     path = np.concatenate([[0.0, 0.4, 0.7], np.arange(0.9, 1.4, of.step)])
     found: list[ModeRates] = []
-    failure = ""
-    try:
-        for one in trace(problem, spaces, path):
-            parted = one.dissipated_energy / _toughness(of.intended)
-            if parted > _READ[1]:
-                break
-            if parted > _READ[0]:
-                rates = mode_rates(problem, spaces, StoredState.of(one, problem.drive), "upper.bottom")
-                assert isinstance(rates, ModeRates), rates
-                found.append(rates)
-        else:
-            failure = f"the joint has not grown by {_READ[1]:g} L0"
-    except ConvergenceError as error:
-        failure = str(error)
+
+    def has_grown(steps: Sequence[Step]) -> bool:
+        parted = steps[-1].dissipated_energy / _toughness(of.intended)
+        if parted > _READ[1]:
+            return True
+        if parted > _READ[0]:
+            state = StoredState.of(steps[-1], problem.drive)
+            rates = mode_rates(problem, spaces, state, "upper.bottom")
+            assert isinstance(rates, ModeRates), rates
+            found.append(rates)
+        return False
+
+    grown = traced(problem, spaces, path, until=has_grown)
+    failure = grown.failure
+    if not failure and grown.dissipated[-1] <= _READ[1] * _toughness(of.intended):
+        failure = f"the joint has not grown by {_READ[1]:g} L0"
     ratio = np.array([one.ratio for one in found])
     rate = np.array([one.opening + one.sliding for one in found])
     return Grown(of, ratio, rate, _toughness(ratio), failure)
