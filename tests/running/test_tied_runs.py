@@ -124,7 +124,7 @@ def test_an_interrupted_run_continues_bit_for_bit(
                 signal.raise_signal(signal.SIGINT)
 
     with monkeypatch.context() as patch:
-        patch.setattr("isopeel.running.stage_steps.trace", interrupted)
+        patch.setattr("isopeel.running.stage_trace.trace", interrupted)
         assert run_case(CASE, tmp_path, QUIET).run.ending == "interrupted"
     assert resume_case(tmp_path, QUIET).run.ending == "completed"
     for stage in STAGES:
