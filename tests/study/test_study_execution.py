@@ -78,7 +78,10 @@ def test_finished_runs_are_not_computed_again(tmp_path: Path) -> None:
 
 
 def test_one_process_computes_in_a_folder(tmp_path: Path) -> None:
-    with FileLock(tmp_path / ".lock"), pytest.raises(InputError, match=r"--out: .*another process"):
+    with (
+        FileLock(tmp_path / ".lock"),
+        pytest.raises(InputError, match=r"--out: .*another process runs in it"),
+    ):
         compute(_tasks(1), Store(tmp_path), Counting(), _ignore)
 
 

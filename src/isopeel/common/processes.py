@@ -18,7 +18,7 @@ O = TypeVar("O")  # noqa: E741 (an outcome)
 
 
 #: Seconds between two checks for Ctrl-C.
-_CHECK_SECONDS = 0.2
+CHECK_SECONDS = 0.2
 
 
 class WorkerLostError(RuntimeError):
@@ -66,7 +66,7 @@ def compute_all(
         futures = {pool.submit(_timed, task): number for number, task in enumerate(tasks)}
         left = set(futures)
         while left:
-            ready, left = wait(left, _CHECK_SECONDS, return_when=FIRST_COMPLETED)
+            ready, left = wait(left, CHECK_SECONDS, return_when=FIRST_COMPLETED)
             check()
             for future in ready:
                 done[futures[future]] = future.result()

@@ -2,20 +2,15 @@
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, wait
-from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Protocol
 
-from filelock import FileLock, Timeout
-
-from isopeel.common.errors import InputError
 from isopeel.common.interrupts import check
-from isopeel.common.processes import WorkerLostError, worker_pool
+from isopeel.common.processes import CHECK_SECONDS, WorkerLostError, worker_pool
+from isopeel.running.lock import alone_in
 from isopeel.study.outcome import LOST, Outcome, Task, read_outcome, write_outcome
 
-#: Seconds between two checks for Ctrl-C.
-CHECK_SECONDS = 0.2
 #: A run whose process was lost as many times is not computed again.
 _MOST_LOSSES = 3
 #: Tasks that wait in the queue of a pool, for each process: the next one is there when one is done.
@@ -55,7 +50,7 @@ def compute(tasks: Sequence[Task], store: Store, executor: Executor, finished: F
     computes runs in the folder, and OSError if an outcome cannot be written.
     """
     outcomes: dict[int, Outcome] = {}
-    with _alone_in(store.folder):
+    with alone_in(store.folder, "--out"):
         waiting: dict[int, Task] = {}
         for number, task in enumerate(tasks):
             stored = store.read(task)
@@ -128,12 +123,3 @@ class _LostError(RuntimeError):
 def lost(times: int) -> Outcome:
     """Return the outcome of a run whose process was ended from outside."""
     return Outcome(LOST, f"its process was ended from outside {times} times, perhaps for lack of memory")
-
-
-@contextmanager
-def _alone_in(folder: Path) -> Iterator[None]:
-    try:
-        with FileLock(folder / ".lock", blocking=False):
-            yield
-    except Timeout as error:
-        raise InputError("--out", str(folder), "another process computes runs in it") from error

@@ -12,7 +12,8 @@ from rich.console import Console
 
 from isopeel.common.errors import InputError
 from isopeel.common.interrupts import check
-from isopeel.study.execution import CHECK_SECONDS, Executor, InProcesses, lost
+from isopeel.common.processes import CHECK_SECONDS
+from isopeel.study.execution import Executor, InProcesses, lost
 from isopeel.study.outcome import Outcome, Task
 
 _CONNECT_SECONDS = 10.0
