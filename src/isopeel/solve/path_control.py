@@ -30,8 +30,9 @@ def follow_path(path: Path, parameters: Iterable[float], passed: Sequence[float]
         found = cut_steps(path, parameters)
     else:
         found = along_curve(path, [*passed, *parameters], len(passed), jumps=path_control == "jump")
-    libraries = ThreadpoolController().select(user_api="blas")
-    threaded = any(library["num_threads"] > 1 for library in libraries.info())
+    with deferred():  # an interrupt in the middle of it would leave a file open
+        libraries = ThreadpoolController().select(user_api="blas")
+        threaded = any(library["num_threads"] > 1 for library in libraries.info())
     while True:
         began = perf_counter()
         # for narrow bands and short vectors, starting threads costs more than they gain
