@@ -8,17 +8,17 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field, ValidationError
 
-from isopeel.case import Case, load_case, shipped_cases
+from isopeel.case import Case
 from isopeel.case.text import document_of
 from isopeel.case.values import Section
 from isopeel.common.errors import InputError
 from isopeel.common.units import measured_as, unit_of
 from isopeel.study.design import Method, Point, groups_of, points_of
 from isopeel.study.factors import Factor, Listed, Range
+from isopeel.study.tables import case_of, first_error, text_of
 
 #: Most runs of a study: each takes a second or more.
 MOST_RUNS = 100_000
-_LARGEST_FILE = 50_000  # bytes
 _NAME = r"^[A-Za-z0-9][A-Za-z0-9._-]{0,99}$"
 _RANGE = "a factor has `values`, a list, or a range: `from`, `to` and `count`"
 
@@ -94,7 +94,7 @@ def load_study(path: Path) -> Study:
 
     Raises InputError, whose field is the key, or STUDY for the file itself.
     """
-    return study_of(document_of(_text(path), str(path), "STUDY", "study"), path.parent)
+    return study_of(document_of(text_of(path, "STUDY", "study"), str(path), "STUDY", "study"), path.parent)
 
 
 def study_of(document: Mapping[str, Any], folder: Path = Path()) -> Study:
@@ -105,17 +105,8 @@ def study_of(document: Mapping[str, Any], folder: Path = Path()) -> Study:
     try:
         tables = _StudyTable.model_validate(document)
     except ValidationError as error:
-        raise _first_error(error) from error
-    name = tables.case
-    try:
-        base = load_case(name if name in shipped_cases() else folder / name)
-    except InputError as error:
-        field = "case" if error.field == "CASE" else f"case {name}, {error.field}"
-        raise InputError(field, error.value, error.allowed) from error
-    try:
-        base = base.with_values(tables.set)
-    except InputError as error:
-        raise InputError(f"set.{error.field}", error.value, error.allowed) from error
+        raise first_error(error, _StudyTable, {"factor": _FactorTable, "design": _DesignTable}) from error
+    base = case_of(tables.case, tables.set, folder)
     factors = tuple(_factor(table, f"factor.{number}") for number, table in enumerate(tables.factor, start=1))
     _check_zips(factors)
     _check_keys(base, factors)
@@ -129,44 +120,6 @@ def study_of(document: Mapping[str, Any], folder: Path = Path()) -> Study:
         design.seed,
         tuple(dict.fromkeys(tables.outputs)),
     )
-
-
-def _text(path: Path) -> str:
-    try:
-        if not path.is_file():
-            kind = "is no file" if path.exists() else "does not exist"
-            raise InputError("STUDY", str(path), f"it {kind}; the TOML file of a study is needed")
-        with path.open("rb") as file:
-            content = file.read(_LARGEST_FILE + 1)
-        if len(content) > _LARGEST_FILE:
-            raise InputError("STUDY", str(path), f"a study has at most {_LARGEST_FILE} bytes")
-        return content.decode().replace("\r\n", "\n")
-    except OSError as error:
-        raise InputError("STUDY", str(path), f"it cannot be read: {error.strerror}") from error
-    except UnicodeDecodeError as error:
-        raise InputError("STUDY", str(path), "a TOML file is UTF-8 text") from error
-
-
-def _first_error(error: ValidationError) -> InputError:
-    """Translate the first error; unknown keys go first, since they explain the missing ones."""
-    details = min(error.errors(), key=lambda details: details["type"] != "extra_forbidden")
-    place = [part + 1 if isinstance(part, int) else part for part in details["loc"]]
-    field = ".".join(map(str, place))
-    table: Any = _StudyTable
-    if place[0] == "factor" and len(place) > 2:
-        table = _FactorTable
-    elif place[0] == "design" and len(place) > 1:
-        table = _DesignTable
-    keys = {info.alias or name: info for name, info in table.model_fields.items()}
-    if details["type"] == "extra_forbidden":
-        return InputError(
-            field, details["input"], f"there is no such key; here the keys are {', '.join(keys)}"
-        )
-    known = next((keys[str(part)] for part in reversed(place) if str(part) in keys), None)
-    needed = (known.description if known else None) or "a table is needed"
-    if details["type"] == "missing":
-        return InputError(field, None, f"the key is missing; {needed}")
-    return InputError(field, details["input"], needed)
 
 
 def _factor(table: _FactorTable, field: str) -> Factor:
