@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from isopeel import Body, Exponential, Interface, NeoHooke, Problem, RotatedSide, Support, row_space
+from isopeel import Body, Exponential, Interface, NeoHooke, Problem, RotatedSide, Support, Tie, row_space
 from isopeel.assembly.spaces import Spaces
 from isopeel.common.units import UnitSystem
 from isopeel.post.laboratory import Laboratory
@@ -44,7 +44,7 @@ def found(*shapes: NurbsSurface) -> list[Overlap]:
 )
 def test_two_blocks_overlap(at: tuple[float, float], angle: float, depth: float) -> None:
     """Sides and middles of the blocks have points, so that the depth is exact."""
-    ((pair, deepest),) = found(BLOCK, placed(BLOCK, at, angle))
+    ((pair, deepest, _),) = found(BLOCK, placed(BLOCK, at, angle))
     assert pair == ("A", "B")
     assert deepest == pytest.approx(depth, abs=1e-12)
 
@@ -56,7 +56,7 @@ def test_two_blocks_overlap(at: tuple[float, float], angle: float, depth: float)
         ((10.0, 2.0), 0.0),  # a corner meets a corner
         ((0.0, 2.5), 0.0),
         ((10.2, -3.0), np.pi / 4),  # their boxes overlap
-        ((3.0, 1.995), 0.0),  # by less than a thousandth of their length
+        ((3.0, 1.97), 0.0),  # by less than a fiftieth of their thickness, 2 x 20/24
     ],
 )
 def test_two_blocks_touch_at_most(at: tuple[float, float], angle: float) -> None:
@@ -66,7 +66,7 @@ def test_two_blocks_touch_at_most(at: tuple[float, float], angle: float) -> None
 def test_rings_that_share_an_arc_touch() -> None:
     inner, outer = annulus_sector(10.0, 12.0, 1.0), annulus_sector(12.0, 14.0, 1.0)
     assert found(inner, outer) == []
-    ((_, depth),) = found(inner, annulus_sector(11.0, 14.0, 1.0))
+    ((_, depth, _),) = found(inner, annulus_sector(11.0, 14.0, 1.0))
     assert depth == pytest.approx(1.0, abs=1e-3)  # from one arc to the chords of the other
 
 
@@ -87,13 +87,43 @@ def test_notes_name_the_bodies_the_first_state_and_the_deepest() -> None:
     )
 
 
-def test_bodies_with_an_interface_are_its_concern() -> None:
-    problem = problem_of(BLOCK, placed(BLOCK, (0.0, 1.0), 0.0))
+def test_a_thin_body_overlaps_by_a_share_of_its_thickness() -> None:
+    """A film a thousand times as long as thick lies half in a block: its length is no measure of a depth."""
+    ((pair, depth, _),) = found(placed(rectangle(1000.0, 1.0), (-500.0, 1.5), 0.0), BLOCK)
+    assert pair == ("A", "B")
+    assert depth == pytest.approx(0.5, abs=1e-12)
+
+
+@pytest.mark.parametrize("depth", [0.05, 0.1, 1.0])
+def test_bodies_with_an_interface_overlap_where_its_law_gives_way(depth: float) -> None:
+    """A note is written from a twentieth of their thickness on, which is 2 x 20/24."""
+    problem = problem_of(BLOCK, placed(BLOCK, (0.0, 2.0 - depth), 0.0))
     one, other = problem.bodies
     joint = Interface(one.side("top"), Exponential(0.03, 0.015), other.side("bottom"))
+    joined, spaces = replace(problem, interfaces=(joint,)), dict.fromkeys("AB", COARSE)
     at_rest = np.zeros((2 * COARSE.size, 2))
-    assert len(overlaps(problem, dict.fromkeys("AB", COARSE), at_rest)) == 1
-    assert overlaps(replace(problem, interfaces=(joint,)), dict.fromkeys("AB", COARSE), at_rest) == []
+    notes = overlap_notes_at_rest(joined, spaces, Laboratory.of(UnitSystem(), joined))
+    if depth < 0.05 * 40 / 24:
+        assert overlaps(joined, spaces, at_rest) == []
+        assert notes == []
+    else:
+        ((pair, deepest, by_law),) = overlaps(joined, spaces, at_rest)
+        assert pair == ("A", "B")
+        assert by_law
+        assert deepest == pytest.approx(depth, abs=1e-12)
+        assert notes[0].text == (
+            f"the bodies A and B overlap at the start, by up to {depth:g} nm, {60 * depth:g} % of the"
+            " thickness of A: the law of their interface gives way in compression"
+        )
+
+
+def test_sides_that_are_tied_do_not_overlap() -> None:
+    problem = problem_of(BLOCK, placed(BLOCK, (0.0, 1.9), 0.0))
+    at_rest, spaces = np.zeros((2 * COARSE.size, 2)), dict.fromkeys("AB", COARSE)
+    assert len(overlaps(problem, spaces, at_rest)) == 1
+    one, other = problem.bodies
+    tied = replace(problem, ties=(Tie(one.side("top"), other.side("bottom")),))
+    assert overlaps(tied, spaces, at_rest) == []
 
 
 def test_bodies_with_an_interface_overlap_through_other_sides() -> None:
@@ -102,7 +132,7 @@ def test_bodies_with_an_interface_overlap_through_other_sides() -> None:
     one, other = problem.bodies
     joint = Interface(one.side("left"), Exponential(0.03, 0.015), other.side("right"))
     joined, spaces = replace(problem, interfaces=(joint,)), dict.fromkeys("AB", COARSE)
-    ((pair, depth),) = overlaps(joined, spaces, np.zeros((2 * COARSE.size, 2)))
+    ((pair, depth, _),) = overlaps(joined, spaces, np.zeros((2 * COARSE.size, 2)))
     assert pair == ("A", "B")
     (note,) = overlap_notes_at_rest(joined, spaces, Laboratory.of(UnitSystem(), joined))
     assert "there is no interface between the sides that meet" in note.text

@@ -1,4 +1,4 @@
-"""Bodies that overlap each other, or themselves, where no interface keeps them apart."""
+"""Bodies that overlap each other, or themselves, and which interfaces give way in compression."""
 
 from collections.abc import Iterable
 from itertools import combinations
@@ -16,9 +16,11 @@ from isopeel.results.fields import StoredState
 from isopeel.results.notes import Note
 from isopeel.splines.nurbs import Side
 
-#: Depth up to which two bodies touch, as a share of the size of the smaller one: where two faces are pressed
-#: on one plane, their laws let them pass it a little. Chords leave curved sides by much less.
-_TOUCHES = 1e-3
+#: Depth up to which two bodies touch, as a share of the thickness of the thinner one: where two faces are
+#: pressed on one plane, their laws let them pass it a little. Chords leave curved sides by less than that.
+_TOUCHES = 0.02
+#: The same for sides with an interface: deeper, the lever arm between both bodies is not that of the problem.
+_GIVES_WAY = 0.05
 #: Points that are compared with all chords of an outline at once, to save memory.
 _AT_ONCE = 500
 #: A side whose tangents keep within this angle is a graph over some direction, which cannot meet itself. The
@@ -32,11 +34,13 @@ _BESIDE = 1e-6
 class Overlap(NamedTuple):
     """The names of two bodies, and how deep a point of one lies inside the other.
 
-    A body that overlaps itself has its name twice.
+    A body that overlaps itself has its name twice. `by_law` means that the law of an interface lets them
+    overlap.
     """
 
     bodies: tuple[str, str]
     depth: float
+    by_law: bool = False
 
 
 class _Outline(NamedTuple):
@@ -50,7 +54,8 @@ def overlaps(problem: Problem, space: SpaceOfBodies, displacement: FloatArray) -
     """Return the bodies that overlap each other or themselves in a state, coefficients (size, 2).
 
     Two bodies with an interface overlap where one enters the other through a side without one, deeper than
-    through a side with one: there the law lets them overlap a little.
+    through a side with one: there the law lets them overlap a little. They also overlap where it lets them
+    overlap by more than a twentieth of the thickness of the thinner body. Sides that are tied do not overlap.
     """
     spaces = Spaces.on(problem, space)
     return _overlaps(spaces, space, spaces.control_points(), displacement)
@@ -66,7 +71,7 @@ def _overlaps(
     boxes = {
         name: (points[place].min(axis=0), points[place].max(axis=0)) for name, place in spaces.places.items()
     }
-    touching = {name: _TOUCHES * float(np.max(high - low)) for name, (low, high) in boxes.items()}
+    thickness = {body.name: _thickness(body) for body in problem.bodies}
     grids: dict[str, FloatArray] = {}
 
     def grid(name: str) -> FloatArray:
@@ -80,26 +85,37 @@ def _overlaps(
         if not _turns_back(spaces, body, points):
             continue
         depth = _depth_in_itself(_outline(grid(body.name)))
-        if depth > touching[body.name]:
+        if depth > _TOUCHES * thickness[body.name]:
             found.append(Overlap((body.name, body.name), depth))
     for pair in combinations(boxes, 2):
-        touches = min(touching[name] for name in pair)
+        thinner = min(thickness[name] for name in pair)
+        touches = _TOUCHES * thinner
         low = np.maximum(*(boxes[name][0] for name in pair)) - touches
         high = np.minimum(*(boxes[name][1] for name in pair)) + touches
         if (high - low <= 3 * touches).any():
             continue
-        depth, by_law = 0.0, 0.0
+        free, tied, by_law = 0.0, 0.0, 0.0
         for one, other in (pair, pair[::-1]):
             near = grid(one).reshape(-1, 2)
             near = near[((near >= low) & (near <= high)).all(axis=1)]
             outline = _outline(grid(other))
-            joined = np.isin(outline.sides, _sides_towards(problem, other, one))
             depths, chords = _depths(near, outline)
-            depth = max(depth, float(depths[~joined[chords]].max(initial=0.0)))
-            by_law = max(by_law, float(depths[joined[chords]].max(initial=0.0)))
-        if depth > max(touches, by_law):
-            found.append(Overlap(pair, depth))
+            sides = np.array(outline.sides)[chords]
+            adheres = np.isin(sides, _sides_towards(problem, other, one))
+            follows = np.isin(sides, _tied_sides(problem, other, one))
+            free = max(free, float(depths[~adheres & ~follows].max(initial=0.0)))
+            tied = max(tied, float(depths[follows].max(initial=0.0)))
+            by_law = max(by_law, float(depths[adheres].max(initial=0.0)))
+        if free > max(touches, tied, by_law):
+            found.append(Overlap(pair, free))
+        elif by_law > _GIVES_WAY * thinner:
+            found.append(Overlap(pair, by_law, by_law=True))
     return found
+
+
+def _thickness(body: Body) -> float:
+    """Return twice the area of a body at rest over its perimeter: of a long strip, its height."""
+    return 2 * body.shape.area() / sum(body.shape.boundary(side).length() for side in get_args(Side))
 
 
 def _sides_towards(problem: Problem, name: str, other: str) -> list[Side]:
@@ -109,6 +125,16 @@ def _sides_towards(problem: Problem, name: str, other: str) -> list[Side]:
         for interface in problem.interfaces
         if isinstance(interface.against, Boundary)
         for near, far in ((interface.boundary, interface.against), (interface.against, interface.boundary))
+        if (near.body, far.body) == (name, other)
+    ]
+
+
+def _tied_sides(problem: Problem, name: str, other: str) -> list[Side]:
+    """Return the sides of a body that are tied to another one."""
+    return [
+        near.side
+        for tie in problem.ties
+        for near, far in ((tie.boundary, tie.to), (tie.to, tie.boundary))
         if (near.body, far.body) == (name, other)
     ]
 
@@ -125,34 +151,41 @@ def _turns_back(spaces: Spaces, body: Body, points: FloatArray) -> bool:
 def overlap_notes_at_rest(problem: Problem, space: SpaceOfBodies, laboratory: Laboratory) -> list[Note]:
     """Return a note on the bodies that overlap each other or themselves before the first step."""
     at_rest = np.zeros((sum(one.size for one in spaces_by_name(problem, space).values()), 2))
-    found = overlaps(problem, space, at_rest)
-    return [_note(problem, pair, depth, "at the start", laboratory) for pair, depth in found]
+    return [_note(problem, one, "at the start", laboratory) for one in overlaps(problem, space, at_rest)]
 
 
 def overlap_notes(
     problem: Problem, space: SpaceOfBodies, states: Iterable[StoredState], laboratory: Laboratory
 ) -> list[Note]:
     """Return a note on the bodies that overlap each other or themselves in one of the states."""
-    first: dict[tuple[str, str], float] = {}
-    deepest: dict[tuple[str, str], float] = {}
+    first: dict[tuple[tuple[str, str], bool], float] = {}
+    deepest: dict[tuple[tuple[str, str], bool], Overlap] = {}
     spaces = Spaces.on(problem, space)
     at_rest = spaces.control_points()
     for state in states:
-        for pair, depth in _overlaps(spaces, space, at_rest, state.displacement):
-            first.setdefault(pair, state.parameter)
-            deepest[pair] = max(deepest.get(pair, 0.0), depth)
+        for one in _overlaps(spaces, space, at_rest, state.displacement):
+            key = one.bodies, one.by_law
+            first.setdefault(key, state.parameter)
+            deepest[key] = max(deepest.get(key, one), one)
     column = problem.drive.parameter_column
     return [
-        _note(problem, pair, depth, f"from {laboratory.parameter(column, first[pair])} on", laboratory)
-        for pair, depth in deepest.items()
+        _note(problem, one, f"from {laboratory.parameter(column, first[key])} on", laboratory)
+        for key, one in deepest.items()
     ]
 
 
-def _note(problem: Problem, pair: tuple[str, str], depth: float, when: str, laboratory: Laboratory) -> Note:
-    one, other = pair
-    by = laboratory.text(depth, "length", 2)
+def _note(problem: Problem, overlap: Overlap, when: str, laboratory: Laboratory) -> Note:
+    one, other = overlap.bodies
+    by = laboratory.text(overlap.depth, "length", 2)
     if one == other:
         text = f"the body {one} overlaps itself {when}, by up to {by}: there is no contact with itself"
+    elif overlap.by_law:
+        thinner = min((problem.body_of(name) for name in overlap.bodies), key=_thickness)
+        share = 100 * overlap.depth / _thickness(thinner)
+        text = (
+            f"the bodies {one} and {other} overlap {when}, by up to {by}, {share:.2g} % of the thickness of"
+            f" {thinner.name}: the law of their interface gives way in compression"
+        )
     else:
         joined = bool(_sides_towards(problem, one, other))
         what = "no interface between the sides that meet" if joined else "no contact between them"
