@@ -46,13 +46,17 @@ def test_the_python_of_the_readme_runs(capsys: pytest.CaptureFixture[str]) -> No
     assert float(lines[-1].split()[1]) == pytest.approx(closed_form.moment, rel=3e-3)  # thin-beam theory
 
 
+#: Options that a command without an argument has, and which do something when they are read.
+IMMEDIATE = ("--help", "--version", "--install-completion", "--show-completion")
+
+
 @pytest.mark.parametrize("page", TEXTS)
 def test_commands_exist_with_their_options(page: str) -> None:
     text = TEXTS[page]
     blocks = [*(code for _, code in FENCE.findall(text)), *re.findall(r"^ {4}(\S.*)$", text, re.MULTILINE)]
     command: Any = typer.main.get_command(app)
     for line in (*(line for block in blocks for line in COMMAND.findall(block)), *SPAN.findall(text)):
-        words = [word for word in shlex.split(line)[1:] if word not in ("--help", "--version")]
+        words = [word for word in shlex.split(line)[1:] if word not in IMMEDIATE]
         if words:
             name, chosen, rest = command.resolve_command(command.make_context("isopeel", words), words)
             # a command that is only named has no arguments

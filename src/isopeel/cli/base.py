@@ -22,7 +22,7 @@ COMPLETED, BAD_INPUT, NOT_CONVERGED = 0, 2, 3
 
 P = ParamSpec("P")
 
-app = typer.Typer(pretty_exceptions_enable=False)
+app = typer.Typer(pretty_exceptions_enable=False, context_settings={"help_option_names": ["-h", "--help"]})
 
 
 @app.callback(invoke_without_command=True)
@@ -55,12 +55,12 @@ def command(function: Callable[P, int]) -> Callable[P, int]:
     return app.command()(run)
 
 
-def console() -> "Console":
-    """Standard output."""
+def console(*, quiet: bool = False) -> "Console":
+    """Return standard output; if `quiet`, nothing is written there."""
     from isopeel.cli.terminal import PlainConsole
 
     # paths are shown as they are: [b] and :b: in a path are not markup
-    return PlainConsole(markup=False, emoji=False, highlight=False)
+    return PlainConsole(markup=False, emoji=False, highlight=False, quiet=quiet)
 
 
 def fail(code: int, message: str) -> int:

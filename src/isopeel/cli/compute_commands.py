@@ -1,11 +1,13 @@
 """The commands that compute."""
 
+import json
 import shlex
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from isopeel.cli import completion
 from isopeel.cli.base import (
     BAD_INPUT,
     COMPLETED,
@@ -16,6 +18,7 @@ from isopeel.cli.base import (
     interrupted_message,
     unwritten,
 )
+from isopeel.cli.messages import JsonOption, QuietOption, VerboseOption, logged
 from isopeel.common.errors import InputError
 from isopeel.common.interrupts import INTERRUPTED, reporting
 
@@ -28,7 +31,9 @@ _ForceOption = Annotated[
 _ControlOption = Annotated[
     str | None,
     typer.Option(
-        metavar="auto|newton|continuation|jump", help="What to do when a step finds no equilibrium."
+        metavar="auto|newton|continuation|jump",
+        help="What to do when a step finds no equilibrium.",
+        autocompletion=completion.path_controls,
     ),
 ]
 
@@ -36,7 +41,12 @@ _ControlOption = Annotated[
 @command
 def run(
     case: Annotated[
-        str, typer.Argument(metavar="CASE", help="A TOML file, or a shipped case (see `isopeel cases`).")
+        str,
+        typer.Argument(
+            metavar="CASE",
+            help="A TOML file, or a shipped case (see `isopeel cases`).",
+            autocompletion=completion.cases,
+        ),
     ],
     out: Annotated[
         Path | None, typer.Option(metavar="DIR", help="Folder of the results; out/NAME by default.")
@@ -50,7 +60,10 @@ def run(
             "several bodies; KEY= removes the key. Repeatable.",
         ),
     ] = None,
-    space: Annotated[str | None, typer.Option(metavar="NAME", help="Spline space, such as N2.1.")] = None,
+    space: Annotated[
+        str | None,
+        typer.Option(metavar="NAME", help="Spline space, such as N2.1.", autocompletion=completion.spaces),
+    ] = None,
     mesh: Annotated[str | None, typer.Option(metavar="NXxNY", help="Elements, such as 200x10.")] = None,
     to: Annotated[
         str | None,
@@ -64,7 +77,11 @@ def run(
     ] = None,
     traction: Annotated[
         str | None,
-        typer.Option(metavar="reference|projected", help="Area that the adhesive traction acts on."),
+        typer.Option(
+            metavar="reference|projected",
+            help="Area that the adhesive traction acts on.",
+            autocompletion=completion.one_of("reference", "projected"),
+        ),
     ] = None,
     contact_points: Annotated[
         int | None, typer.Option(metavar="N", help="Gauss points of the adhesive force on an element.")
@@ -82,6 +99,15 @@ def run(
         bool,
         typer.Option("--force", help="Replace any run in DIR, also a longer one; other files remain."),
     ] = False,
+    dry_run: Annotated[
+        bool,
+        typer.Option(
+            "--dry-run", help="Check the case and estimate the size and time of the run; write nothing."
+        ),
+    ] = False,
+    quiet: QuietOption = False,
+    as_json: JsonOption = False,
+    verbose: VerboseOption = 0,
 ) -> int:
     """Run CASE, and write its curve, figures, summary and fields to a folder.
 
@@ -109,10 +135,21 @@ def run(
         # this import takes a while: errors in the case are reported before it
         from isopeel.running.warm_up import warmed_up_beside
 
-        with reporting("interrupted", f"interrupted; {interrupted_message(folder)}"), warmed_up_beside():
+        printed = console(quiet=quiet or as_json)
+        if dry_run:
+            with reporting("interrupted"), logged(verbose), warmed_up_beside():
+                from isopeel.running.preview import preview
+
+                found = preview(chosen, folder, strict=strict, force=force)
+            found.print(printed)
+            if as_json:
+                _print_json(found.as_json())
+            return COMPLETED
+        message = f"interrupted; {interrupted_message(folder)}"
+        with reporting("interrupted", message), logged(verbose), warmed_up_beside():
             from isopeel.running.run import run_case
 
-            result = run_case(chosen, folder, console(), strict, force=force)
+            result = run_case(chosen, folder, printed, strict, force=force)
     except InputError as error:
         # some errors of options are found by the solver
         for option, value in (("mesh", mesh), ("contact_points", contact_points)):
@@ -121,7 +158,7 @@ def run(
         raise
     except OSError as error:
         return fail(BAD_INPUT, unwritten(error, folder))
-    return _ended(result, folder)
+    return _ended(result, folder, as_json)
 
 
 @command
@@ -132,25 +169,39 @@ def resume(
         typer.Option(metavar="VALUE", help="Another last parameter, in the same format as for `run`."),
     ] = None,
     control: _ControlOption = None,
+    quiet: QuietOption = False,
+    as_json: JsonOption = False,
+    verbose: VerboseOption = 0,
 ) -> int:
     """Continue a run that was interrupted or killed. The steps equal those of an uninterrupted run."""
     try:
         from isopeel.running.warm_up import warmed_up_beside
 
-        with reporting(f"interrupted; {interrupted_message(folder)}"), warmed_up_beside():
+        message = f"interrupted; {interrupted_message(folder)}"
+        with reporting(message), logged(verbose), warmed_up_beside():
             from isopeel.running.resume import resume_case
 
-            result = resume_case(folder, console(), to, control)
+            result = resume_case(folder, console(quiet=quiet or as_json), to, control)
     except KeyboardInterrupt:
         return fail(INTERRUPTED, f"interrupted; {interrupted_message(folder)}")
     except OSError as error:
         return fail(BAD_INPUT, unwritten(error, folder))
-    return _ended(result, folder)
+    return _ended(result, folder, as_json)
 
 
-def _ended(result: "Result", folder: Path) -> int:
+def _print_json(found: object) -> None:
+    """Print an object as JSON, in ASCII, which each terminal has."""
+    typer.echo(json.dumps(found, indent=2, allow_nan=False))
+
+
+def _ended(result: "Result", folder: Path, as_json: bool) -> int:
     """Print how a run ended, and return the exit code for it."""
     from isopeel.running.failure import failure_message
+
+    if as_json:
+        from isopeel.output.run_object import run_object
+
+        _print_json(run_object(result, folder))
 
     run, stage_folder = result
     if run.ending == "interrupted":
@@ -164,15 +215,25 @@ def _ended(result: "Result", folder: Path) -> int:
 def paper(
     only: Annotated[
         list[str] | None,
-        typer.Option(metavar="PART", help="A part of the report, such as table2; repeatable."),
+        typer.Option(
+            metavar="PART",
+            help="A part of the report, such as table2; repeatable.",
+            autocompletion=completion.parts,
+        ),
     ] = None,
     mesh: Annotated[
-        list[str] | None, typer.Option(metavar="m1|m2|m3", help="A mesh of the study; repeatable.")
+        list[str] | None,
+        typer.Option(
+            metavar="m1|m2|m3",
+            help="A mesh of the study; repeatable.",
+            autocompletion=completion.one_of("m1", "m2", "m3"),
+        ),
     ] = None,
     out: Annotated[Path, typer.Option(metavar="DIR", help="Folder of the report and its runs.")] = Path(
         "out/paper"
     ),
     force: _ForceOption = False,
+    quiet: QuietOption = False,
 ) -> int:
     """Run the published study, and write a report that compares our results with the published ones.
 
@@ -186,12 +247,12 @@ def paper(
         try:
             with reporting(f"interrupted; {stored}"):
                 parts, meshes = chosen_parts(only or []), chosen_meshes(mesh or [])
-                page = make_report(parts, meshes, out, console(), force=force)
+                page = make_report(parts, meshes, out, console(quiet=quiet), force=force)
         except WorkerLostError as error:
             return fail(BAD_INPUT, f"{error}; {stored}")
     except KeyboardInterrupt:
         return fail(INTERRUPTED, f"interrupted; {stored}")
-    console().print(f"the report is {page}", soft_wrap=True)
+    console(quiet=quiet).print(f"the report is {page}", soft_wrap=True)
     return COMPLETED
 
 
@@ -213,6 +274,7 @@ def study(
         ),
     ] = None,
     force: _ForceOption = False,
+    quiet: QuietOption = False,
 ) -> int:
     """Run a case with other values of its keys, and write a table, figures and a report.
 
@@ -234,14 +296,14 @@ def study(
             results = run_study(
                 chosen,
                 folder,
-                console(),
-                executor_of(scheduler, workers or cores(), console()),
+                console(quiet=quiet),
+                executor_of(scheduler, workers or cores(), console(quiet=quiet)),
                 force=force,
                 command=f"isopeel study {shlex.quote(str(file))}",
             )
     except KeyboardInterrupt:
         return fail(INTERRUPTED, f"interrupted; {stored}")
-    console().print(f"the report is {folder / 'report.html'}", soft_wrap=True)
+    console(quiet=quiet).print(f"the report is {folder / 'report.html'}", soft_wrap=True)
     failed = sum(outcome.ending != "completed" for outcome in results.outcomes)
     if failed:
         message = f"{failed} of {len(results.outcomes)} runs were not completed; the table has the causes"
@@ -252,10 +314,16 @@ def study(
 @command
 def validate(
     only: Annotated[
-        list[str] | None, typer.Option(metavar="CHECK", help="A check, such as tapes; repeatable.")
+        list[str] | None,
+        typer.Option(
+            metavar="CHECK",
+            help="A check, such as tapes; repeatable.",
+            autocompletion=completion.checks,
+        ),
     ] = None,
     out: Annotated[Path, typer.Option(metavar="DIR", help="Folder of the report.")] = Path("out/validation"),
     force: _ForceOption = False,
+    quiet: QuietOption = False,
 ) -> int:
     """Compare runs with closed forms, and write a report with all deviations."""
     from isopeel.common.processes import WorkerLostError
@@ -263,10 +331,10 @@ def validate(
     from isopeel.validation.report import validate as run_checks
 
     try:
-        found = run_checks(chosen_checks(only or []), out, console(), force=force)
+        found = run_checks(chosen_checks(only or []), out, console(quiet=quiet), force=force)
     except WorkerLostError as error:
         return fail(BAD_INPUT, str(error))
-    console().print(f"the report is {found.page}", soft_wrap=True)
+    console(quiet=quiet).print(f"the report is {found.page}", soft_wrap=True)
     if found.failed:
         return fail(NOT_CONVERGED, f"rows with too large a deviation: {found.failed}; see {found.page}")
     return COMPLETED

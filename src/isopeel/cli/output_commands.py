@@ -5,11 +5,22 @@ from typing import Annotated
 
 import typer
 
+from isopeel.cli import completion
 from isopeel.cli.base import COMPLETED, command, console, fail
 from isopeel.common.interrupts import INTERRUPTED, reporting
 
 _ForceOption = Annotated[
     bool, typer.Option("--force", help="Replace a file of the same name that isopeel did not write.")
+]
+
+_FormatOption = Annotated[
+    str,
+    typer.Option(
+        "--format",
+        metavar="png|svg|pdf",
+        help="Kind of file.",
+        autocompletion=completion.one_of("png", "svg", "pdf"),
+    ),
 ]
 
 
@@ -21,6 +32,7 @@ def plot(
         typer.Option(
             metavar="PART",
             help="Figure: curve, plateau, shapes, front or tractions; repeatable. Default: all.",
+            autocompletion=completion.one_of("curve", "plateau", "shapes", "front", "tractions"),
         ),
     ] = None,
     at: Annotated[
@@ -31,7 +43,7 @@ def plot(
             "degrees; repeatable.",
         ),
     ] = None,
-    suffix: Annotated[str, typer.Option("--format", metavar="png|svg|pdf", help="Kind of file.")] = "png",
+    suffix: _FormatOption = "png",
     out: Annotated[
         Path | None, typer.Option(metavar="DIR", help="Folder of the figures; DIR/figures by default.")
     ] = None,
@@ -88,7 +100,7 @@ def compare(
     folders: Annotated[
         list[Path], typer.Argument(metavar="DIR...", help="Folders of two or more runs, or stages of runs.")
     ],
-    suffix: Annotated[str, typer.Option("--format", metavar="png|svg|pdf", help="Kind of figure.")] = "png",
+    suffix: _FormatOption = "png",
     out: Annotated[Path, typer.Option(metavar="DIR", help="Folder of the table and the figure.")] = Path(
         "out/compare"
     ),
@@ -104,7 +116,15 @@ def compare(
 @command
 def animate(
     folder: Annotated[Path, typer.Argument(metavar="DIR", help="Folder of a run, or of one of its stages.")],
-    suffix: Annotated[str, typer.Option("--format", metavar="mp4|gif", help="Kind of file.")] = "mp4",
+    suffix: Annotated[
+        str,
+        typer.Option(
+            "--format",
+            metavar="mp4|gif",
+            help="Kind of file.",
+            autocompletion=completion.one_of("mp4", "gif"),
+        ),
+    ] = "mp4",
     fps: Annotated[
         float | None,
         typer.Option(metavar="N", help="Stored states per second; by default for a few seconds in all."),
@@ -155,7 +175,14 @@ def cases() -> int:
 
 @command
 def spaces(
-    name: Annotated[str, typer.Argument(metavar="NAME", help="A spline space, such as N2.1 or L1+N2@2.")],
+    name: Annotated[
+        str,
+        typer.Argument(
+            metavar="NAME",
+            help="A spline space, such as N2.1 or L1+N2@2.",
+            autocompletion=completion.spaces,
+        ),
+    ],
     mesh: Annotated[str, typer.Option(metavar="NXxNY", help="Elements, to count DOFs.")] = "200x10",
     out: Annotated[
         Path | None, typer.Option(metavar="FILE", help="File of the figure; out/NAME.png by default.")
@@ -172,7 +199,12 @@ def spaces(
 @command
 def law(
     name: Annotated[
-        str, typer.Argument(metavar="NAME", help="A law, such as exponential, or a case whose law is shown.")
+        str,
+        typer.Argument(
+            metavar="NAME",
+            help="A law, such as exponential, or a case whose law is shown.",
+            autocompletion=completion.laws,
+        ),
     ],
     out: Annotated[
         Path | None, typer.Option(metavar="FILE", help="File of the figure; out/NAME.png by default.")

@@ -3,7 +3,6 @@
 from collections.abc import Sequence
 
 from psutil import virtual_memory
-from rich.console import Console
 
 from isopeel.common.errors import InputError
 from isopeel.post.locking import locking_notes
@@ -44,19 +43,19 @@ def check_memory(one: StageRun) -> None:
         raise InputError("output.fields_every", f"{stage.fields_every:g} {column.unit}", allowed)
 
 
-def print_early_notes(runs: Sequence[StageRun], console: Console, *, strict: bool) -> None:
-    """Print the notes that need no results; raise InputError for the first one if `strict`."""
+def early_notes(runs: Sequence[StageRun], *, strict: bool) -> list[Note]:
+    """Return the notes that need no results; raise InputError for the first one if `strict`."""
     notes: list[Note] = []
     for one in runs:
         problem, laboratory = one.stage.problem, one.laboratory
         notes += overlap_notes_at_rest(problem, one.spaces, laboratory)
         notes += estimate_notes(problem, one.spaces, laboratory)
         notes += locking_notes(problem, one.spaces, laboratory)
-    for note in with_one_remedy(list(dict.fromkeys(notes))):
-        if strict:
-            spaces = runs[0].spaces
-            mesh = ", ".join("{}x{}".format(*space.elements) for space in spaces.values())
-            of_bodies = note.subject == "penetration"
-            key = ("body", ", ".join(spaces)) if of_bodies else ("discretization.mesh", mesh)
-            raise InputError(*key, f"{note.subject}: {note.text}")
-        console.print(f"note: {note.text}", soft_wrap=True)
+    found = with_one_remedy(list(dict.fromkeys(notes)))
+    if found and strict:
+        spaces, note = runs[0].spaces, found[0]
+        mesh = ", ".join("{}x{}".format(*space.elements) for space in spaces.values())
+        of_bodies = note.subject == "penetration"
+        key = ("body", ", ".join(spaces)) if of_bodies else ("discretization.mesh", mesh)
+        raise InputError(*key, f"{note.subject}: {note.text}")
+    return found

@@ -1,5 +1,6 @@
 """A run: trace the stages of a case, and write their curves, files, summaries and figures to a folder."""
 
+import logging
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -9,7 +10,7 @@ from rich.console import Console
 
 from isopeel.case import Case
 from isopeel.results.run_file import StoredRun
-from isopeel.running.checks import check_later_stages, print_early_notes
+from isopeel.running.checks import check_later_stages, early_notes
 from isopeel.running.folder import check_folder, clear_parts, make_folder
 from isopeel.running.lock import alone_in
 from isopeel.running.previous_run import (
@@ -23,6 +24,8 @@ from isopeel.running.stage_run import StageRun, stage_runs
 from isopeel.running.stage_steps import complete_stage, run_stage
 from isopeel.running.stage_trace import steps_of
 from isopeel.solve.step import State, Step
+
+_LOG = logging.getLogger(__name__)
 
 
 class Result(NamedTuple):
@@ -53,8 +56,10 @@ def run_case(case: Case, out: Path, console: Console, strict: bool = False, *, f
     runs = stage_runs(case, out)
     check_later_stages(runs)
     steps = steps_of(runs[0])
-    print_early_notes(runs, console, strict=strict)
+    for note in early_notes(runs, strict=strict):
+        console.print(f"note: {note.text}", soft_wrap=True)
     make_folder(out)
+    _LOG.info("case %s: stages: %d, folder: %s", case.name, len(runs), out)
     with alone_in(out, "--out"):
         if force:
             files = ", ".join(str(one.place.run_file) for one in runs if one.place.run_file.exists())

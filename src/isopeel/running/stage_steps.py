@@ -1,5 +1,6 @@
 """The steps of one stage: they are computed, written and shown, until the stage ends."""
 
+import logging
 from collections.abc import Iterable
 from dataclasses import replace
 from time import perf_counter
@@ -19,11 +20,15 @@ from isopeel.running.stage_trace import attributes_of
 from isopeel.solve.convergence import ConvergenceError
 from isopeel.solve.step import Step
 
+_LOG = logging.getLogger(__name__)
+
 
 def run_stage(one: StageRun, steps: Iterable[Step], console: Console) -> StoredRun:
     """Compute the steps of a stage, write all its files, and print its results."""
     began = perf_counter()
     stage, place, stored = one.stage, one.place, one.stored
+    meshes = ", ".join(f"{name}: {space.name} {space.elements}" for name, space in one.spaces.items())
+    _LOG.info("%s begins: %d steps after %d; %s", place.title, len(stage.parameters), one.met, meshes)
     writer = RunWriter(
         place.run_file,
         stage.problem.drive,
@@ -46,6 +51,8 @@ def run_stage(one: StageRun, steps: Iterable[Step], console: Console) -> StoredR
             if writer.saved:
                 write_curve(place.folder / "curve.csv", writer.curve, stage.problem, one.laboratory)
         run = replace(read_run(place.run_file), ending=writer.ending)
+        corrections = int(run.curve.iterations.sum())
+        _LOG.info("%s: %s, %d steps, %d corrections", place.title, run.ending, len(run.curve), corrections)
         try:
             results = write_results(one, run, perf_counter() - began)
         except KeyboardInterrupt:
@@ -72,6 +79,7 @@ def _follow(one: StageRun, steps: Iterable[Step], writer: RunWriter, console: Co
             for step in steps:
                 writer.append(step)
                 show(step)
+                _LOG.debug("%s step, parameter %.9g, %s", step.kind, step.parameter, step.iterations)
                 _list_removed(writer, console)
                 if writer.saved:
                     leave_time()
