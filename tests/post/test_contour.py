@@ -1,6 +1,8 @@
 """The J-integral of fronts and the means over sections, compared with closed forms."""
 
+import csv
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -28,6 +30,7 @@ from isopeel.physics.substrates import Circle
 from isopeel.post.contour import JIntegral, j_integral
 from isopeel.post.findings import find
 from isopeel.post.sections import section_means
+from isopeel.post.table import write_curve
 from isopeel.problem.place import placed
 from isopeel.problem.tie import Tie
 from isopeel.results.fields import StoredState
@@ -129,13 +132,45 @@ def test_j_of_a_tape_that_holds_along_a_substrate_is_the_work_of_adhesion() -> N
     assert found.value + found.neglected == pytest.approx(law.work_of_adhesion, rel=2e-3)
 
 
-def test_it_is_a_reading_of_two_bodies() -> None:
+@pytest.mark.parametrize("backing_elements", [80, 60])
+def test_j_of_a_tape_of_tied_layers_is_the_work_of_adhesion(backing_elements: int) -> None:
+    adhesive = Body(rectangle(40.0, 1.5), SOFT, "adhesive")
+    stiff = replace(SOFT, youngs_modulus=4 * SOFT.youngs_modulus)
+    backing = Body(placed(rectangle(40.0, 0.5), (0.0, 1.5), 0.0), stiff, "backing")
+    joint = Interface(adhesive.side("bottom", end=0.75), LAW, Flat(-LAW.equilibrium_gap))
+    held = Support(adhesive.side("left"), (0,)), Support(backing.side("left"), (0,))
+    drive, tie = (
+        PulledSide(backing.side("right"), np.pi / 2),
+        Tie(backing.side("bottom"), adhesive.side("top")),
+    )
+    problem = Problem("tape", (adhesive, backing), (joint,), held, drive, ties=(tie,))
+    spaces = {"adhesive": row_space("N2", (80, 2), 2), "backing": row_space("N2", (backing_elements, 1), 2)}
+    *_, step = steps_of(problem, spaces, np.linspace(0.0, 20.0, 21)[1:])
+    found = j_of(problem, spaces, step)
+    assert found.parted
+    assert found.value + found.neglected == pytest.approx(LAW.work_of_adhesion, rel=2e-3)
+
+
+def test_it_is_a_reading_and_a_column_of_two_bodies(tmp_path: Path) -> None:
     problem, space = two(), row_space("N2", (30, 2), 2)
     spaces = {"upper": space, "lower": space}
     run = run_of(problem, spaces, steps_of(problem, spaces))
-    (reading,) = (one for one in find(problem, spaces, run, None).readings if one.name == "J-integral")
+    found = find(problem, spaces, run, None)
+    (reading,) = (one for one in found.readings if one.name == "J-integral")
     assert reading.theory == LAW.work_of_adhesion
     assert reading.value == pytest.approx(LAW.work_of_adhesion, rel=5e-3)
+    # in nm and GPa
+    units = found.laboratory
+    write_curve(tmp_path / "curve.csv", run.curve, problem, units, found.fronts, found.flows)
+    with (tmp_path / "curve.csv").open(newline="") as file:
+        column = [row["J_integral upper.bottom [J/m^2]"] for row in csv.DictReader(file)]
+    assert float(column[-1]) == reading.value * units.unit("toughness").factor
+    stored = {state.step for state in run.states if state.parameter > 0}
+    assert {step for step, value in enumerate(column) if value} == stored
+    # until the joint parts J rises, as does the moment
+    rising = [flow.j.value for flow in found.flows["upper.bottom"].values() if not flow.j.parted]
+    assert len(rising) > 1
+    assert np.all(np.diff(rising) > 0)
 
 
 def test_it_is_not_given_where_it_has_no_meaning() -> None:
@@ -155,8 +190,21 @@ def test_it_is_not_given_where_it_has_no_meaning() -> None:
     third = Body(placed(rectangle(30.0, 1.0), (0.0, 3.0), 0.0), SOFT, "third")
     tie = Tie(third.side("bottom"), upper.side("top"))
     layers = replace(problem, bodies=(*problem.bodies, third), ties=(tie,))
-    words = "a side of one of the bodies is tied, and sections end there"
-    assert j_integral(layers, spaces, rest, "upper.bottom") == words
+    spaces_of_three = {**spaces, "third": space}
+    at_rest = rest._replace(displacement=np.zeros((3 * space.size, 2)))
+    words = "the joint carries no traction"
+    assert j_integral(layers, spaces_of_three, at_rest, "upper.bottom") == words
+    ends = tuple(
+        Body(placed(rectangle(15.0, 1.0), (start, 3.0), 0.0), SOFT, f"from {start:g}")
+        for start in (0.0, 15.0)
+    )
+    ties = tuple(
+        Tie(body.side("bottom"), upper.side("top", *part))
+        for body, part in zip(ends, ((0.0, 0.5), (0.5, 1.0)), strict=True)
+    )
+    halves = replace(problem, bodies=(*problem.bodies, *ends), ties=ties)
+    words = "several bodies are tied to one side"
+    assert j_integral(halves, spaces | {body.name: space for body in ends}, rest, "upper.bottom") == words
     held_below = Interface(lower.side("bottom"), LAW, Flat(-6.0))
     sandwich = replace(problem, interfaces=(joint, held_below))
     assert j_integral(sandwich, spaces, rest, "upper.bottom") == "another interface acts on the same body"

@@ -22,7 +22,7 @@ from isopeel import (
 )
 from isopeel.physics.materials.base import plane_strain_modulus
 from isopeel.post.contour import JIntegral, j_integral
-from isopeel.post.front_readings import front_readings
+from isopeel.post.front_readings import front_flows, front_readings
 from isopeel.post.mode_ratio import ArmLoads, ModeRates, equal_arm_rates, mode_rates
 from isopeel.problem.place import placed
 from isopeel.results.fields import StoredState
@@ -116,7 +116,8 @@ def test_they_are_readings() -> None:
     problem = joined(lambda upper, lower: RotatedSide(((upper, 1.0), (lower, -0.3))))
     rates, flow, step = rates_of(problem, 0.05)
     state = StoredState.of(step, problem.drive)
-    readings = {one.name: one for one in front_readings(problem, SPACES, state, "upper.bottom")}
+    found = front_flows(problem, SPACES, [state], "upper.bottom")
+    readings = {one.name: one for one in front_readings(problem, found[state.step], "upper.bottom")}
     values = [readings[name].value for name in ("J-integral", "G_I", "G_II", "mode ratio")]
     assert values == [flow.value, rates.opening, rates.sliding, rates.ratio]
     assert readings["mode ratio"].words == "G_II/(G_I + G_II); this sum is 100 % of the J-integral"

@@ -26,6 +26,8 @@ _FROM, _TO = 0.5, 0.75
 _PARTED = 1e-3
 #: Share of the work of adhesion that is left at the open end of a joint that has parted.
 _LEFT = 1e-2
+#: Traction over Young's modulus that is round-off.
+_NO_TRACTION = 1e-12
 #: Sine of an angle that is round-off.
 _ROUND_OFF = 1e-9
 
@@ -45,6 +47,8 @@ class Contour:
     """The sections around a front."""
 
     arms: tuple[Arm, ...]  # of the body of the interface, and of the other one if there is one
+    layers: tuple[Arm, ...]  # of bodies that are tied to these, one upon the other
+    copies: int  # 2 where the bodies are one half of a symmetric joint
     along: FloatArray  # e (2,), along the undeformed joint towards its open part
     normal: FloatArray  # (2,) of the joint at the front in the present state, out of the other body
     place: float  # of the largest traction, along the undeformed side of the interface
@@ -77,73 +81,98 @@ def j_integral(
 
         J = sum over the bodies of I(ahead) - I(behind),  I = int [psi - e . (F - 1)^T P e] dA
 
-    (Rice, J. Appl. Mech. 35, 1968; at finite strain with the tensor of Eshelby, J. Elast. 5, 1975). I is a
-    mean over sections far from the front; where the faces are free or at rest, all sections have the same I.
-    Neither the law of the interface nor the motion of the front is used. It is per width, in the units of
-    the problem. Of several interfaces one is chosen by its name.
+    (Rice, J. Appl. Mech. 35, 1968; at finite strain with the tensor of Eshelby, J. Elast. 5, 1975). Layers
+    that are tied to a body belong to its sections: nothing flows into a tie along e, where F e and P N do
+    not jump. I is a mean over sections far from the front; where the faces are free or at rest, all sections
+    have the same I. Neither the law of the interface nor the motion of the front is used. It is per width, in
+    the units of the problem. Of several interfaces one is chosen by its name.
     """
-    contour = find_contour(problem, space, state, interface)
-    if isinstance(contour, str):
-        return contour
-    both = 2 if isinstance(problem.interface_of(interface).law, Mirrored) else 1
+    contour = Contours(problem, space, interface).around(state)
+    return contour if isinstance(contour, str) else flow_through(problem, space, state.displacement, contour)
+
+
+def flow_through(
+    problem: Problem, space: SpaceOfBodies, displacement: FloatArray, contour: Contour
+) -> JIntegral:
+    """Return the J-integral by the sections of a contour, at coefficients (size, 2): see `j_integral`."""
     value = 0.0
-    for arm in contour.arms:
+    for arm in (*contour.arms, *contour.layers):
         ahead, behind = (
-            section_means(problem, space, state.displacement, part, contour.along, np.zeros(2))
+            section_means(problem, space, displacement, part, contour.along, np.zeros(2))
             for part in (arm.ahead, arm.behind)
         )
-        value += both * (ahead.energy - behind.energy)
-    return JIntegral(value, both * contour.neglected, contour.parted, contour.place)
+        value += contour.copies * (ahead.energy - behind.energy)
+    return JIntegral(value, contour.copies * contour.neglected, contour.parted, contour.place)
 
 
-def find_contour(
-    problem: Problem, space: SpaceOfBodies, state: StoredState, interface: str = ""
-) -> Contour | str:
-    """Return the sections around the front of an interface in a state, or why there are none."""
-    joint = problem.interface_of(interface)
-    sides = _sides(joint)
-    lines = [straight_side(problem, side) for side in sides]
-    whole = [line for line in lines if line is not None]
-    reason = _unfit(problem, joint, whole)
-    if reason:
-        return reason
-    own = spaces_by_name(problem, space)[joint.boundary.body]
-    ends = element_ends(own, joint.side, joint.boundary.part)
-    parameters = (ends[:-1, None] + np.diff(ends)[:, None] * POINTS).ravel()
-    points = InterfacePoints(problem, space, parameters.reshape(-1, POINTS.size), interface=interface)
-    found = points.state(state.displacement, state.maximum_openings)
-    pull = np.hypot(np.maximum(-found.normal_traction, 0.0), found.tangential_traction).ravel()
-    peak = int(np.argmax(pull))
-    if not pull[peak] > 0:
-        return "the joint carries no traction"
-    along = _opens_towards(found, peak) * whole[0].direction
-    measured = [line.measured(whole[0].start, along) for line in whole]
-    front = measured[0].place(parameters[peak])
-    # sections of both bodies are at the same places, as the joint ahead of the front may carry tractions;
-    # there they end with the joint
-    low = max(
-        min(line.place(side.start), line.place(side.end)) for line, side in zip(measured, sides, strict=True)
-    )
-    low, high = max(low, *(line.ends[0] for line in measured)), min(line.ends[1] for line in measured)
-    for line in measured:
-        for start, end in _loaded(problem, line, whole[0].start, along):
-            if start <= front <= end:
-                return f"{line.side.body} is loaded beside the front"
-            low, high = (max(low, end), high) if end < front else (low, min(high, start))
-    if not low < front < high:
-        return "the front is at the end of the joint or of a body"
-    arms = []
-    for line in measured:
-        ahead, behind = (
-            line.part(front + _FROM * (end - front), front + _TO * (end - front)) for end in (low, high)
+class Contours:
+    """The sections around the front of an interface, found in states of a run.
+
+    Of several interfaces one is chosen by its name. What does not depend on the state is made once.
+    """
+
+    def __init__(self, problem: Problem, space: SpaceOfBodies, interface: str = "") -> None:
+        self._problem = problem
+        joint = self._joint = problem.interface_of(interface)
+        self._sides = _sides(joint)
+        stacks = [_layers(problem, side) for side in self._sides]
+        layers = [side for stack in stacks for side in stack]
+        lines = [straight_side(problem, side) for side in (*self._sides, *layers)]
+        self._lines = [line for line in lines if line is not None]
+        #: Why a contour around this front has no meaning; empty where it has.
+        self.reason: str = _unfit(problem, joint, len(lines), self._lines)
+        if self.reason:
+            return
+        own = spaces_by_name(problem, space)[joint.boundary.body]
+        ends = element_ends(own, joint.side, joint.boundary.part)
+        self._parameters = (ends[:-1, None] + np.diff(ends)[:, None] * POINTS).ravel()
+        self._points = InterfacePoints(
+            problem, space, self._parameters.reshape(-1, POINTS.size), interface=interface
         )
-        arms.append(Arm(ahead, behind, line.parameter(front), line.height))
-    edge = -1 if along @ whole[0].direction > 0 else 0
-    rest = _rest(joint, found, parameters, pull, arms[0], edge)
-    if isinstance(rest, str):
-        return rest
-    normal = found.normal.reshape(-1, 2)[peak]
-    return Contour(tuple(arms), along, normal, whole[0].place(parameters[peak]), *rest)
+
+    def around(self, state: StoredState) -> Contour | str:
+        """Return the sections around the front in a state, or why there are none."""
+        if self.reason:
+            return self.reason
+        joint, whole, parameters = self._joint, self._lines, self._parameters
+        found = self._points.state(state.displacement, state.maximum_openings)
+        pull = np.hypot(np.maximum(-found.normal_traction, 0.0), found.tangential_traction).ravel()
+        peak = int(np.argmax(pull))
+        material = self._problem.body_of(joint.boundary.body).material
+        if not pull[peak] > _NO_TRACTION * material.youngs_modulus:
+            return "the joint carries no traction"
+        along = _opens_towards(found, peak) * whole[0].direction
+        measured = [line.measured(whole[0].start, along) for line in whole]
+        front = measured[0].place(parameters[peak])
+        # sections of all bodies are at the same places, as the joint ahead of the front may carry tractions;
+        # there they end with the joint
+        low = max(
+            min(line.place(side.start), line.place(side.end))
+            for line, side in zip(measured, self._sides, strict=False)
+        )
+        low = max(low, *(line.ends[0] for line in measured))
+        high = min(line.ends[1] for line in measured)
+        for line in measured:
+            for start, end in _loaded(self._problem, line, whole[0].start, along):
+                if start <= front <= end:
+                    return f"{line.side.body} is loaded beside the front"
+                low, high = (max(low, end), high) if end < front else (low, min(high, start))
+        if not low < front < high:
+            return "the front is at the end of the joint or of a body"
+        arms = []
+        for line in measured:
+            ahead, behind = (
+                line.part(front + _FROM * (end - front), front + _TO * (end - front)) for end in (low, high)
+            )
+            arms.append(Arm(ahead, behind, line.parameter(front), line.height))
+        edge = -1 if along @ whole[0].direction > 0 else 0
+        rest = _rest(joint, found, parameters, pull, arms[0], edge)
+        if isinstance(rest, str):
+            return rest
+        sides, normal = len(self._sides), found.normal.reshape(-1, 2)[peak]
+        copies = 2 if isinstance(joint.law, Mirrored) else 1
+        place = whole[0].place(parameters[peak])
+        return Contour(tuple(arms[:sides]), tuple(arms[sides:]), copies, along, normal, place, *rest)
 
 
 def _sides(interface: Interface) -> list[Boundary]:
@@ -151,8 +180,25 @@ def _sides(interface: Interface) -> list[Boundary]:
     return [interface.boundary, other] if isinstance(other, Boundary) else [interface.boundary]
 
 
-def _unfit(problem: Problem, joint: Interface, lines: Sequence[StraightSide]) -> str:
-    """Return why a contour around the front of an interface has no meaning; nothing where it has."""
+def _layers(problem: Problem, side: Boundary) -> list[Boundary]:
+    """Return the sides of bodies that are tied to a body opposite a side, one upon the other."""
+    found: list[Boundary] = []
+    outer = Boundary(side.body, OPPOSITE[side.side])
+    while len(found) < len(problem.bodies):
+        pairs = [(tie.boundary, tie.to) for tie in problem.ties]
+        there = [other for one, other in (*pairs, *((b, a) for a, b in pairs)) if _name(one) == _name(outer)]
+        found += [Boundary(one.body, one.side) for one in there]
+        if len(there) != 1:
+            break
+        outer = Boundary(there[0].body, OPPOSITE[there[0].side])
+    return found
+
+
+def _unfit(problem: Problem, joint: Interface, count: int, lines: Sequence[StraightSide]) -> str:
+    """Return why a contour around the front of an interface has no meaning; nothing where it has.
+
+    `lines` are those of the `count` sides that are straight.
+    """
     if not joint.has_potential:
         return "the forces of the interface have no energy"
     if isinstance(joint.law, Contact):
@@ -164,21 +210,29 @@ def _unfit(problem: Problem, joint: Interface, lines: Sequence[StraightSide]) ->
     if isinstance(joint.against, Flat):
         directions.append(np.array([np.sin(joint.against.angle), -np.cos(joint.against.angle)]))
     turned = [abs(directions[0][0] * one[1] - directions[0][1] * one[0]) for one in directions]
-    if len(lines) < len(sides) or max(turned) > _ROUND_OFF:
+    if len(lines) < count or max(turned) > _ROUND_OFF:
         return "the sides that face each other, and the opposite ones, are not straight and parallel"
-    tied = {_name(one) for tie in problem.ties for one in (tie.boundary, tie.to)}
-    if tied & {f"{one.body}.{side}" for one in sides for side in (one.side, OPPOSITE[one.side])}:
-        return "a side of one of the bodies is tied, and sections end there"
+    tied = [_name(one) for tie in problem.ties for one in (tie.boundary, tie.to)]
+    if any(name in tied for name in map(_name, sides)):
+        return "a part of the side of the joint is tied"
+    # tied sides of the bodies, once each
+    if any(tied.count(name) > 1 for line in lines for name in _faces(line.side)):
+        return "several bodies are tied to one side"
+    bodies = {line.side.body for line in lines}
     for other in problem.interfaces:
         beside = _sides(other)
         if joint in other.faces:
             continue
-        if not {one.body for one in beside} & {one.body for one in sides}:
+        if not {one.body for one in beside} & bodies:
             continue
         cracked = isinstance(other.law, Contact) or getattr(other.law, "initial_damage", 0.0) == 1.0
         if not cracked or {*map(_name, beside)} != {*map(_name, sides)}:
             return "another interface acts on the same body"
     return ""
+
+
+def _faces(side: Boundary) -> tuple[str, str]:
+    return _name(side), f"{side.body}.{OPPOSITE[side.side]}"
 
 
 def _name(boundary: Boundary) -> str:

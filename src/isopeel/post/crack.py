@@ -112,13 +112,9 @@ def joint_ends(problem: Problem, interface: str = "") -> tuple[float, float]:
     return near, far
 
 
-def crack_lengths(curve: Curve, found: Fronts) -> FloatArray:
-    """Return the crack length at each step (steps,): nan without a stored displacement or a front."""
-    lengths = np.full(len(curve), np.nan)
-    for step, front in found.items():
-        if front.crack_length is not None:
-            lengths[step] = front.crack_length
-    return lengths
+def crack_lengths(found: Fronts) -> dict[int, float]:
+    """Return the crack lengths by the numbers of their steps, where they are given."""
+    return {step: front.crack_length for step, front in found.items() if front.crack_length is not None}
 
 
 def crack_length_at(problem: Problem, curve: Curve, found: Fronts, parameter: float) -> float | None:

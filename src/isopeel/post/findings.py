@@ -12,7 +12,7 @@ from isopeel.post.closed_form import Expected
 from isopeel.post.crack import Fronts, fronts, jumps, release
 from isopeel.post.energy import balance
 from isopeel.post.fields import Depth, depths_inside
-from isopeel.post.front_readings import front_readings
+from isopeel.post.front_readings import FrontFlows, front_flows, front_readings
 from isopeel.post.laboratory import Laboratory
 from isopeel.post.locking import locking_notes
 from isopeel.post.overlap import overlap_notes
@@ -33,7 +33,7 @@ from isopeel.post.resolution import Zones, elements_are_tall
 from isopeel.post.resolution_notes import oscillation_notes, peels, zone_note
 from isopeel.post.steady_load import steady_load
 from isopeel.post.steady_part import steady_part, steady_part_of_bodies
-from isopeel.problem import Boundary, Problem
+from isopeel.problem import Problem
 from isopeel.results.curve import Curve
 from isopeel.results.notes import Note
 from isopeel.results.run_file import StoredRun
@@ -48,7 +48,8 @@ class Findings:
     substrate or another body, by names of sides, as `body.bottom`. `period` is that of the oscillation by the
     mesh, in the unit of the parameter; it is also given if the closed form is not valid, for the reason
     `unproven`.
-    `fronts` are those of the stored states, and `zones` the elements there, both by the names of interfaces.
+    `fronts` are those of the stored states, `flows` what flows to them where there are several bodies, and
+    `zones` the elements there, all by the names of interfaces.
     `readings` are the quantities of interest of the drive, and `notes` those on the discretization.
     `tall` is whether the elements at the contact are too high.
     """
@@ -60,6 +61,7 @@ class Findings:
     period: float | None = None
     unproven: str = ""
     fronts: Mapping[str, Fronts] = field(default_factory=dict)
+    flows: Mapping[str, FrontFlows] = field(default_factory=dict)
     readings: Sequence[Reading] = ()
     halves: str | None = None
     zones: Mapping[str, Zones] = field(default_factory=dict)
@@ -106,13 +108,16 @@ def _of_several(
     curve = run.curve
     found = {name: fronts(problem, space, run.states, name) for name in problem.interface_names}
     steady = steady_part_of_bodies(problem, space, run, window, found, laboratory)
+    flows = _flows(problem, space, run)
     readings: list[Reading] = []
     if len(curve):
         readings = [*_listed(steady.reading(curve)), largest(curve), *buckled(curve)]
         for name, there in found.items():
             readings += fronts_at_the_end(curve, there, f", {name}" if len(found) > 1 else "")
         readings += _release_of_bodies(problem, space, curve, found, window)
-        readings += _at_fronts(problem, space, run)
+        for name, flow in flows.items():
+            last = flow.get(len(curve) - 1)
+            readings += [] if last is None else front_readings(problem, last, name)
         if len(problem.bodies) > 1:
             readings += balance(problem, space, run, contact_points)
     zones = {
@@ -132,6 +137,7 @@ def _of_several(
         steady.period,
         steady.unproven,
         fronts=found,
+        flows=flows,
         readings=readings,
         zones=zones,
         notes=[
@@ -183,13 +189,13 @@ def _of_one_body(
         depths_inside(problem, space, run.states),
         steady.period,
         steady.unproven,
-        {name: found},
-        readings,
-        halves(problem, test),
-        {name: zones},
-        [*notes, *overlap_notes(problem, space, run.states, laboratory)],
-        laboratory,
-        elements_are_tall(problem, space),
+        fronts={name: found},
+        readings=readings,
+        halves=halves(problem, test),
+        zones={name: zones},
+        notes=[*notes, *overlap_notes(problem, space, run.states, laboratory)],
+        laboratory=laboratory,
+        tall=elements_are_tall(problem, space),
     )
 
 
@@ -208,16 +214,13 @@ def _release_of_bodies(
     return _listed(released and release_reading(problem, space, released, name))
 
 
-def _at_fronts(problem: Problem, space: SpaceOfBodies, run: StoredRun) -> list[Reading]:
-    """Return what flows to the front of each interface between two bodies in the last state."""
-    names, readings = iter(problem.interface_names), list[Reading]()
-    if not run.states or run.states[-1].step != len(run.curve) - 1:
-        return []
-    for interface in problem.interfaces:
-        name, *_ = [next(names) for _ in interface.faces]
-        if isinstance(interface.against, Boundary):
-            readings += front_readings(problem, space, run.states[-1], name)
-    return readings
+def _flows(problem: Problem, space: SpaceOfBodies, run: StoredRun) -> dict[str, FrontFlows]:
+    """Return what flows to the front of each interface, seen from its first side, by its name."""
+    if len(problem.bodies) == 1:
+        return {}
+    names = iter(problem.interface_names)
+    seen = [[next(names) for _ in interface.faces] for interface in problem.interfaces]
+    return {name: front_flows(problem, space, run.states, name) for name, *_ in seen}
 
 
 def _law_notes(problem: Problem) -> list[Note]:

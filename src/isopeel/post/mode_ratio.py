@@ -8,11 +8,11 @@ from isopeel.assembly.spaces import SpaceOfBodies
 from isopeel.common.arrays import FloatArray
 from isopeel.physics.joints import JointLaw
 from isopeel.physics.materials.base import plane_strain_modulus
-from isopeel.post.contour import Arm, find_contour
+from isopeel.post.contour import Arm, Contour, Contours
 from isopeel.post.fields import side_positions
 from isopeel.post.sections import section_means
 from isopeel.post.straight_side import OPPOSITE, straight_side
-from isopeel.problem import Boundary, Problem
+from isopeel.problem import Boundary, Interface, Problem
 from isopeel.results.fields import StoredState
 
 #: Difference of two equal thicknesses, over the thickness.
@@ -67,13 +67,24 @@ def mode_rates(
     to the front in the present state, see `equal_arm_rates`. The rates are per width, in the units of the
     problem. Of several interfaces one is chosen by its name.
     """
-    joint = problem.interface_of(interface)
-    if not isinstance(joint.law, JointLaw) or not isinstance(joint.against, Boundary):
-        return "faces that slide without friction have no mode ratio: it needs a joint law"
-    found = find_contour(problem, space, state, interface)
+    reason = _unfit(problem.interface_of(interface))
+    found = reason or Contours(problem, space, interface).around(state)
     if isinstance(found, str):
         return found
+    return rates_at(problem, space, state.displacement, found, interface)
+
+
+def rates_at(
+    problem: Problem, space: SpaceOfBodies, displacement: FloatArray, found: Contour, interface: str
+) -> ModeRates | str:
+    """Return the rates by the sections of a contour, at coefficients (size, 2): see `mode_rates`."""
+    joint = problem.interface_of(interface)
+    reason = _unfit(joint)
+    if reason:
+        return reason
     first, second = found.arms
+    if found.layers:
+        return "the arms have layers, and moments do not divide the energy into opening and sliding"
     bodies = [problem.body_of(arm.behind.body) for arm in found.arms]
     alike = abs(first.height / second.height - 1) <= _ROUND_OFF
     if not alike or bodies[0].material != bodies[1].material:
@@ -84,10 +95,17 @@ def mode_rates(
     anticlockwise = joint.side in ("bottom", "right")
     on_left = (float(found.along @ side.direction) > 0) == anticlockwise
     along = (1 if on_left else -1) * np.array([found.normal[1], -found.normal[0]])
-    loads = [_loads(problem, space, state.displacement, arm, found.along, along) for arm in found.arms]
+    loads = [_loads(problem, space, displacement, arm, found.along, along) for arm in found.arms]
     upper, lower = loads if on_left else loads[::-1]
     stiffness = plane_strain_modulus(bodies[0].material) * first.height**3 / 12
     return equal_arm_rates(upper, lower, first.height, stiffness)
+
+
+def _unfit(joint: Interface) -> str:
+    """Return why an interface has no mode ratio; nothing where it may have one."""
+    if isinstance(joint.law, JointLaw) and isinstance(joint.against, Boundary):
+        return ""
+    return "faces that slide without friction have no mode ratio: it needs a joint law"
 
 
 def _loads(

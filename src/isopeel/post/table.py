@@ -9,12 +9,14 @@ from pathlib import Path
 from types import MappingProxyType
 
 from isopeel.post.crack import Fronts, crack_lengths, load_position
-from isopeel.post.laboratory import Laboratory
-from isopeel.problem import Column, Problem
+from isopeel.post.front_readings import FrontFlows, flow_columns
+from isopeel.post.laboratory import Kind, Laboratory
+from isopeel.problem import Problem
 from isopeel.results.curve import Curve, write_table
 
-#: No state with a front on any interface.
+#: Nothing is known of any interface.
 NO_FRONTS: Mapping[str, Fronts] = MappingProxyType({})
+NO_FLOWS: Mapping[str, FrontFlows] = MappingProxyType({})
 
 
 def write_curve(
@@ -23,12 +25,14 @@ def write_curve(
     problem: Problem,
     laboratory: Laboratory,
     fronts: Mapping[str, Fronts] = NO_FRONTS,
+    flows: Mapping[str, FrontFlows] = NO_FLOWS,
 ) -> None:
     """Write the curve of a problem with all digits; one line for each step.
 
     The column crack_length has a value where the displacement is stored and there is a front; of several
     interfaces each has one, with its name. A body on the whole of which the load acts has no such column, and
-    neither has one that is not loaded. Raises OSError.
+    neither has one that is not loaded. What flows to fronts, the J-integral, G_I, G_II and the mode ratio,
+    have columns if they are given in any state. Raises OSError.
     """
     table = {}
     for column, values in curve.table():
@@ -36,11 +40,15 @@ def write_curve(
         # a factor of one does not change whole numbers and texts
         table[laboratory.heading(column)] = (values if factor == 1.0 else values * factor).tolist()
     for name in problem.interface_names:
-        if load_position(problem, name) is None:
-            continue
-        column = Column(f"crack_length {name}" if len(problem.interface_names) > 1 else "crack_length", "L0")
-        lengths = crack_lengths(curve, fronts.get(name, {})) * laboratory.column(column).factor
-        table[laboratory.heading(column)] = [
-            None if length != length else length for length in lengths.tolist()
-        ]
+        of = f" {name}" if len(problem.interface_names) > 1 else ""
+        columns: list[tuple[str, Kind, Mapping[int, float]]] = []
+        if load_position(problem, name) is not None:
+            columns.append(("crack_length", "length", crack_lengths(fronts.get(name, {}))))
+        columns += flow_columns(flows.get(name, {}))
+        for heading, kind, found in columns:
+            unit = laboratory.unit(kind)
+            shown = {step: value * unit.factor for step, value in found.items()}
+            table[f"{heading}{of} [{unit.name}]".removesuffix(" []")] = [
+                shown.get(step) for step in range(len(curve))
+            ]
     write_table(path, table)

@@ -22,7 +22,7 @@ def write_results(one: StageRun, run: StoredRun, wall_time: float) -> Results:
     out, problem = one.place.folder, one.stage.problem
     results = results_of(one, run, wall_time)
     found = results.findings
-    write_curve(out / "curve.csv", run.curve, problem, found.laboratory, found.fronts)
+    write_curve(out / "curve.csv", run.curve, problem, found.laboratory, found.fronts, found.flows)
     text = json.dumps(results.summary, indent=2, allow_nan=False)
     with replacing(out / "summary.json") as part:
         part.write_text(text + "\n", encoding="utf-8")
