@@ -22,7 +22,7 @@ from pydantic import (
 )
 
 from isopeel.case.bodies import PlacedBody
-from isopeel.case.changes import changed
+from isopeel.case.changes import changed, value_of
 from isopeel.case.drives import DriveSection, LoadTable, fields_every_of, window_of
 from isopeel.case.errors import first_error, named_by
 from isopeel.case.sections import (
@@ -135,6 +135,13 @@ class Case(Section):
         key, as for a case file.
         """
         return self._checked(changed(self._document, values))
+
+    def value(self, key: str) -> Any:
+        """Return the value of a key as the case has it; the keys are those of `with_values`.
+
+        Raises InputError, whose field is the key, where the case does not state it.
+        """
+        return value_of(self._document, key)
 
     def keys_of_tables(self, table: str, key: str) -> list[str]:
         """Return the names of a key of all tables of a list; none where there is no such list."""

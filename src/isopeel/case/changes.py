@@ -29,6 +29,19 @@ def changed(document: Mapping[str, Any], values: Mapping[str, Any]) -> dict[str,
     return dict(tables)
 
 
+def value_of(document: Mapping[str, Any], key: str) -> Any:
+    """Return the value of a key of a case. Raises InputError, whose field is the key, where there is none."""
+    found: Any = document
+    for name in key.split("."):
+        if isinstance(found, list) and re.fullmatch("[1-9][0-9]{0,5}", name) and int(name) <= len(found):
+            found = found[int(name) - 1]
+        elif isinstance(found, Mapping) and name in found:
+            found = found[name]
+        else:
+            raise InputError(key or "key", None, f"the case states no {name!r} there; state it in the case")
+    return found
+
+
 def _with(table: Any, parts: list[str], value: Any, key: str) -> Any:
     """Return a copy of a table, or of a list of tables, with another value at the end of a way of names."""
     name, *rest = parts

@@ -5,7 +5,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -16,12 +16,23 @@ from isopeel.results.files import replacing
 from isopeel.solve.step import KINDS, Step
 
 
+class DifferentiatedBy(NamedTuple):
+    """A parameter of sensitivities: its key in the case, its value there, and the unit of this value."""
+
+    key: str
+    value: float
+    unit: str  # empty for a plain number
+
+
 @dataclass(frozen=True, eq=False)
 class Curve:
     """The reaction over the parameter of the drive, both in the units of their columns.
 
     If the drive acts on several boundaries, `reactions` has a column for each, with a name as `upper.right`.
     Energies and reactions are for a width of L0, the unit of length of the problem; E0 is its unit of stress.
+
+    `sensitivities` are the derivatives of the reaction, in the unit of its column, by the `sensitive_to`
+    parameters, at a fixed parameter of the drive; NaN where there is none, as at a limit point.
     """
 
     parameter_column: Column
@@ -40,10 +51,14 @@ class Curve:
     boundaries: tuple[str, ...] = ()
     reactions: FloatArray = field(default_factory=lambda: np.empty((0, 0)))  # (steps, boundaries)
     load_work: FloatArray = field(default_factory=lambda: np.empty(0))  # of held loads; none without any
+    sensitive_to: tuple[DifferentiatedBy, ...] = ()
+    sensitivities: FloatArray = field(default_factory=lambda: np.empty((0, 0)))  # (steps, parameters)
 
     @classmethod
-    def of(cls, steps: Iterable[Step], drive: Drive) -> "Curve":
-        """Tabulate steps."""
+    def of(
+        cls, steps: Iterable[Step], drive: Drive, sensitive_to: tuple[DifferentiatedBy, ...] = ()
+    ) -> "Curve":
+        """Tabulate steps, whose sensitivities are those to the given parameters."""
         steps = list(steps)
         rows = [
             (
@@ -64,6 +79,9 @@ class Curve:
         parameter = [drive.parameter_column.shown(value) for value in table[:, 0]]
         names = boundaries_of(drive)
         reactions = np.array([s.reactions for s in steps], dtype=np.float64).reshape(len(steps), len(names))
+        rates = np.array([s.sensitivities for s in steps], dtype=np.float64).reshape(
+            len(steps), len(sensitive_to)
+        )
         work = [s.load_work for s in steps if s.load_work is not None]
         return cls(
             drive.parameter_column,
@@ -82,6 +100,8 @@ class Curve:
             names,
             frozen(reactions * drive.reaction_column.factor),
             frozen(np.array(work, dtype=np.float64)),
+            sensitive_to,
+            frozen(rates * drive.reaction_column.factor),
         )
 
     def followed_by(self, others: Iterable["Curve"]) -> "Curve":

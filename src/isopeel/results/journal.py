@@ -106,7 +106,8 @@ def read_journal(
     types = [getattr(curve, name).dtype for name in columns]
     points, size_of_u = prod(opening_shape), prod(displacement_shape)
     # of those that have other than one number in a step
-    numbers = {"reactions": len(curve.boundaries), "load_work": min(curve.load_work.size, 1)}
+    tables = {"reactions": len(curve.boundaries), "sensitivities": len(curve.sensitive_to)}
+    numbers = {**tables, "load_work": min(curve.load_work.size, 1)}
     with path.open("rb") as file:
         if file.read(len(_MARK) + _IDENTITY) != _MARK + bytes.fromhex(identity):
             return
@@ -128,7 +129,7 @@ def read_journal(
                 name: np.frombuffer(row, dtype, count, 8 * place)
                 for name, dtype, count, place in zip(columns, types, counts, places, strict=True)
             }
-            values["reactions"] = values["reactions"].reshape(1, len(curve.boundaries))
+            values |= {name: values[name].reshape(1, width) for name, width in tables.items()}
             row_read = replace(curve, **values)
             yield Record(
                 row_read,

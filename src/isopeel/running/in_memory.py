@@ -1,40 +1,48 @@
 """A run without files: the stages of a case are traced, and their results are returned."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 from time import perf_counter
 
 from isopeel.case import Case
 from isopeel.common.interrupts import check
-from isopeel.results.curve import Curve, row_of
+from isopeel.results.curve import Curve, DifferentiatedBy, row_of
 from isopeel.results.fields import KeptStates, StoredState
 from isopeel.results.run_file import Ending, Failure, StoredRun
+from isopeel.running.sensitivities import Differentiation
 from isopeel.running.stage_run import StageRun, stage_runs
 from isopeel.running.stage_summary import Results, results_of
 from isopeel.running.stage_trace import attributes_of, steps_of
 from isopeel.solve.convergence import ConvergenceError
+from isopeel.solve.sensitivity import Sensitivities, with_sensitivities
 from isopeel.solve.step import State, Step
 
 
-def stage_results(case: Case) -> Iterator[Results]:
+def stage_results(case: Case, sensitivities: Sequence[str] = ()) -> Iterator[Results]:
     """Trace the stages of a case, and yield the results of each, up to one that finds no equilibrium.
+
+    With the keys of parameters, the curve of each stage has the derivatives of its reaction by them, see
+    `isopeel.results.curve.Curve`.
 
     The results are those of `isopeel.running.run.run_case`, without files and figures. Raises InputError if a
     stage cannot be computed.
     """
     base: State | None = None
-    for begun in stage_runs(case, Path()):
+    differentiation = Differentiation.of(case, sensitivities)
+    for number, begun in enumerate(stage_runs(case, Path())):
         began = perf_counter()
         one = replace(begun, base=base)
-        run = _traced(one)
+        run = _traced(one, differentiation.of_stage(number, one), differentiation.sensitive_to)
         yield results_of(one, run, perf_counter() - began)
         if run.ending != "completed":
             return
         base = run.last
 
 
-def _traced(one: StageRun) -> StoredRun:
+def _traced(
+    one: StageRun, sensitivities: Sensitivities | None, sensitive_to: tuple[DifferentiatedBy, ...]
+) -> StoredRun:
     """Trace a stage from its first step."""
     drive, every = one.stage.problem.drive, one.stage.fields_every
     rows: list[Step] = []
@@ -42,7 +50,7 @@ def _traced(one: StageRun) -> StoredRun:
     ending: Ending = "completed"
     failure: Failure | None = None
     try:
-        for step in steps_of(one):
+        for step in with_sensitivities(steps_of(one), sensitivities):
             check()
             rows.append(row_of(step))
             kept.take(StoredState.of(step, drive)._replace(step=step.number))
@@ -52,7 +60,7 @@ def _traced(one: StageRun) -> StoredRun:
         ending, failure = "not converged", Failure(at, error.reason, error.iterations, error.cause)
     return StoredRun(
         one.case.text,
-        Curve.of(rows, drive),
+        Curve.of(rows, drive, sensitive_to),
         kept.all(),
         attributes_of(one),
         ending,

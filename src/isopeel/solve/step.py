@@ -94,6 +94,7 @@ class Step:
     released_energy: float = 0.0  # since the last step, see above
     reactions: tuple[float, ...] = ()  # of each boundary, where the drive acts on several
     load_work: float | None = None  # of the loads that are held, since the initial state; None without any
+    sensitivities: tuple[float, ...] = ()  # derivatives of the reaction, see `isopeel.solve.sensitivity`
     kind: Kind = "requested"
     negative_eigenvalues: int | None = None  # of the tangent: 0 where stable, None where not counted
     resumes: bool = True  # whether a path continues from its state bit for bit to the next requested value

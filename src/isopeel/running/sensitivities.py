@@ -1,0 +1,98 @@
+"""The sensitivities of a run: the systems of its stages with other values of parameters of the case."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Self
+
+import numpy as np
+
+from isopeel.assembly.system import System
+from isopeel.case import Case, Stage
+from isopeel.case.parameters import Parameter, parameter_of
+from isopeel.common.arrays import FloatArray
+from isopeel.common.errors import InputError
+from isopeel.results.curve import DifferentiatedBy
+from isopeel.running.stage_run import StageRun
+from isopeel.solve.sensitivity import STENCILS, Rates, Sensitivities, Variant, variant_of
+
+
+@dataclass
+class Differentiation:
+    """The parameters by which the reactions of a case are differentiated, for one stage after another."""
+
+    case: Case
+    parameters: tuple[Parameter, ...]
+    _varied: dict[tuple[str, float], tuple[Case, tuple[Stage, ...]]] = field(default_factory=dict)
+    _of_last_stage: Sensitivities | None = None
+
+    @classmethod
+    def of(cls, case: Case, keys: Sequence[str]) -> Self:
+        """Read the parameters. Raises InputError, whose field is the key, if one is no parameter."""
+        return cls(case, tuple(parameter_of(case, key) for key in keys))
+
+    @property
+    def sensitive_to(self) -> tuple[DifferentiatedBy, ...]:
+        """The parameters as a curve has them."""
+        return tuple(DifferentiatedBy(one.key, one.value, one.unit) for one in self.parameters)
+
+    def of_stage(self, number: int, one: StageRun) -> Sensitivities | None:
+        """Return the sensitivities of a stage, by its number from zero, after those of the stage before.
+
+        None without parameters. Raises InputError where a parameter changes the mesh, or where the stage
+        before ends where there are no derivatives.
+        """
+        if not self.parameters:
+            return None
+        base = one.base
+        rates: Sequence[Rates] = ()
+        if self._of_last_stage is not None:
+            found = self._of_last_stage.rates()
+            if found is None:
+                allowed = "the stage before ends at a state without derivatives; end it elsewhere"
+                raise InputError("sensitivities", None, allowed)
+            rates = found
+        points = one.case.discretization.contact_points
+        u0 = None if base is None else base.displacement
+        system = System(one.stage.problem, one.spaces, points, u0)
+        variants = [
+            self._variants(one, number, system, points, u0, rates[k].displacement if rates else None)
+            for k, one in enumerate(self.parameters)
+        ]
+        history = None if base is None else base.maximum_openings
+        self._of_last_stage = Sensitivities(system, variants, history, rates)
+        return self._of_last_stage
+
+    def _variants(
+        self,
+        parameter: Parameter,
+        number: int,
+        system: System,
+        points: int | None,
+        base: FloatArray | None,
+        rate: FloatArray | None,
+    ) -> list[Variant]:
+        """Return the variants of a stage with other values of a parameter."""
+        refusals: list[InputError] = []
+        for stencil in STENCILS:
+            found = []
+            try:
+                for multiple, weight in stencil:
+                    shift = multiple * parameter.shift
+                    case, stages = self._shifted(parameter, shift)
+                    begins = base if base is None or rate is None else np.asarray(base + shift * rate)
+                    other = System(stages[number].problem, case.spaces(), points, begins)
+                    found.append(variant_of(system, other, shift, weight / parameter.shift))
+            except InputError as error:
+                refusals.append(error)
+            else:
+                return found
+        allowed = f"there is no derivative by it, as with other values near it: {refusals[0]}"
+        raise InputError(parameter.key, parameter.written(0.0), allowed) from refusals[0]
+
+    def _shifted(self, parameter: Parameter, shift: float) -> tuple[Case, tuple[Stage, ...]]:
+        """Return the case, and its stages, with a parameter that is larger by a shift in its unit."""
+        at = parameter.key, shift
+        if at not in self._varied:
+            case = self.case.with_values({parameter.key: parameter.written(shift)})
+            self._varied[at] = case, case.stages()
+        return self._varied[at]

@@ -1,0 +1,251 @@
+"""Sensitivities: the derivatives of the reaction by parameters of the problem, along a path.
+
+At an equilibrium R(y, p, h; m) = 0 of unknowns y, the drive's parameter p and the history h before the step
+
+    K dy/dm = -(dR/dm + dR/dh . dh/dm),    dr/dm = dr/dy . dy/dm + (dr/dm + dr/dh . dh/dm at fixed y),
+
+where p is fixed: direct differentiation (Michaleris, Tortorelli and Vidal, Int. J. Numer. Meth. Engng. 37,
+1994). The history after the step, h' = H(y, h; m), is differentiated in the same way. So the derivatives of
+history and displacement are carried from step to step, with one solution for each parameter and step. The
+derivatives at fixed y are central differences of the same state on problems with other parameters, which the
+caller builds: they include all that depends on the parameter, such as the geometry or the placing of bodies.
+"""
+
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from isopeel.assembly.sizes import extent
+from isopeel.assembly.spaces import HELD
+from isopeel.assembly.system import Equilibrium, System
+from isopeel.common.arrays import BoolArray, FloatArray, IntArray
+from isopeel.common.errors import InputError
+from isopeel.matrix.factor import Factor, SingularError
+from isopeel.solve.stability import inertia
+from isopeel.solve.step import Step
+
+_AHEAD = ((0.0, -25 / 12), (1.0, 4.0), (2.0, -3.0), (3.0, 4 / 3), (4.0, -1 / 4))
+#: Shifts and weights of differences of fourth order (Fornberg, Math. Comp. 51, 1988): the central one, and
+#: those to one side, for parameters that cannot be varied to the other.
+STENCILS = (
+    ((-2.0, 1 / 12), (-1.0, -2 / 3), (1.0, 2 / 3), (2.0, -1 / 12)),
+    _AHEAD,
+    tuple((-shift, -weight) for shift, weight in _AHEAD),
+)
+#: Change of the drive's parameter that moves a body by this share of its size, for dR/dp.
+_SMALL_MOTION = 1e-7
+
+
+class Variant(NamedTuple):
+    """The same system with a parameter that is larger by `shift`, and its weight in the difference."""
+
+    system: System
+    shift: float
+    weight: float
+    unknowns: IntArray  # (count,) for each of its unknowns, the number in the system that is varied
+
+
+class Rates(NamedTuple):
+    """Derivatives of a state by a parameter: of its displacement (size, 2) and of its history."""
+
+    displacement: FloatArray
+    history: FloatArray
+
+
+def variant_of(system: System, other: System, shift: float, weight: float) -> Variant:
+    """Return a system as a variant of another one. Raises InputError where their unknowns differ."""
+    mine, theirs = system.constraints.unknowns, other.constraints.unknowns
+    if mine.shape != theirs.shape or ((mine == HELD) != (theirs == HELD)).any():
+        raise InputError("mesh", None, "the mesh or its unknowns change")
+    if system.irreversible and system.maximum_openings.shape != other.maximum_openings.shape:
+        raise InputError("mesh", None, "the elements of the interfaces change, and with them their history")
+    numbers = np.arange(other.count)
+    moves = mine != HELD
+    numbers[theirs[moves]] = mine[moves]
+    return Variant(other, shift, weight, numbers)
+
+
+class Sensitivities:
+    """The sensitivities of the steps of one path, which it receives in their order.
+
+    `variants` has those of each parameter, and `rates` the derivatives of the state that the path begins
+    with, where it is not the bodies as they are. `history` is the history of that state.
+    """
+
+    def __init__(
+        self,
+        system: System,
+        variants: Sequence[Sequence[Variant]],
+        history: FloatArray | None = None,
+        rates: Sequence[Rates] = (),
+    ) -> None:
+        self._system = system if history is None else system.after(history)
+        self._variants = variants
+        if rates:
+            self._history = [one.history for one in rates]
+        else:
+            self._history = [_initial_rate(several) for several in variants]
+        #: Which variables of the history have no known derivative.
+        self._unknown: BoolArray = np.zeros(self._system.maximum_openings.shape, dtype=np.bool_)
+        self._last: _Solution | None = None
+
+    def of(self, step: Step) -> tuple[float, ...]:
+        """Return dr/dm of each parameter at the next step of the path, at a fixed parameter of the drive.
+
+        It is NaN at a limit point, where it does not exist, and as long as the state depends on the history
+        of such a point. Units are those of the problem, and of the shifts of the variants.
+        """
+        system, history = self._system, step.maximum_openings
+        found = None if step.kind == "limit point" else self._solved(system, step)
+        stays = history == system.maximum_openings
+        if found is not None and system.irreversible:
+            self._history = [
+                _total(several, found.at(k, self._history), _committed)
+                for k, several in enumerate(self._variants)
+            ]
+        # a history that goes on from here is known again
+        self._unknown = self._unknown & stays if found is not None else self._unknown | ~stays
+        self._system, self._last = system.after(history), found
+        if found is None or self._unknown.any():
+            return (np.nan,) * len(self._variants)
+        return tuple(found.reactions)
+
+    def rates(self) -> list[Rates] | None:
+        """Return the derivatives of the state of the last step; None where they do not exist."""
+        last = self._last
+        if last is None or self._unknown.any():
+            return None
+        moved = [
+            _total(several, last.at(k, self._history), _displaced) for k, several in enumerate(self._variants)
+        ]
+        return [Rates(*one) for one in zip(moved, self._history, strict=True)]
+
+    def _solved(self, system: System, step: Step) -> "_Solution | None":
+        """Return dr/dm and dy/dm of each parameter; None where the tangent is singular."""
+        y, p = step.unknown_values, step.parameter
+        u, load = system.state(y, p)
+        equilibrium, matrix = system.linearize(u, load=load)
+        try:
+            factor: Factor = inertia(system, matrix, u, p).factor
+        except SingularError:
+            return None
+        # derivatives have errors of first order in that of the state
+        y = y - factor.solve(_residual(system, equilibrium, u, p))
+        found = _Solution(p, y, system.maximum_openings, [], [])
+        gradient = _gradient(system, y, p)
+        for k, several in enumerate(self._variants):
+            found.rates.append(np.zeros(system.count))
+            partial = _total(several, found.at(k, self._history), _balance)
+            found.rates[k] = -factor.solve(partial[:-1])
+            if gradient is None:
+                whole = _total(several, found.at(k, self._history), _balance)
+                found.reactions.append(float(whole[-1]))
+            else:
+                found.reactions.append(float(partial[-1] + gradient @ found.rates[k]))
+        return found
+
+
+class _Moving(NamedTuple):
+    """A state, from a history, and the rates at which its unknowns and the history change."""
+
+    parameter: float
+    unknown_values: FloatArray
+    rate: FloatArray
+    history: FloatArray
+    history_rate: FloatArray
+
+
+class _Solution(NamedTuple):
+    """A state, and for each parameter of the problem dr/dm and dy/dm (count,)."""
+
+    parameter: float
+    unknown_values: FloatArray
+    history: FloatArray  # before the step
+    reactions: list[float]
+    rates: list[FloatArray]
+
+    def at(self, number: int, history_rates: Sequence[FloatArray]) -> _Moving:
+        """Return the state as it changes by the parameter of a number."""
+        history_rate = history_rates[number]
+        return _Moving(self.parameter, self.unknown_values, self.rates[number], self.history, history_rate)
+
+
+def _total(
+    variants: Sequence[Variant], at: _Moving, of: Callable[[Variant, FloatArray, float], FloatArray]
+) -> FloatArray:
+    """Return the derivative of a function of system, unknowns and drive's parameter at a moving state."""
+    total: FloatArray | None = None
+    for one in variants:
+        system = one.system
+        if system.irreversible:
+            system = system.after(at.history + one.shift * at.history_rate)
+        moved = (at.unknown_values + one.shift * at.rate)[one.unknowns]
+        value = one.weight * of(one._replace(system=system), moved, at.parameter)
+        total = value if total is None else total + value
+    assert total is not None
+    return total
+
+
+def with_sensitivities(steps: Iterable[Step], sensitivities: Sensitivities | None) -> Iterator[Step]:
+    """Yield the steps of a path, with their sensitivities if there are any."""
+    for step in steps:
+        yield step if sensitivities is None else replace(step, sensitivities=sensitivities.of(step))
+
+
+def _committed(one: Variant, y: FloatArray, parameter: float) -> FloatArray:
+    """Return the history after a step to unknowns y (count,)."""
+    return one.system.commit(_displaced(one, y, parameter))
+
+
+def _displaced(one: Variant, y: FloatArray, parameter: float) -> FloatArray:
+    """Return the coefficients (size, 2) of the displacement."""
+    return one.system.state(y, parameter)[0]
+
+
+def _balance(one: Variant, y: FloatArray, parameter: float) -> FloatArray:
+    """Return residual (count,), in the order of the system that is varied, and the reaction (1,)."""
+    system = one.system
+    u, load = system.state(y, parameter)
+    equilibrium = system.equilibrium(u, load)
+    found = np.empty(system.count + 1)
+    found[one.unknowns] = _residual(system, equilibrium, u, parameter)
+    found[-1] = system.reaction(equilibrium, u, load, parameter)
+    return found
+
+
+def _residual(system: System, equilibrium: Equilibrium, u: FloatArray, parameter: float) -> FloatArray:
+    """Return the residual of all unknowns (count,)."""
+    if not system.global_unknowns:
+        return equilibrium.residual
+    return np.append(equilibrium.residual, system.control.equation(u, parameter)[0])
+
+
+def _gradient(system: System, y: FloatArray, parameter: float) -> FloatArray | None:
+    """Return dr/dy (count,); None where it is not symmetric to dR/dp, as forces have no potential."""
+    if system.global_unknowns:
+        return np.append(np.zeros(system.count - 1), 1.0)
+    if system.control.raises_load:
+        return system.constraints.condense(system.control.pattern())
+    if not system.has_potential:
+        return None
+    fastest = float(np.abs(system.constraints.rate(parameter)).max())
+    small = _SMALL_MOTION * extent(system.problem) / fastest
+    ahead, behind = (
+        system.equilibrium(system.state(y, parameter + sign * small)[0]).residual for sign in (1, -1)
+    )
+    gradient: FloatArray = (ahead - behind) / (2 * small)
+    return gradient
+
+
+def _initial_rate(variants: Sequence[Variant]) -> FloatArray:
+    """Return the derivative of the history of the bodies as they are."""
+    if not variants[0].system.irreversible:
+        return np.zeros(0)
+    total = sum(one.weight * one.system.maximum_openings for one in variants)
+    first = variants[0].system.maximum_openings
+    # points that have not closed yet have one number in all variants
+    same = np.all([one.system.maximum_openings == first for one in variants], axis=0)
+    rate: FloatArray = np.where(same, 0.0, total)
+    return rate
