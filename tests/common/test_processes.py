@@ -7,6 +7,7 @@ import sys
 from collections.abc import Callable, Iterator
 from functools import partial
 from multiprocessing import active_children
+from pathlib import Path
 from time import sleep
 
 import pytest
@@ -54,6 +55,23 @@ def test_others_children_are_left_alone() -> None:
 
 def test_cores_are_those_that_the_process_may_use() -> None:
     assert 1 <= cores() <= min(os.cpu_count() or 1, 61)
+
+
+UNGUARDED = """
+import os
+from isopeel.common.processes import worker_pool
+print("begun")
+with worker_pool(1, imports_script=False) as pool:
+    print(pool.submit(os.getpid).result() != os.getpid())
+"""
+
+
+def test_a_script_without_a_guard_begins_once(tmp_path: Path) -> None:
+    (tmp_path / "script.py").write_text(UNGUARDED)
+    printed = subprocess.run(
+        [sys.executable, tmp_path / "script.py"], capture_output=True, text=True, check=True
+    )
+    assert printed.stdout == "begun\nTrue\n"
 
 
 SLEEPING = """

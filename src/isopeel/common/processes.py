@@ -2,13 +2,15 @@
 
 import os
 import signal
+import sys
 import time
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from multiprocessing import active_children, get_context, parent_process
 from threading import Thread
+from types import ModuleType
 from typing import NamedTuple, ParamSpec, TypeVar
 
 from isopeel.common.interrupts import check, leave_time
@@ -33,14 +35,20 @@ class Done(NamedTuple):
 
 
 @contextmanager
-def worker_pool(workers: int, begin: Callable[[], None] | None = None) -> Iterator[ProcessPoolExecutor]:
+def worker_pool(
+    workers: int, begin: Callable[[], None] | None = None, *, imports_script: bool = True
+) -> Iterator[ProcessPoolExecutor]:
     """Open a pool whose processes are started when there are tasks; each calls `begin` first.
+
+    If no task is defined in the script of the user, its processes need not import it: then the script may
+    use the pool without `if __name__ == "__main__"`.
 
     The processes end at once if an error or an interrupt leaves the context, and when this process ends in
     any way. Raises WorkerLostError if one of them is ended from outside.
     """
     others = active_children()
     with _no_modules_from_here(), _Pool(workers, get_context("spawn"), _start_worker, (begin,)) as pool:
+        pool.imports_script = imports_script
         leave_time()
         try:
             yield pool
@@ -83,8 +91,10 @@ def cores() -> int:
 class _Pool(ProcessPoolExecutor):
     """A pool whose processes are started when there are tasks, and ignore Ctrl-C."""
 
+    imports_script = True
+
     def submit(self, task: Callable[P, O], /, *args: P.args, **kwargs: P.kwargs) -> Future[O]:
-        with _interrupts_held():
+        with _interrupts_held(), nullcontext() if self.imports_script else _without_script():
             return super().submit(task, *args, **kwargs)
 
 
@@ -101,6 +111,17 @@ def _no_modules_from_here() -> Iterator[None]:
             del os.environ[name]
         else:
             os.environ[name] = before
+
+
+@contextmanager
+def _without_script() -> Iterator[None]:
+    """In the context, new processes do not import the script of this one: `multiprocessing` finds none."""
+    script = sys.modules["__main__"]
+    sys.modules["__main__"] = ModuleType("__main__")
+    try:
+        yield
+    finally:
+        sys.modules["__main__"] = script
 
 
 @contextmanager
