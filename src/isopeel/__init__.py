@@ -59,6 +59,8 @@ if TYPE_CHECKING:
     from isopeel.solve.supports import support_reactions
     from isopeel.solve.trace import trace
     from isopeel.splines.rows import RowSpace, row_space
+    from isopeel.study.parameter_study import ParameterStudy, load_study, parameter_study
+    from isopeel.study.table import StudyResults
 
 __version__ = "0.1.0"
 
@@ -89,6 +91,7 @@ __all__ = [
     "MovedSide",
     "NeoHooke",
     "NewtonSettings",
+    "ParameterStudy",
     "Patch",
     "Prestretched",
     "Problem",
@@ -101,6 +104,7 @@ __all__ = [
     "Step",
     "StoredRun",
     "Strip",
+    "StudyResults",
     "Support",
     "TaperedStrip",
     "Tie",
@@ -110,6 +114,8 @@ __all__ = [
     "XuNeedleman",
     "Yeoh",
     "load_case",
+    "load_study",
+    "parameter_study",
     "read_run",
     "row_space",
     "strip",
@@ -167,6 +173,8 @@ _MODULES = {
     "solve.supports": ("support_reactions",),
     "solve.trace": ("trace",),
     "splines.rows": ("RowSpace", "row_space"),
+    "study.parameter_study": ("ParameterStudy", "load_study", "parameter_study"),
+    "study.table": ("StudyResults",),
 }
 _HOMES = {name: module for module, names in _MODULES.items() for name in names}
 

@@ -65,11 +65,11 @@ def test_finished_runs_are_not_computed_again(tmp_path: Path) -> None:
         compute(tasks, store, interrupted, _ignore)
     later = Counting()
     compute(tasks, store, later, _ignore)
-    assert later.computed == [2, 3, 4]
+    assert sorted(interrupted.computed + later.computed) == [0, 1, 2, 3, 4]
     # a study that grew computes what is new, in any order
     grown = Counting()
     found = compute([*_tasks(7)[::-1]], store, grown, _ignore)
-    assert grown.computed == [0, 1]
+    assert sorted(grown.computed) == [0, 1]
     assert len(found) == 7
     # another case is another run
     again = Counting()

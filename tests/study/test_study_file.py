@@ -7,7 +7,7 @@ import pytest
 
 from isopeel.case import load_case
 from isopeel.common.errors import InputError
-from isopeel.study.study_file import load_study, study_of
+from isopeel.study.study_file import read_study, study_of
 
 GOOD = """
 name = "angles"
@@ -32,7 +32,7 @@ scale = "logarithmic"
 
 def test_a_study_is_read_with_its_case_and_points(tmp_path: Path) -> None:
     (tmp_path / "study.toml").write_text(GOOD)
-    study = load_study(tmp_path / "study.toml")
+    study = read_study(tmp_path / "study.toml")
     assert study.case.space().elements == (80, 2)
     assert len(study.points) == 6
     assert study.points[0] == {"drive.angle": "60 deg", "adhesion.hamaker_constant": "5e-20 J"}
@@ -45,7 +45,7 @@ def test_a_case_is_seen_from_the_folder_of_the_study(tmp_path: Path) -> None:
     (tmp_path / "study.toml").write_text(
         'name = "s"\ncase = "my.toml"\n[[factor]]\nkey = "body.height"\nvalues = ["8 nm"]\n'
     )
-    assert load_study(tmp_path / "study.toml").case.name == "mine"
+    assert read_study(tmp_path / "study.toml").case.name == "mine"
 
 
 @pytest.mark.parametrize(
@@ -95,4 +95,4 @@ def test_a_file_that_cannot_be_read_is_named(content: bytes | None, message: str
     if content is not None:
         path.write_bytes(content)
     with pytest.raises(InputError, match=f"^STUDY: .*{message}"):
-        load_study(path)
+        read_study(path)

@@ -8,7 +8,7 @@ from isopeel.study.factors import Factor, Listed, Range
 from isopeel.study.figures import curves_figure, main_effect, output_figure
 from isopeel.study.outcome import Amount, Line, Outcome
 from isopeel.study.sobol import variance_shares
-from isopeel.study.study_file import Study
+from isopeel.study.study import Study
 from isopeel.study.table import StudyResults, output_of
 
 CASE = load_case("strip")

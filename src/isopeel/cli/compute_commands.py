@@ -2,6 +2,7 @@
 
 import json
 import shlex
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -281,9 +282,9 @@ def study(
     Finished runs are stored, so that the same command continues an interrupted study, and a study with more
     values computes the new runs only.
     """
-    from isopeel.study.study_file import load_study
+    from isopeel.study.study_file import read_study
 
-    chosen = load_study(file)
+    chosen = read_study(file)
     folder = out or Path("out") / chosen.name
     stored = f"finished runs are in {folder}; the same command continues the study"
     try:
@@ -291,13 +292,14 @@ def study(
 
         with reporting(f"interrupted; {stored}"):
             from isopeel.study.on_dask import executor_of
-            from isopeel.study.report import run_study
+            from isopeel.study.run import run_study
 
+            show = partial(console(quiet=quiet).print, soft_wrap=True)
             results = run_study(
                 chosen,
                 folder,
                 console(quiet=quiet),
-                executor_of(scheduler, workers or cores(), console(quiet=quiet)),
+                executor_of(scheduler, workers or cores(), show, "--scheduler"),
                 force=force,
                 command=f"isopeel study {shlex.quote(str(file))}",
             )

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, wait
+from contextlib import nullcontext
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Protocol
@@ -42,24 +43,28 @@ class Store:
         return read_outcome(self.path(task))
 
 
-def compute(tasks: Sequence[Task], store: Store, executor: Executor, finished: Finished) -> list[Outcome]:
+def compute(
+    tasks: Sequence[Task], store: Store | None, executor: Executor, finished: Finished
+) -> list[Outcome]:
     """Return the outcomes of tasks in their order; those that the store has are not computed again.
 
     Each outcome is stored when it is finished, so that an interrupted study continues. A run whose process
-    was lost is not stored: the same command computes it again. Raises InputError for --out if another process
-    computes runs in the folder, and OSError if an outcome cannot be written.
+    was lost is not stored: the same command computes it again. Without a store nothing is written. Raises
+    InputError for --out if another process computes runs in the folder, and OSError if an outcome cannot be
+    written.
     """
     outcomes: dict[int, Outcome] = {}
-    with alone_in(store.folder, "--out"):
+    with nullcontext() if store is None else alone_in(store.folder, "--out"):
         waiting: dict[int, Task] = {}
-        for number, task in enumerate(tasks):
-            stored = store.read(task)
+        # the order of digests is random: runs that are done are a sample of all, also in their time
+        for number, task in sorted(enumerate(tasks), key=lambda pair: pair[1].digest):
+            stored = None if store is None else store.read(task)
             if stored is None:
                 waiting[number] = task
             else:
                 outcomes[number] = stored
         for number, outcome in executor(waiting):
-            if outcome.ending != LOST:
+            if store is not None and outcome.ending != LOST:
                 write_outcome(outcome, store.path(tasks[number]))
             outcomes[number] = outcome
             finished(number, outcome)
@@ -95,7 +100,7 @@ class InProcesses:
         waiting = iter(tasks.items())
         futures: dict[Future[Outcome], int] = {}
         try:
-            with worker_pool(min(self.workers, len(tasks))) as pool:
+            with worker_pool(min(self.workers, len(tasks)), imports_script=False) as pool:
                 while True:
                     for number, task in waiting:
                         futures[pool.submit(task)] = number

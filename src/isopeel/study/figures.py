@@ -13,7 +13,7 @@ from isopeel.common.arrays import FloatArray
 from isopeel.post.style import BLUE, FIELD_MAP, GREY, TWO_COLUMNS, VERMILION, style
 from isopeel.study.design import groups_of
 from isopeel.study.factors import Factor, Range
-from isopeel.study.table import Output, StudyResults
+from isopeel.study.table import Output, StudyResults, heading_of
 
 #: Panels in one row.
 _MOST_PANELS = 3
@@ -60,8 +60,8 @@ def curves_figure(results: StudyResults) -> Figure:
             if outcome.lines:
                 line = outcome.lines[-1]
                 axes.plot(line.parameter, line.reaction, color=colours.to_rgba(value), linewidth=0.8)
-                axes.set_xlabel(_labelled(line.names[0], line.units[0]))
-                axes.set_ylabel(_labelled(line.names[1], line.units[1]))
+                axes.set_xlabel(heading_of(line.names[0], line.units[0]))
+                axes.set_ylabel(heading_of(line.names[1], line.units[1]))
         axes.margins(x=0)
         bar = figure.colorbar(colours, ax=axes, label=first.label)
         if first.names:
@@ -166,7 +166,3 @@ def main_effect(
     sums = np.bincount(numbers, weights=output, minlength=len(levels))
     used = counts > 0
     return levels[used], sums[used] / counts[used]
-
-
-def _labelled(name: str, unit: str) -> str:
-    return f"{name} [{unit}]" if unit not in ("", "1") else name

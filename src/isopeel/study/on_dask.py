@@ -4,11 +4,8 @@ import logging
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
-from functools import partial
 from queue import Empty, Queue
 from typing import Any
-
-from rich.console import Console
 
 from isopeel.common.errors import InputError
 from isopeel.common.interrupts import check
@@ -34,32 +31,34 @@ def is_installed() -> bool:
     return True
 
 
-def executor_of(scheduler: str | None, workers: int, console: Console) -> Executor:
-    """Return the executor for --scheduler: an address, `processes`, or None for what is installed.
+def executor_of(scheduler: object, workers: int, show: Callable[[str], None], field: str) -> Executor:
+    """Return the executor for a scheduler: an address, a client, `processes`, or None for what is installed.
 
-    Raises InputError if a scheduler is named and Dask is not installed.
+    Raises InputError for a field if a scheduler is given and Dask is not installed.
     """
     if scheduler == "processes" or (scheduler is None and not is_installed()):
         return InProcesses(workers)
     if not is_installed():
-        raise InputError("--scheduler", scheduler, "Dask is not installed: pip install 'isopeel[study]'")
-    return OnDask(scheduler, workers, partial(console.print, soft_wrap=True))
+        raise InputError(field, str(scheduler), "Dask is not installed: pip install 'isopeel[study]'")
+    return OnDask(scheduler, workers, show, field)
 
 
 @dataclass(frozen=True)
 class OnDask:
-    """Computes tasks on a scheduler at an address, or without one on a cluster of processes here.
+    """Computes tasks on a scheduler, which is given by its address or by a client that is connected to it.
 
-    Workers need isopeel, but no disk in common with this process. A task whose worker is lost is computed
-    again, up to the `allowed-failures` of the scheduler. `show` receives lines for the user.
+    Without a scheduler, a cluster of processes is started on this machine. Workers need isopeel, but no disk
+    in common with this process. A task whose worker is lost is computed again, up to the `allowed-failures`
+    of the scheduler. `show` receives lines for the user, and `field` is the scheduler in error messages.
     """
 
-    address: str | None
+    scheduler: Any
     workers: int
     show: Callable[[str], None]
+    field: str = "--scheduler"
 
     def __call__(self, tasks: Mapping[int, Task]) -> Iterator[tuple[int, Outcome]]:
-        """Yield the outcomes of tasks. Raises InputError for --scheduler if there is no connection to it."""
+        """Yield the outcomes of tasks. Raises InputError if there is no connection to it."""
         if not tasks:
             return
         from distributed.scheduler import KilledWorker
@@ -83,7 +82,7 @@ class OnDask:
                 check()
                 number = futures.pop(future)
                 if future.status == "cancelled":
-                    raise InputError("--scheduler", self._name, "the connection to it was lost")
+                    raise InputError(self.field, self._name, "the connection to it was lost")
                 try:
                     outcome = future.result()
                 except KilledWorker as error:
@@ -91,19 +90,24 @@ class OnDask:
                 except Exception as error:
                     # a task returns what is wrong with its run: this one could not be loaded there
                     allowed = f"isopeel of this version must be installed there: {error}"
-                    raise InputError("--scheduler", self._name, allowed) from error
+                    raise InputError(self.field, self._name, allowed) from error
                 yield number, outcome
 
     @property
     def _name(self) -> str:
-        return self.address or "local"
+        if self.scheduler is None:
+            return "local"
+        return self.scheduler if isinstance(self.scheduler, str) else self.scheduler.scheduler.address
 
     @contextmanager
     def _client(self) -> Iterator[Any]:
         import dask
         import distributed
 
-        if self.address is None:
+        if isinstance(self.scheduler, distributed.Client):
+            yield self.scheduler
+            return
+        if self.scheduler is None:
             with (
                 dask.config.set(_SETTINGS),
                 self._cluster() as cluster,
@@ -112,15 +116,15 @@ class OnDask:
                 yield client
             return
         try:
-            client = distributed.Client(self.address, timeout=_CONNECT_SECONDS, set_as_default=False)
+            client = distributed.Client(self.scheduler, timeout=_CONNECT_SECONDS, set_as_default=False)
         except (OSError, ValueError) as error:
             allowed = f"no scheduler answers there: {error}"
-            raise InputError("--scheduler", self.address, allowed) from error
+            raise InputError(self.field, str(self.scheduler), allowed) from error
         with client:
             yield client
 
     def _cluster(self) -> Any:
-        """Start a cluster on this machine. Raises InputError for --scheduler if that fails."""
+        """Start a cluster on this machine. Raises InputError if that fails."""
         import distributed
 
         try:
@@ -129,4 +133,4 @@ class OnDask:
             )
         except (RuntimeError, OSError) as error:
             allowed = f"its processes did not start: {error}; --scheduler processes does without Dask"
-            raise InputError("--scheduler", self._name, allowed) from error
+            raise InputError(self.field, self._name, allowed) from error

@@ -1,24 +1,14 @@
-"""Compute a study, and write its tables, figures and report."""
+"""The report of a study."""
 
 from collections.abc import Iterator, Sequence
 from functools import partial
-from pathlib import Path
 
-from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
-
-from isopeel.common.processes import cores
-from isopeel.report.document import Block, Document, Picture, Section, Table, Text, write_document
-from isopeel.report.folder import RUNS, TABLES, replaced, take_folder
+from isopeel.report.document import Block, Document, Picture, Section, Table, Text
 from isopeel.report.wording import listed
 from isopeel.results.provenance import Provenance
-from isopeel.running.folder import make_folder
-from isopeel.study.execution import Executor, InProcesses, Store, compute
 from isopeel.study.figures import curves_figure, output_figure
-from isopeel.study.outcome import Outcome, Task
 from isopeel.study.sobol import variance_shares
-from isopeel.study.study_file import Study
-from isopeel.study.table import StudyResults, columns_of, write_tables
+from isopeel.study.table import StudyResults, columns_of
 
 #: Rows of the table in the report; the file has all of them.
 _MOST_ROWS = 200
@@ -26,48 +16,6 @@ _MOST_ROWS = 200
 _MOST_NAMED = 5
 #: Outputs that have a figure.
 _MOST_FIGURES = 12
-
-
-def run_study(
-    study: Study,
-    out: Path,
-    console: Console,
-    executor: Executor | None = None,
-    *,
-    force: bool = False,
-    command: str = "isopeel study",
-) -> StudyResults:
-    """Compute the runs of a study that its folder does not have yet, and write its tables and report.
-
-    The runs are computed by an executor, by default in a process for each core. Raises InputError if the
-    folder cannot be written, or if it contains files that are not of a report, unless with `force`. Raises
-    OSError if a file cannot be written.
-    """
-    folder = take_folder(out, "", lambda _: False, force=force)
-    store = Store(out / RUNS)
-    make_folder(store.folder)
-    tasks = [Task(study.case.text, point) for point in study.points]
-    known = sum(store.read(task) is not None for task in tasks)
-    console.print(f"{len(tasks)} runs, {known} of them are finished already")
-    if message := replaced(folder):
-        console.print(message, soft_wrap=True)
-    with _progress(console) as bar:
-        line = bar.add_task(study.name, total=len(tasks), completed=known)
-
-        def finished(number: int, outcome: Outcome) -> None:
-            bar.update(line, advance=1)
-            if outcome.ending != "completed":
-                bar.console.print(f"run {number + 1}: {outcome.ending}: {outcome.cause}", soft_wrap=True)
-
-        outcomes = compute(tasks, store, executor or InProcesses(cores()), finished)
-    results = StudyResults(study, tuple(outcomes))
-    make_folder(folder / TABLES)
-    files = write_tables(results, folder / TABLES)
-    write_document(make_document(results, Provenance.of_this_process(), command), folder)
-    for name in results.missing_outputs:
-        console.print(f"note: no run has the reading {name!r}; there are {_names(results)}", soft_wrap=True)
-    console.print(f"the tables are {listed(list(map(str, files)))}", soft_wrap=True)
-    return results
 
 
 def make_document(results: StudyResults, provenance: Provenance, command: str) -> Document:
@@ -153,25 +101,7 @@ def _provenance(results: StudyResults, provenance: Provenance) -> Iterator[Block
     )
 
 
-def _names(results: StudyResults) -> str:
-    names = dict.fromkeys(name for outcome in results.outcomes for name in outcome.readings)
-    return ", ".join(names) or "none"
-
-
 def _cell(value: object) -> str:
     if value is None:
         return ""
     return f"{value:.6g}" if isinstance(value, float) else " ".join(str(value).split())
-
-
-def _progress(console: Console) -> Progress:
-    return Progress(
-        TextColumn("{task.description}"),
-        BarColumn(bar_width=None),
-        MofNCompleteColumn(),
-        TextColumn("runs, left"),
-        TimeRemainingColumn(),
-        console=console,
-        transient=True,
-        disable=not console.is_terminal,
-    )

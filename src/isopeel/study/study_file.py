@@ -1,7 +1,6 @@
 """The file of a study: a base case, factors, the design, and the outputs that are read."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from math import isfinite
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -13,9 +12,10 @@ from isopeel.case.text import document_of
 from isopeel.case.values import Section
 from isopeel.common.errors import InputError
 from isopeel.common.units import measured_as, unit_of
-from isopeel.study.design import Method, Point, groups_of, points_of
+from isopeel.study.design import Method, groups_of
 from isopeel.study.factors import Factor, Listed, Range
-from isopeel.study.tables import case_of, first_error, text_of
+from isopeel.study.study import Study
+from isopeel.study.tables import case_of, first_error, text_of, with_set_values
 
 #: Most runs of a study: each takes a second or more.
 MOST_RUNS = 100_000
@@ -67,29 +67,7 @@ class _StudyTable(Section):
     ] = ()
 
 
-@dataclass(frozen=True)
-class Study:
-    """A base case, and the values of its keys for each run.
-
-    Make one with `load_study`, or with `study` from Python objects. `outputs` are the names of the readings
-    in the table; all of them if it is empty.
-    """
-
-    name: str
-    case: Case
-    factors: tuple[Factor, ...]
-    method: Method = "grid"
-    count: int = 0
-    seed: int = 0
-    outputs: tuple[str, ...] = ()
-
-    @property
-    def points(self) -> list[Point]:
-        """The values of each run, in their order."""
-        return points_of(self.factors, self.method, self.count, self.seed)
-
-
-def load_study(path: Path) -> Study:
+def read_study(path: Path) -> Study:
     """Read the file of a study, whose case is a shipped one or is seen from its folder.
 
     Raises InputError, whose field is the key, or STUDY for the file itself.
@@ -102,11 +80,27 @@ def study_of(document: Mapping[str, Any], folder: Path = Path()) -> Study:
 
     Raises InputError, whose field is the key.
     """
+    tables = _checked(document)
+    return _of_case(tables, case_of(tables.case, tables.set, folder))
+
+
+def study_of_case(document: Mapping[str, Any], base: Case) -> Study:
+    """Check the tables of a study of a case that is loaded already; they have no key `case`.
+
+    Raises InputError, whose field is the key.
+    """
+    tables = _checked({**document, "case": base.name})
+    return _of_case(tables, with_set_values(base, tables.set))
+
+
+def _checked(document: Mapping[str, Any]) -> _StudyTable:
     try:
-        tables = _StudyTable.model_validate(document)
+        return _StudyTable.model_validate(document)
     except ValidationError as error:
         raise first_error(error, _StudyTable, {"factor": _FactorTable, "design": _DesignTable}) from error
-    base = case_of(tables.case, tables.set, folder)
+
+
+def _of_case(tables: _StudyTable, base: Case) -> Study:
     factors = tuple(_factor(table, f"factor.{number}") for number, table in enumerate(tables.factor, start=1))
     _check_zips(factors)
     _check_keys(base, factors)

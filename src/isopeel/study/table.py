@@ -9,12 +9,13 @@ import h5py
 import numpy as np
 
 from isopeel.common.arrays import FloatArray
+from isopeel.common.dataframes import dataframe
 from isopeel.common.units import measured_as
 from isopeel.results.curve import write_table
 from isopeel.results.files import replacing
 from isopeel.study.factors import Factor
 from isopeel.study.outcome import Amount, Outcome
-from isopeel.study.study_file import Study
+from isopeel.study.study import Study
 
 #: Columns that differ if the same study is computed again.
 OF_THE_MACHINE = ("seconds", "host")
@@ -31,7 +32,7 @@ class Output:
     @property
     def heading(self) -> str:
         """The heading of its column."""
-        return f"{self.name} [{self.unit}]" if self.unit else self.name
+        return heading_of(self.name, self.unit)
 
 
 @dataclass(frozen=True)
@@ -50,15 +51,54 @@ class StudyResults:
     @property
     def outputs(self) -> list[Output]:
         """The readings that the study names, or all that a run has."""
-        named = list(self.study.outputs) or list(
-            dict.fromkeys(name for outcome in self.outcomes for name in outcome.readings)
-        )
-        return [output_of(name, self.outcomes) for name in named]
+        return [output_of(name, self.outcomes) for name in self.study.outputs or self.reading_names]
+
+    @property
+    def reading_names(self) -> list[str]:
+        """The names of the readings that a run has."""
+        return list(dict.fromkeys(name for outcome in self.outcomes for name in outcome.readings))
 
     @property
     def missing_outputs(self) -> list[str]:
         """Named readings that no run has."""
         return [one.name for one in self.outputs if np.isnan(one.values).all()]
+
+    def to_dataframe(self) -> Any:
+        """Return the table as a DataFrame of pandas: a row for each run, by its number from 1 on.
+
+        Columns and units are those of the file runs.csv, such as `largest force [N/m]`. Raises ImportError
+        if pandas is not installed.
+        """
+        numbers = {one.heading: one.values for one in self.outputs}
+        return dataframe(columns_of(self) | numbers).set_index("run")
+
+    def curves_to_dataframe(self) -> Any:
+        """Return the curves as a DataFrame of pandas: a row for each step of each run.
+
+        The columns are the number of the run, the stage, and the parameter and the reaction with their
+        units. Raises ImportError if pandas is not installed.
+        """
+        columns: dict[str, list[Any]] = {"run": [], "stage": []}
+        for number, outcome in enumerate(self.outcomes, start=1):
+            for line in outcome.lines:
+                length, before = len(line.parameter), len(columns["run"])
+                columns["run"] += [number] * length
+                columns["stage"] += [line.stage] * length
+                for name, unit, values in zip(
+                    line.names, line.units, (line.parameter, line.reaction), strict=True
+                ):
+                    column = columns.setdefault(heading_of(name, unit), [])
+                    # curves of other stages may have other columns
+                    column += [np.nan] * (before - len(column)) + values.tolist()
+        longest = len(columns["run"])
+        return dataframe(
+            {name: column + [np.nan] * (longest - len(column)) for name, column in columns.items()}
+        )
+
+
+def heading_of(name: str, unit: str) -> str:
+    """Return the heading of a column: a name, and its unit in brackets if it has one."""
+    return f"{name} [{unit}]" if unit not in ("", "1") else name
 
 
 def output_of(name: str, outcomes: Sequence[Outcome]) -> Output:

@@ -40,6 +40,11 @@ def case_of(name: str, values: Mapping[str, Any], folder: Path) -> Case:
     except InputError as error:
         field = "case" if error.field == "CASE" else f"case {name}, {error.field}"
         raise InputError(field, error.value, error.allowed) from error
+    return with_set_values(base, values)
+
+
+def with_set_values(base: Case, values: Mapping[str, Any]) -> Case:
+    """Return a case with the values of a table `set`. Raises InputError for its keys."""
     try:
         return base.with_values(values)
     except InputError as error:
