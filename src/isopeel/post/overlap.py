@@ -19,8 +19,10 @@ from isopeel.splines.nurbs import Side
 #: Depth up to which two bodies touch, as a share of the thickness of the thinner one: where two faces are
 #: pressed on one plane, their laws let them pass it a little. Chords leave curved sides by less than that.
 _TOUCHES = 0.02
-#: The same for sides with an interface: deeper, the lever arm between both bodies is not that of the problem.
-_GIVES_WAY = 0.05
+#: The same for sides with an interface. A soft joint gives way near its front by some percent, which changes
+#: nothing: by 10 % in the T-peel whose force is 0.02 % above the closed form. In transfer printing 23 % changed
+#: the largest force by 4 %, as the lever arm between both bodies is shorter.
+_GIVES_WAY = 0.2
 #: Points that are compared with all chords of an outline at once, to save memory.
 _AT_ONCE = 500
 #: A side whose tangents keep within this angle is a graph over some direction, which cannot meet itself. The
@@ -55,7 +57,7 @@ def overlaps(problem: Problem, space: SpaceOfBodies, displacement: FloatArray) -
 
     Two bodies with an interface overlap where one enters the other through a side without one, deeper than
     through a side with one: there the law lets them overlap a little. They also overlap where it lets them
-    overlap by more than a twentieth of the thickness of the thinner body. Sides that are tied do not overlap.
+    overlap by more than a fifth of the thickness of the thinner body. Sides that are tied do not overlap.
     """
     spaces = Spaces.on(problem, space)
     return _overlaps(spaces, space, spaces.control_points(), displacement)
