@@ -20,8 +20,8 @@ from isopeel.splines.nurbs import Side
 #: pressed on one plane, their laws let them pass it a little. Chords leave curved sides by less than that.
 _TOUCHES = 0.02
 #: The same for sides with an interface. A soft joint gives way near its front by some percent, which changes
-#: nothing: by 10 % in the T-peel whose force is 0.02 % above the closed form. In transfer printing 23 % changed
-#: the largest force by 4 %, as the lever arm between both bodies is shorter.
+#: nothing: by 10 % in the T-peel whose force is 0.02 % above the closed form. In transfer printing, 23 % of
+#: the film changed the largest force by 4 %, as the lever arm between both bodies is shorter.
 _GIVES_WAY = 0.2
 #: Points that are compared with all chords of an outline at once, to save memory.
 _AT_ONCE = 500
