@@ -146,7 +146,7 @@ class Outcome:
     jumps: int
     cause: str
     reason: str
-    seconds: float
+    seconds: float  # of processor time
 
 
 @dataclass(frozen=True)
@@ -160,18 +160,18 @@ class Attempt:
         case = Case.parse(self.pair.toml())
         (stage,) = case.stages()
         settings = isopeel.NewtonSettings(path_control="auto")
-        reached, steps, jumps, seconds, cause, reason = 0.0, 0, 0, 0.0, "", ""
+        reached, steps, jumps, cause, reason = 0.0, 0, 0, "", ""
         begun = process_time()
         try:
             for step in isopeel.trace(stage.problem, case.spaces(), stage.parameters, settings):
                 reached, steps = step.parameter / stage.parameters[-1], steps + 1
-                jumps, seconds = jumps + (step.kind == "jump"), seconds + step.seconds
+                jumps += step.kind == "jump"
                 if process_time() - begun > self.limit and reached < 1.0:
                     cause, reason = "time limit", f"{self.limit:g} s of processor time"
                     break
         except isopeel.ConvergenceError as error:
             cause, reason = error.cause, error.reason
-        return Outcome(float(reached), steps, jumps, cause, reason, seconds)
+        return Outcome(float(reached), steps, jumps, cause, reason, process_time() - begun)
 
 
 def draws(seed: int, count: int) -> list[Pair]:
