@@ -11,6 +11,8 @@ import pytest
 from dying import Dying
 
 from isopeel.common.errors import InputError
+from isopeel.common.fingerprint import code_fingerprint
+from isopeel.study import on_dask
 from isopeel.study.on_dask import OnDask
 from isopeel.study.outcome import LOST, REFUSED, Outcome, Task
 
@@ -28,6 +30,14 @@ def test_a_run_whose_worker_was_lost_is_computed_again(tmp_path: Path) -> None:
     found = _outcomes(executor, [Dying("a", {"deaths": str(tmp_path / "run")})])
     assert found[0] == Outcome("completed", steps=1)
     assert lines[0].startswith("dashboard: http://")
+    assert lines[0].endswith(", workers: 1")
+
+
+def test_a_worker_with_other_code_computes_no_run() -> None:
+    task = Dying("", {"deaths": "none"})
+    assert on_dask._computed(task, code_fingerprint("running")).ending == "completed"
+    with pytest.raises(RuntimeError, match=r"^the code of isopeel on .* is another one, or its Python is$"):
+        on_dask._computed(task, "other")
 
 
 @pytest.mark.long

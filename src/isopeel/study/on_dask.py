@@ -1,6 +1,7 @@
 """Compute the runs of a study as tasks of Dask, on this machine or on any scheduler."""
 
 import logging
+import platform
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -8,6 +9,7 @@ from queue import Empty, Queue
 from typing import Any
 
 from isopeel.common.errors import InputError
+from isopeel.common.fingerprint import code_fingerprint
 from isopeel.common.interrupts import check
 from isopeel.common.processes import CHECK_SECONDS
 from isopeel.study.execution import Executor, InProcesses, lost
@@ -64,11 +66,16 @@ class OnDask:
         from distributed.scheduler import KilledWorker
 
         with self._client() as client:
-            self.show(f"dashboard: {client.dashboard_link}")
+            workers = len(client.scheduler_info()["workers"])
+            waits = "" if workers else "; runs wait for a worker that connects to it"
+            self.show(f"dashboard: {client.dashboard_link}, workers: {workers}{waits}")
             done: Queue[Any] = Queue()
+            code = code_fingerprint("running")
             # keys are unlike those of other studies on the same scheduler
             futures = {
-                client.submit(task, key=f"isopeel-{task.digest}-{number}", pure=False): number
+                client.submit(
+                    _computed, task, code, key=f"isopeel-{task.digest}-{number}", pure=False
+                ): number
                 for number, task in tasks.items()
             }
             for future in futures:
@@ -88,8 +95,9 @@ class OnDask:
                 except KilledWorker as error:
                     outcome = lost(error.allowed_failures + 1)
                 except Exception as error:
-                    # a task returns what is wrong with its run: this one could not be loaded there
-                    allowed = f"isopeel of this version must be installed there: {error}"
+                    # a task returns what is wrong with its run: this one could not be loaded there, or the
+                    # code there is another one
+                    allowed = f"a worker needs this version of isopeel: {' '.join(str(error).split())}"
                     raise InputError(self.field, self._name, allowed) from error
                 yield number, outcome
 
@@ -105,7 +113,8 @@ class OnDask:
         import distributed
 
         if isinstance(self.scheduler, distributed.Client):
-            yield self.scheduler
+            with _silent():
+                yield self.scheduler
             return
         if self.scheduler is None:
             with (
@@ -120,7 +129,8 @@ class OnDask:
         except (OSError, ValueError) as error:
             allowed = f"no scheduler answers there: {error}"
             raise InputError(self.field, str(self.scheduler), allowed) from error
-        with client:
+        # the loss of a connection is an error of ours, with one line
+        with _silent(), client:
             yield client
 
     def _cluster(self) -> Any:
@@ -134,3 +144,24 @@ class OnDask:
         except (RuntimeError, OSError) as error:
             allowed = f"its processes did not start: {error}; --scheduler processes does without Dask"
             raise InputError(self.field, self._name, allowed) from error
+
+
+def _computed(task: Task, code: str) -> Outcome:
+    """Compute a task on a worker. Raises RuntimeError if its code is another one than that of the study."""
+    if code_fingerprint("running") != code:
+        raise RuntimeError(f"the code of isopeel on {platform.node()} is another one, or its Python is")
+    return task()
+
+
+@contextmanager
+def _silent() -> Iterator[None]:
+    """In the context, Dask logs nothing."""
+    loggers = [logging.getLogger(name) for name in ("distributed", "distributed.client")]
+    levels = [logger.level for logger in loggers]
+    for logger in loggers:
+        logger.setLevel(logging.CRITICAL)
+    try:
+        yield
+    finally:
+        for logger, level in zip(loggers, levels, strict=True):
+            logger.setLevel(level)
