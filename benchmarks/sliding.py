@@ -18,11 +18,10 @@ from isopeel.assembly.interface import InterfacePoints
 from isopeel.assembly.system import System
 from isopeel.common.arrays import FloatArray
 from isopeel.common.quantities import LENGTH, Dimension
-from isopeel.problem import Drive
+from isopeel.problem import Drive, Scheme
 from isopeel.problem.boundary import Place
 from isopeel.problem.drives.base import DISPLACEMENT, FORCE, Column, Freedom
 from isopeel.problem.place import placed
-from isopeel.problem.problem import Scheme
 from isopeel.problem.shapes.curved_strip import CurvedStrip
 from isopeel.solve.newton import NewtonSettings
 from isopeel.splines.nurbs import rectangle

@@ -16,7 +16,7 @@ from isopeel.assembly.spaces import Spaces
 from isopeel.assembly.system import System
 from isopeel.common.arrays import FloatArray
 from isopeel.physics.joints import XuNeedleman
-from isopeel.problem.problem import Scheme
+from isopeel.problem import Scheme
 from isopeel.splines.nurbs import NurbsSurface
 from isopeel.splines.space import SplineSpace
 

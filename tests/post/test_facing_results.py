@@ -5,9 +5,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from two_arms_apart import ANGLES, LAW, LOWER, SPACE, SPACES, UPPER, one, run_of, steps_of, two
+from two_arms_apart import ANGLES, LAW, LOWER, PART, SPACE, SPACES, UPPER, one, run_of, steps_of, two
 
-from isopeel import NeoHooke, Problem, RotatedSide, Step, Support, XuNeedleman, row_space
+from isopeel import Contact, NeoHooke, Problem, RotatedSide, Step, Support, XuNeedleman, row_space
 from isopeel.assembly.system import System
 from isopeel.common.units import UnitSystem
 from isopeel.post.energy import energies
@@ -187,7 +187,8 @@ def test_figures_show_both_faces_and_no_substrate(run: StoredRun) -> None:
     assert hatched(one()) == "mirror plane"
     figure = shapes_figure(two(), SPACES, run.states)
     titles = [axes.get_title("left") for axes in figure.axes]
-    assert titles[1:3] == [f"front of {name} at 110°" for name in FACES]
+    # one picture shows both faces of a front
+    assert titles[1:] == [f"front of {FACES[0]} at 110°", ""]
     assert [text.get_text() for text in figure.legends[0].get_texts()] == [
         "face that adheres",
         "enlarged below",
@@ -196,6 +197,25 @@ def test_figures_show_both_faces_and_no_substrate(run: StoredRun) -> None:
     assert len(front_figure(two(), SPACES, last).subfigs) == 2
     for row, name in zip(tractions_figure(two(), SPACES, [last]).subfigs, FACES, strict=True):
         assert row.axes[0].get_title("left") == f"{name}: all of the face"
+
+
+def test_faces_that_do_not_adhere_have_no_front_and_contact_alone_has_its_picture() -> None:
+    problem, states = two(), [StoredState(0, 0.0, np.zeros((2 * SPACE.size, 2)))]
+    (joint,) = problem.interfaces
+    crack = replace(
+        joint,
+        boundary=UPPER.side("bottom", start=PART),
+        against=LOWER.side("top", start=PART),
+        law=Contact(1.0),
+    )
+    cracked = replace(problem, interfaces=(joint, crack))
+    titles = [axes.get_title("left") for axes in shapes_figure(cracked, SPACES, states).axes]
+    assert titles == ["", "front of upper.bottom at 0°", ""]
+    assert len(front_figure(cracked, SPACES, states[0]).subfigs) == 2
+    touching = replace(problem, interfaces=(replace(joint, law=Contact(1.0)),))
+    figure = shapes_figure(touching, SPACES, states)
+    assert [axes.get_title("left") for axes in figure.axes] == ["", "contact of upper.bottom at 0°", ""]
+    assert figure.legends[0].get_texts()[0].get_text() == "face in contact"
 
 
 def test_the_summary_and_the_table_name_both_sides(run: StoredRun, tmp_path: Path) -> None:

@@ -11,6 +11,7 @@ from isopeel import (
     Body,
     HeldLoad,
     Interface,
+    MixedModeBilinear,
     NeoHooke,
     Problem,
     PulledSide,
@@ -22,6 +23,7 @@ from isopeel import (
 )
 from isopeel.physics.materials.base import plane_strain_modulus
 from isopeel.post.contour import JIntegral, j_integral
+from isopeel.post.crack import crack_lengths, fronts, load_position
 from isopeel.post.front_readings import front_flows, front_readings
 from isopeel.post.mode_ratio import ArmLoads, ModeRates, equal_arm_rates, mode_rates
 from isopeel.problem.place import placed
@@ -101,6 +103,44 @@ def test_rates_of_arms_that_slide_under_axial_forces() -> None:
     assert rates.sliding == pytest.approx(step.reaction**2 * HEIGHT**2 / (48 * BENDING), rel=1e-3)
     assert rates.ratio == pytest.approx(1.0, abs=1e-5)
     assert rates.sliding == pytest.approx(flow.value, rel=1e-4)
+
+
+def test_the_front_of_faces_that_slide_is_where_the_compliance_puts_it() -> None:
+    """End forces +-P: (2 a + 1.5 (L - a)) P/(E' h) is the distance of the ends, and P^2/(4 E' h) is G_II."""
+    strain = 1e-6  # of the free parts: beams stay straight
+    work = MODULUS * HEIGHT * strain**2 / 4
+    strength = np.sqrt(MODULUS * work) / 5  # a front of several elements
+    law = MixedModeBilinear(strength, strength, work, work, 0.2)
+    problem = joined(lambda upper, lower: PulledSide(((upper, 1.0), (lower, -1.0)), 0.0))
+    (joint,) = problem.interfaces
+    problem = replace(problem, interfaces=(replace(joint, law=law),))
+    steps = steps_of(problem, SPACES, strain * np.array([60.0, 80.0, 90.0, 92.5, 95.0, 97.0]))
+    found = fronts(problem, SPACES, [StoredState.of(step, problem.drive) for step in steps], "upper.bottom")
+    lengths = crack_lengths(found)
+    (first, before), (last, after) = [
+        (step, lengths[k]) for k, step in enumerate(steps) if step.parameter in (90 * strain, 97 * strain)
+    ]
+    free = [2 * MODULUS * HEIGHT * step.parameter / step.reaction for step in (first, last)]
+    assert free[1] - free[0] > 10.0
+    # two places of a front, known to a twentieth of an element of 0.8
+    assert after - before == pytest.approx(free[1] - free[0], abs=0.08)
+    # to the error of the mesh at a front of four elements
+    assert found[len(steps) - 1].zone.peak == pytest.approx(strength, rel=0.05)
+    assert last.reaction == pytest.approx(np.sqrt(4 * MODULUS * HEIGHT * work), rel=5e-3)
+
+
+def test_cracks_are_measured_from_the_end_of_the_faces_of_a_crack() -> None:
+    problem = joined(lambda upper, lower: RotatedSide(((upper, 1.0), (lower, -0.3))), open_left=True)
+    (joint,) = problem.interfaces
+    middle = PulledSide(((UPPER.side("top", 0.45, 0.55), 1.0),), -np.pi / 2)
+    bent = replace(problem, drive=middle)
+    assert load_position(bent, "upper.bottom") == LENGTH / 2
+    cracked = replace(
+        joint,
+        boundary=replace(joint.boundary, start=0.0, end=joint.boundary.start),
+        law=MixedModeBilinear(0.1, 0.1, 0.02, 0.02, 0.2, initial_damage=1.0),
+    )
+    assert load_position(replace(bent, interfaces=(joint, cracked)), "upper.bottom") == 0.0
 
 
 def test_a_load_on_the_joined_part_releases_nothing() -> None:

@@ -23,8 +23,8 @@ from isopeel import (
 from isopeel.assembly.spaces import SpaceOfBodies
 from isopeel.common.arrays import FloatArray
 from isopeel.physics.adhesion.mirrored import Mirrored
+from isopeel.problem import Scheme
 from isopeel.problem.place import placed
-from isopeel.problem.problem import Scheme
 from isopeel.results.fields import StoredState
 from isopeel.results.provenance import Provenance
 from isopeel.results.run_file import StoredRun, run_attributes

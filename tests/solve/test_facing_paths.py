@@ -12,9 +12,8 @@ from test_continuation import HAMAKER, HEIGHT, LENGTH, PULL, R0, REST, pull, ten
 from isopeel.common.arrays import FloatArray
 from isopeel.common.path_control import PathControl
 from isopeel.physics.adhesion import Exponential, VanDerWaals
-from isopeel.problem import Body, Boundary, Interface, MovedSide, Problem, Support, strip
+from isopeel.problem import Body, Boundary, Interface, MovedSide, Problem, Scheme, Support, strip
 from isopeel.problem.place import placed
-from isopeel.problem.problem import Scheme
 from isopeel.results.layout import Layout
 from isopeel.results.provenance import Provenance
 from isopeel.results.run_file import read_run, run_attributes

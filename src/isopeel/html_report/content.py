@@ -3,6 +3,7 @@
 import json
 import re
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from itertools import pairwise
 from math import ceil
 from typing import Any
@@ -26,6 +27,7 @@ from isopeel.post.states import (
     DrawnState,
     Face,
     Window,
+    adhering_names,
     drawn_state,
     front_window,
     hatched,
@@ -77,7 +79,7 @@ def stage_content(stored: StoredStage, found: Findings, most_bytes: int) -> Cont
         "whole": [*window.x, *window.y],
         "hatched": hatched(problem),
         "substrates": [{"rings": rings, "surface": surface} for rings, surface in regions],
-        "sides": [_side(stored, last, name) for name in problem.interface_names],
+        "sides": [_side(stored, last, name) for name in last.faces],
         "stored": len(run.states),
         "states": [_shown_state(stored, *one, scale) for one in zip(kept, drawn, fronts, strict=True)],
     }
@@ -107,7 +109,8 @@ def _drawn(stored: StoredStage, state: StoredState) -> DrawnState:
     for name, space in spaces_by_name(problem, stored.spaces).items():
         along, across = (ceil(smooth / count) for smooth, count in zip(SMOOTH, space.elements, strict=True))
         cells[name] = along, across
-    return drawn_state(problem, stored.spaces, state, cells)
+    drawn = drawn_state(problem, stored.spaces, state, cells)
+    return replace(drawn, faces={name: drawn.faces[name] for name in adhering_names(problem)})
 
 
 def _fronts(problem: Problem, state: DrawnState) -> dict[str, Window]:

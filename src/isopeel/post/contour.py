@@ -9,7 +9,6 @@ from isopeel.assembly.interface import InterfacePoints, InterfaceState
 from isopeel.assembly.spaces import SpaceOfBodies, spaces_by_name
 from isopeel.assembly.tables import element_ends
 from isopeel.common.arrays import FloatArray
-from isopeel.physics.adhesion import Contact
 from isopeel.physics.adhesion.mirrored import Mirrored
 from isopeel.physics.batch import evaluate_law
 from isopeel.physics.joints import JointLaw
@@ -201,7 +200,7 @@ def _unfit(problem: Problem, joint: Interface, count: int, lines: Sequence[Strai
     """
     if not joint.has_potential:
         return "the forces of the interface have no energy"
-    if isinstance(joint.law, Contact):
+    if not joint.adheres:
         return "nothing adheres"
     if not isinstance(joint.against, Boundary | Flat):
         return "the substrate is not flat"
@@ -225,8 +224,7 @@ def _unfit(problem: Problem, joint: Interface, count: int, lines: Sequence[Strai
             continue
         if not {one.body for one in beside} & bodies:
             continue
-        cracked = isinstance(other.law, Contact) or getattr(other.law, "initial_damage", 0.0) == 1.0
-        if not cracked or {*map(_name, beside)} != {*map(_name, sides)}:
+        if other.adheres or {*map(_name, beside)} != {*map(_name, sides)}:
             return "another interface acts on the same body"
     return ""
 

@@ -24,8 +24,9 @@ _AT_THE_END = 1e-9
 class Front(NamedTuple):
     """The front in one state: the peak of the adhesive traction, with its process zone.
 
-    `crack_length` is the distance along the undeformed face from the loaded end, or from the middle of the
-    loaded part, to the peak; None where the load acts on all of the body.
+    `crack_length` is the distance along the undeformed face to the peak: from the end where the faces of a
+    crack begin if there are any, else from the loaded end or the middle of the loaded part. It is None where
+    the load acts on all of the body.
     """
 
     zone: ProcessZone
@@ -61,6 +62,10 @@ def fronts(
 def load_position(problem: Problem, interface: str = "") -> float | None:
     """Return the place along an adhering side from which cracks are measured; None where there is none."""
     boundary = problem.interface_of(interface).boundary
+    length = problem.body_of(boundary.body).shape.boundary(boundary.side).length()
+    end = _cracked_end(problem, boundary)
+    if end is not None:
+        return end * length
     loaded = driven_on(problem, boundary.body)
     if not loaded:
         tied = tied_with(problem, boundary.body)
@@ -68,7 +73,6 @@ def load_position(problem: Problem, interface: str = "") -> float | None:
     if len(loaded) != 1:
         return None
     (one,) = loaded
-    length = problem.body_of(boundary.body).shape.boundary(boundary.side).length()
     if one.body != boundary.body:
         share = _share_along(problem, boundary, one)
         # of a layer that is driven at one of its ends
@@ -88,6 +92,21 @@ def load_position(problem: Problem, interface: str = "") -> float | None:
         return None
     # a part of the opposite side, whose parameter has the direction of that of the adhering side
     return length * (one.start + one.end) / 2
+
+
+def _cracked_end(problem: Problem, boundary: Boundary) -> float | None:
+    """Return the end of a side, 0 or 1, from which the faces of a crack reach to a joint, if any do."""
+    for one in problem.interfaces:
+        for side in (one.boundary, one.against):
+            if one.adheres or not isinstance(side, Boundary):
+                continue
+            if (side.body, side.side) != (boundary.body, boundary.side):
+                continue
+            if side.start == 0.0 and side.end == boundary.start:
+                return 0.0
+            if side.end == 1.0 and side.start == boundary.end:
+                return 1.0
+    return None
 
 
 def _share_along(problem: Problem, boundary: Boundary, other: Boundary) -> float:

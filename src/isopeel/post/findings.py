@@ -106,7 +106,8 @@ def _of_several(
 ) -> Findings:
     """Return the findings of a run of several bodies, or of one with several interfaces."""
     curve = run.curve
-    found = {name: fronts(problem, space, run.states, name) for name in problem.interface_names}
+    named = zip(problem.interface_names, problem.faces, strict=True)
+    found = {name: fronts(problem, space, run.states, name) for name, face in named if face.adheres}
     steady = steady_part_of_bodies(problem, space, run, window, found, laboratory)
     flows = _flows(problem, space, run)
     readings: list[Reading] = []

@@ -6,12 +6,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from isopeel.assembly.interface import InterfacePoints
+from isopeel.assembly.interface import InterfacePoints, InterfaceState
 from isopeel.assembly.spaces import SpaceOfBodies, spaces_by_name
 from isopeel.assembly.tables import element_ends
 from isopeel.common.arrays import FloatArray, frozen
 from isopeel.common.errors import InputError
 from isopeel.physics.batch import evaluate_law
+from isopeel.physics.joints import JointLaw
 from isopeel.physics.materials.base import plane_strain_modulus
 from isopeel.post.closed_form import beam_peeling
 from isopeel.post.fields import sample_side
@@ -43,6 +44,12 @@ class FrontProfile:
     adhesive_traction: FloatArray  # T, as in the assembly
     body_traction: FloatArray  # n_o . P N of the field in the elements next to the side
     softening: NDArray[np.bool_]  # does the attraction weaken as the gap grows beyond the largest one so far?
+    shear: FloatArray | None = None  # of a joint law, along the joint
+
+    @property
+    def attraction(self) -> FloatArray:
+        """What holds the faces together: the tension -T, and with a joint law the traction of both modes."""
+        return attraction(self.adhesive_traction, self.shear)
 
 
 @dataclass(frozen=True)
@@ -98,7 +105,23 @@ def front_profile(
         adhesive_traction=state.normal_traction,
         body_traction=np.einsum("...i,...iJ,...J->...", state.normal, fields.nominal_stress, fields.normal),
         softening=state.softening,
+        shear=_shear(problem, state, interface),
     )
+
+
+def attraction(traction: FloatArray, shear: FloatArray | None) -> FloatArray:
+    """Return the tension -T; with a shear traction the size of both, where pressure is none."""
+    return -traction if shear is None else np.hypot(np.maximum(-traction, 0.0), shear)
+
+
+def attraction_of(problem: Problem, state: InterfaceState, interface: str) -> FloatArray:
+    """Return the attraction at the points of a state of an interface, see `FrontProfile`."""
+    return attraction(state.normal_traction, _shear(problem, state, interface))
+
+
+def _shear(problem: Problem, state: InterfaceState, interface: str) -> FloatArray | None:
+    joint = isinstance(problem.interface_of(interface).law, JointLaw)
+    return state.tangential_traction if joint else None
 
 
 def _adhering(problem: Problem, space: SpaceOfBodies, points: FloatArray, interface: str) -> FloatArray:
@@ -120,7 +143,7 @@ def process_zones(
     points, found = InterfacePoints(problem, space, parameters, interface=interface), {}
     for state in states:
         at = points.state(state.displacement, state.maximum_openings)
-        zone = _zone(position, -at.normal_traction.ravel(), at.softening.ravel())
+        zone = _zone(position, attraction_of(problem, at, interface).ravel(), at.softening.ravel())
         if zone is not None:
             found[state.step] = zone
     return found
@@ -135,7 +158,7 @@ def process_zone(profile: FrontProfile) -> ProcessZone | None:
     no front: the attraction stays above half its peak up to an end of the adhering part, or the law softens
     on both sides of the peak, or on neither.
     """
-    return _zone(profile.position.ravel(), -profile.adhesive_traction.ravel(), profile.softening.ravel())
+    return _zone(profile.position.ravel(), profile.attraction.ravel(), profile.softening.ravel())
 
 
 def _zone(position: FloatArray, attraction: FloatArray, softens: NDArray[np.bool_]) -> ProcessZone | None:

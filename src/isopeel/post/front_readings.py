@@ -61,7 +61,7 @@ def front_readings(problem: Problem, flow: FrontFlow, interface: str) -> list[Re
     """Return the J-integral and the mode ratio of a front, if given."""
     found, rates = flow
     law = problem.interface_of(interface).law
-    of = f", {interface}" if len(problem.interfaces) > 1 else ""
+    of = f", {interface}" if sum(one.adheres for one in problem.interfaces) > 1 else ""
     words = "by sections of the bodies"
     if found.neglected > _NAMED * found.value:
         words += f"; {100 * found.neglected / found.value:.2g} % more lies beyond them"

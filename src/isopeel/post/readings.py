@@ -331,7 +331,7 @@ def buckled(curve: Curve) -> list[Reading]:
     return [Reading(f"buckling {name}", float(values[steps[0]]), kind, at, words="at the bifurcation")]
 
 
-def cracks(curve: Curve, found: Fronts, of: str = "") -> list[Reading]:
+def cracks(curve: Curve, found: Fronts, of: str = "", start: str = "the loaded end") -> list[Reading]:
     """Return crack length and process zone at the last step, with a name that ends with `of`."""
     if not found or max(found) != len(curve) - 1:
         return []
@@ -340,13 +340,13 @@ def cracks(curve: Curve, found: Fronts, of: str = "") -> list[Reading]:
     zone = Reading(f"process zone{of}", front.zone.length, "length", words=words)
     if front.crack_length is None:
         return [zone]
-    words = "from the loaded end to the largest traction"
+    words = f"from {start} to the largest traction"
     return [Reading(f"crack length{of}", front.crack_length, "length", words=words), zone]
 
 
 def fronts_at_the_end(curve: Curve, found: Fronts, of: str) -> list[Reading]:
     """Return the front of one of several interfaces at the last step: its place, traction and lengths."""
-    readings = cracks(curve, found, of)
+    readings = cracks(curve, found, of, "the open end")
     if not readings:
         return []
     zone, words = found[max(found)].zone, "along the side at rest, from where its parameter begins"

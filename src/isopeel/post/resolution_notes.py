@@ -77,9 +77,9 @@ def peels(problem: Problem, space: SpaceOfBodies, states: Sequence[StoredState],
         return False
     looked_at = [max(states, key=lambda state: abs(state.parameter)), states[-1]] if states else []
     pulls = (
-        -front_profile(
+        front_profile(
             problem, space, state.displacement, POINTS, state.maximum_openings, interface
-        ).adhesive_traction.min()
+        ).attraction.max()
         for state in looked_at
     )
     return not states or any(pull > strength / 2 for pull in pulls)

@@ -11,8 +11,9 @@ from isopeel.assembly.spaces import SpaceOfBodies, spaces_by_name
 from isopeel.common.arrays import FloatArray
 from isopeel.physics.adhesion.mirrored import Mirrored
 from isopeel.physics.substrates import Substrate
-from isopeel.post.driven import driven_boundaries
+from isopeel.post.driven import driven_boundaries, tied_with
 from isopeel.post.fields import SampledFields, sample_fields, side_positions
+from isopeel.post.front import attraction_of
 from isopeel.problem import Boundary, Problem
 from isopeel.results.fields import StoredState
 from isopeel.splines.nurbs import Side
@@ -44,8 +45,9 @@ class Face:
     """The adhering part of a side in one state, at points (n, 2) along it."""
 
     position: FloatArray
-    attraction: FloatArray  # (n,) of the substrate there
+    attraction: FloatArray  # (n,) of what it adheres to
     opposite: FloatArray  # (n, 2) positions on the other side of the body
+    adheres: bool  # not in contact alone
 
     @property
     def length(self) -> float:
@@ -84,7 +86,8 @@ def drawn_state(
         points = InterfacePoints(problem, space, along[:, None], interface=name)
         found = points.state(u, state.maximum_openings)
         opposite = side_positions(problem, space, u, _OPPOSITE[interface.side], along, body)
-        faces[name] = Face(found.position[:, 0], -found.normal_traction[:, 0], opposite)
+        pull = attraction_of(problem, found, name)
+        faces[name] = Face(found.position[:, 0], pull[:, 0], opposite, interface.adheres)
     ends, driven = np.array([0.0, 0.5, 1.0]), driven_boundaries(problem)
     return DrawnState(
         state.parameter,
@@ -118,10 +121,25 @@ def whole_window(states: Iterable[DrawnState]) -> Window:
     return Window((left, right), (bottom, top))
 
 
+def adhering_names(problem: Problem) -> list[str]:
+    """Return the names of the interfaces that adhere, seen from each side; of all where none does."""
+    named = list(zip(problem.interface_names, problem.faces, strict=True))
+    return [name for name, face in named if face.adheres] or [name for name, _ in named]
+
+
+def front_names(problem: Problem) -> list[str]:
+    """Return those of the `adhering_names` that are of the first side of an interface: one for each front."""
+    first = [one.boundary for one in problem.interfaces]
+    return [name for name in adhering_names(problem) if problem.interface_of(name).boundary in first]
+
+
 def front_window(problem: Problem, state: DrawnState, interface: str) -> Window:
-    """Return a window around the strongest attraction on an interface, with a margin."""
+    """Return a window around the strongest attraction on an interface, with a margin.
+
+    In contact without adhesion it is around the largest pressure.
+    """
     face = state.faces[interface]
-    attraction = face.attraction
+    attraction = face.attraction if face.adheres else -face.attraction
     # where there is no attraction yet, a front will start at the end next to the drive
     from_drive = np.linalg.norm(face.position - state.driven[:, None, 1], axis=2).min(axis=0)
     body = problem.body_of(problem.interface_of(interface).boundary.body)
@@ -130,12 +148,44 @@ def front_window(problem: Problem, state: DrawnState, interface: str) -> Window:
     # drive
     front = attraction > _ALIKE * attraction.max() if pulls else np.full(len(attraction), True)
     at = int(np.argmin(np.where(front, from_drive, np.inf)))
+    if len(problem.bodies) > 1:
+        return _window_of_bodies(problem, state, interface, at)
     through = face.opposite[at] - face.position[at]
     thickness = float(np.linalg.norm(through))
     # of a body that is thick for its adhering part, such as a cylinder, only the part next to the substrate
     size = min(thickness, face.length / 2)
     x, y = (face.position[at] + through * size / thickness / 2).tolist()
     half_width, half_height = 1.6 * size, 0.65 * size
+    return Window((x - half_width, x + half_width), (y - half_height, y + half_height))
+
+
+def _window_of_bodies(problem: Problem, state: DrawnState, interface: str, at: int) -> Window:
+    """Return a window around a point of a face that has the thickness of the bodies on both sides of it."""
+    face, joint = state.faces[interface], problem.interface_of(interface)
+    group = tied_with(problem, joint.boundary.body)
+    pairs = [
+        {one.boundary.body, one.against.body}
+        for one in problem.interfaces
+        if isinstance(one.against, Boundary)
+    ]
+    beside = group.union(*(pair for pair in pairs if pair & group))
+    thickness = max(
+        sum(
+            float(np.ptp(problem.body_of(name).shape.control_points.reshape(-1, 2), axis=0).min())
+            for name in tied_with(problem, body)
+        )
+        for body in beside
+    )
+    size = min(thickness, face.length / 2)
+    centre = face.position[at]
+    if not isinstance(joint.against, Boundary):
+        through = face.opposite[at] - centre
+        centre = centre + 0.3 * size * through / np.linalg.norm(through)
+    (x, y), half_width, half_height = centre.tolist(), 2.0 * size, 0.8 * size
+    # little beside the bodies
+    ends = np.concatenate([one.position.reshape(-1, 2)[:, 0] for one in state.bodies.values()])
+    low, high = float(ends.min()) + 1.9 * size, float(ends.max()) - 1.9 * size
+    x = min(max(x, low), high) if low < high else x
     return Window((x - half_width, x + half_width), (y - half_height, y + half_height))
 
 

@@ -11,8 +11,9 @@ from isopeel.problem.drives import (
     RotatedSide,
     raises_load,
 )
+from isopeel.problem.interface import Interface, Scheme, Traction
 from isopeel.problem.loads import HeldLoad
-from isopeel.problem.problem import Body, Interface, Problem, Scheme, Support, Traction
+from isopeel.problem.problem import Body, Problem, Support
 from isopeel.problem.strip import strip
 from isopeel.problem.tie import Tie
 

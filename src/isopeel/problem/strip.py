@@ -5,7 +5,8 @@ from isopeel.physics.adhesion import AdhesionLaw, VanDerWaals
 from isopeel.physics.materials import Material, NeoHooke
 from isopeel.physics.substrates import Flat
 from isopeel.problem.drives import RotatedSide
-from isopeel.problem.problem import Body, Interface, Problem, Support, Traction
+from isopeel.problem.interface import Interface, Traction
+from isopeel.problem.problem import Body, Problem, Support
 from isopeel.splines.nurbs import rectangle
 
 

@@ -13,7 +13,7 @@ from isopeel.assembly.tables import side_points
 from isopeel.common.arrays import FloatArray
 from isopeel.physics.joints import HistoryVariable
 from isopeel.problem import Problem
-from isopeel.problem.problem import MAXIMUM_OPENING
+from isopeel.problem.interface import MAXIMUM_OPENING
 from isopeel.results import untrusted
 from isopeel.results.schema import check_values, write_described
 from isopeel.results.spaces import write_space

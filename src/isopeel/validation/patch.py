@@ -13,9 +13,8 @@ from isopeel.physics.adhesion import Contact
 from isopeel.physics.materials import NeoHooke
 from isopeel.post.fields import sample_fields
 from isopeel.post.style import BLUE, DASHES, DOTS, GREEN, ONE_COLUMN, VERMILION, style
-from isopeel.problem import Body, Interface, Problem, PulledSide, Support
+from isopeel.problem import Body, Interface, Problem, PulledSide, Scheme, Support
 from isopeel.problem.place import placed
-from isopeel.problem.problem import Scheme
 from isopeel.report.document import Picture
 from isopeel.splines.nurbs import rectangle
 from isopeel.splines.rows import row_space

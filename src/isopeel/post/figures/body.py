@@ -84,8 +84,9 @@ def draw_substrates(axes: Axes, substrates: Iterable[Substrate], window: Window)
 
 
 def mark_adhering(axes: Axes, faces: Iterable[Face], width: float, order: float) -> None:
-    """Draw the adhering parts of sides."""
-    for face in faces:
+    """Draw the adhering parts of sides; where nothing adheres, those in contact."""
+    given = list(faces)
+    for face in [one for one in given if one.adheres] or given:
         # the white seam separates the mark from the field in print without colours
         for color, total in (("white", width + 1), (VERMILION, width)):
             axes.plot(*face.position.T, color=color, linewidth=total, zorder=order, solid_capstyle="butt")

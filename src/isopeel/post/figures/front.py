@@ -17,8 +17,8 @@ from isopeel.post.figures.labels import of_interface, plane_axes, rows_of, scale
 from isopeel.post.figures.tractions import ALONG, broken, draw_length, least_traction, shade_element
 from isopeel.post.front import POINTS, FrontProfile, ProcessZone, front_profile, process_zone
 from isopeel.post.laboratory import Laboratory
-from isopeel.post.states import DrawnState, Window, drawn_state, front_window, substrates
-from isopeel.post.style import BLUE, ORANGE, TWO_COLUMNS, style
+from isopeel.post.states import DrawnState, Window, adhering_names, drawn_state, front_window, substrates
+from isopeel.post.style import BLUE, GREEN, ORANGE, TWO_COLUMNS, style
 from isopeel.problem import Problem
 from isopeel.results.fields import StoredState
 
@@ -31,19 +31,20 @@ _MARGIN = 0.25  # of a process zone that is wider than the window, beside it
 def front_figure(
     problem: Problem, space: SpaceOfBodies, state: StoredState, units: Laboratory | None = None
 ) -> Figure:
-    """Draw the front on each interface in a state, one below the other.
+    """Draw the front on each interface that adheres in a state, one below the other; on all if none does.
 
     The upper panel has the body with I1 on its elements, and arrows for the adhesive force. The lower panel
     has, along the same part of the face, the tension of the adhesion and that in the body, which are equal in
-    equilibrium, and the length of the process zone, if there is a front. Every other element is shaded.
-    Raises InputError where there is no interface, or maximum openings of an irreversible joint are missing.
+    equilibrium, the traction along the faces if there is a joint law, and the length of the process zone, if
+    there is a front. Every other element is shaded. Raises InputError where there is no interface, or maximum
+    openings of an irreversible joint are missing.
     """
     if not problem.interfaces:
         raise InputError("interfaces", 0, "a front is that of an interface")
     drawn, openings = drawn_state(problem, space, state), state.maximum_openings
     profiles = {
         name: front_profile(problem, space, state.displacement, POINTS, openings, name)
-        for name in problem.interface_names
+        for name in adhering_names(problem)
     }
     least = least_traction(list(profiles.values()))
     views = {name: _View.of(problem, drawn, name, profile, least) for name, profile in profiles.items()}
@@ -54,7 +55,8 @@ def front_figure(
         parts = rows_of(figure, heights)
         for part, (name, view) in zip(parts, views.items(), strict=True):
             at = shown_parameter(problem.drive.parameter_column, state.parameter, units)
-            title = f"front{of_interface(problem, name)} at {at}"
+            word = "front" if problem.interface_of(name).adheres else "contact"
+            title = f"{word}{of_interface(problem, name)} at {at}"
             _draw(part, problem, drawn, replace(view, scale=scale), title, units)
         return figure
 
@@ -83,9 +85,9 @@ class _View:
         seen = _seen(profile, window)
         if zone is not None:
             seen = min(seen[0], zone.start), max(seen[1], zone.end)
-        inside = _inside(fields.position, window)
-        # of the visible part: stresses far from the front would dominate
-        scale = max(1e-6, float(np.nanmax(np.abs(fields.first_invariant[inside]), initial=0.0)))
+        # of the visible parts: stresses far from the front would dominate
+        stresses = [one.first_invariant[_inside(one.position, window)] for one in drawn.bodies.values()]
+        scale = max(1e-6, *(float(np.nanmax(np.abs(one), initial=0.0)) for one in stresses))
         return cls(name, profile, window, arrows, seen, scale, least)
 
     @property
@@ -121,9 +123,13 @@ def _arrows(profile: FrontProfile, window: Window, least: float) -> FloatArray:
     """Return the forces on the face in a window as arrows (n, 2, 2), from the face to the tip."""
     places, normals = profile.deformed.reshape(-1, 2), profile.normal.reshape(-1, 2)
     inside = _inside(places, window)
-    start, tractions = places[inside], profile.adhesive_traction.ravel()[inside]
-    size = _LONGEST_ARROW * float(np.ptp(window.y)) / np.abs(tractions).max(initial=max(least, 1e-300))
-    return np.stack([start, start + size * tractions[:, None] * normals[inside]], axis=1)
+    start, forces = places[inside], profile.adhesive_traction.reshape(-1, 1)[inside] * normals[inside]
+    if profile.shear is not None:
+        along = np.stack([normals[:, 1], -normals[:, 0]], axis=1)
+        forces += profile.shear.reshape(-1, 1)[inside] * along[inside]
+    largest = np.linalg.norm(forces, axis=1).max(initial=max(least, 1e-300))
+    size = _LONGEST_ARROW * float(np.ptp(window.y)) / largest
+    return np.stack([start, start + size * forces], axis=1)
 
 
 def _evenly(arrows: FloatArray, window: Window) -> FloatArray:
@@ -180,10 +186,12 @@ def _draw_tensions(axes: Axes, view: _View, units: Laboratory | None) -> None:
     profile, seen = view.profile, view.seen
     x = profile.position
     axes.axhline(0, color="black", linewidth=0.5, zorder=1)
-    curves = (
+    curves = [
         (profile.adhesive_traction, BLUE, 1.1, "of the adhesion, $-T$"),
         (profile.body_traction, ORANGE, 2.2, r"in the body, $-n_o \cdot P N$"),
-    )
+    ]
+    if profile.shear is not None:
+        curves.append((-profile.shear, GREEN, 1.1, "along the joint, $t$"))
     for order, (traction, color, width, label) in enumerate(curves):
         look: dict[str, Any] = {"color": color, "linewidth": width, "label": label, "zorder": 3 - order / 2}
         axes.plot(*broken(x, -traction), **look)
@@ -193,19 +201,20 @@ def _draw_tensions(axes: Axes, view: _View, units: Laboratory | None) -> None:
     zone = process_zone(profile)
     if zone is not None and seen[0] <= zone.start and zone.end <= seen[1]:
         draw_length(axes, zone.start, zone.end, zone.peak / 2)
-        # beside the arrow, on the left where there is no room on the right
-        right = seen[1] - zone.end > _ROOM * (seen[1] - seen[0])
+        # beside the arrow, on the left where there is no room on the right, and above where there is none
+        room = _ROOM * (seen[1] - seen[0])
+        right, left = seen[1] - zone.end > room, zone.start - seen[0] > room
         axes.annotate(
             f"process zone {units.text(zone.length, 'length', 3) if units else f'{zone.length:.3g} $L_0$'}",
-            (zone.end if right else zone.start, zone.peak / 2),
-            (5 if right else -5, 0),
+            (zone.end if right else zone.start if left else (zone.start + zone.end) / 2, zone.peak / 2),
+            (5, 0) if right else (-5, 0) if left else (0, 3),
             textcoords="offset points",
-            ha="left" if right else "right",
-            va="center",
+            ha="left" if right else "right" if left else "center",
+            va="center" if right or left else "bottom",
             fontsize=8,
         )
     inside = (x >= seen[0]) & (x <= seen[1])
-    values = np.concatenate([-profile.adhesive_traction[inside], -profile.body_traction[inside]])
+    values = np.concatenate([-traction[inside] for traction, *_ in curves])
     low, high = float(np.nanmin(values, initial=0.0)), float(np.nanmax(values, initial=0.0))
     if max(-low, high) < view.least:
         low, high = -view.least, view.least

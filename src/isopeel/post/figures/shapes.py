@@ -18,6 +18,7 @@ from isopeel.post.laboratory import Laboratory
 from isopeel.post.states import (
     DrawnState,
     drawn_state,
+    front_names,
     front_window,
     hatched,
     stress_scale,
@@ -44,9 +45,10 @@ def shapes_figure(
     """Draw deformed shapes coloured by I1 = tr(sigma)/E, and below the delamination fronts of the last one.
 
     The states are in the order of the run. The last one is drawn, and up to MOST_SHAPES - 1 before it, evenly
-    spread, whose driven ends are far enough apart to be distinguished; or `every` one. Each interface has a
-    picture of its front. Lengths are in `units`, by default in L0. Raises InputError where there are no
-    states, or maximum openings of an irreversible joint are missing.
+    spread, whose driven ends are far enough apart to be distinguished; or `every` one. Each interface that
+    adheres has a picture of its front; where none does, each has one of the contact. Lengths are in `units`,
+    by default in L0. Raises InputError where there are no states, or maximum openings of an irreversible
+    joint are missing.
     """
     if not states:
         raise InputError("states", [], "give one state at least")
@@ -56,7 +58,9 @@ def shapes_figure(
     drawn = drawn if every else _apart(drawn)
     last = drawn[-1]
     whole = whole_window(drawn)
-    fronts = {name: front_window(problem, last, name) for name in problem.interface_names}
+    fronts = {name: front_window(problem, last, name) for name in front_names(problem)}
+    adheres = any(face.adheres for face in last.faces.values())
+    what, marked = ("front", "face that adheres") if adheres else ("contact", "face in contact")
     scale = stress_scale(drawn)
     with style():
         width = TWO_COLUMNS - 1.4  # without labels and colour bar
@@ -81,10 +85,10 @@ def shapes_figure(
             upper.add_patch(Rectangle(corner, *size, fill=False, linewidth=0.8, linestyle=DASHES, zorder=9))
             draw_bodies(axes, last, scale, 1, elements=True)
             mark_adhering(axes, last.faces.values(), 1.8, 4)
-            axes.set_title(f"front{of_interface(problem, name)} at {at_last}", loc="left")
+            axes.set_title(f"{what}{of_interface(problem, name)} at {at_last}", loc="left")
         figure.colorbar(mesh, ax=panels, label=FIELD_LABEL, aspect=40, pad=0.02)
         handles: list[Artist] = [
-            Line2D([], [], color=VERMILION, linewidth=1.5, label="face that adheres"),
+            Line2D([], [], color=VERMILION, linewidth=1.5, label=marked),
             Line2D([], [], color="black", linewidth=0.8, linestyle=DASHES, label="enlarged below"),
         ]
         if words := hatched(problem):
@@ -121,13 +125,15 @@ def _label_state(axes: Axes, problem: Problem, state: DrawnState, units: Laborat
     outwards = np.array([along[1], -along[0]]) / np.linalg.norm(along)
     outwards *= 1 if side in ("right", "bottom") else -1
     x, y = outwards
+    # on the left there are the numbers of the axis
+    above = x < -0.3
     axes.annotate(
         shown_parameter(problem.drive.parameter_column, state.parameter, units),
-        ends[1],
-        4 * outwards,  # in points
+        max(ends, key=lambda end: float(end[1])) if above else ends[1],
+        (0, 4) if above else 4 * outwards,  # in points
         textcoords="offset points",
-        ha="left" if x > 0.3 else "right" if x < -0.3 else "center",
-        va="bottom" if y > 0.7 else "top" if y < -0.7 else "center",
+        ha="left" if x > 0.3 or above else "center",
+        va="bottom" if y > 0.7 or above else "top" if y < -0.7 else "center",
         fontsize=8,
         zorder=10,
     )

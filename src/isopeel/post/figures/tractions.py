@@ -12,6 +12,7 @@ from isopeel.common.errors import InputError
 from isopeel.post.figures.labels import rows_of, scaled_axis, shown_parameter
 from isopeel.post.front import POINTS, FrontProfile, front_profile, process_zone
 from isopeel.post.laboratory import Laboratory
+from isopeel.post.states import adhering_names
 from isopeel.post.style import SHADE, TWO_COLUMNS, line_style, style
 from isopeel.problem import Problem
 from isopeel.results.fields import StoredState
@@ -29,14 +30,16 @@ def tractions_figure(
 ) -> Figure:
     """Draw the adhesive tension along the face of each interface for states, one interface below the other.
 
-    On the left along all of the face, on the right the fronts laid over each other, each seen from its peak,
-    where there is a front. Raises InputError where there are no states, or no interface.
+    Interfaces that do not adhere are left out where others do. Of a joint law it is the size of the traction
+    of both modes, without pressure. On the left along all of the face, on the right the fronts laid over each
+    other, each seen from its peak, where there is a front. Raises InputError where there are no states, or no
+    interface.
     """
     if not states:
         raise InputError("states", [], "give one state at least")
     if not problem.interfaces:
         raise InputError("interfaces", 0, "tractions are those of an interface")
-    names = problem.interface_names
+    names = adhering_names(problem)
     with style():
         figure = Figure(figsize=(TWO_COLUMNS, 3.2 * len(names)), layout="constrained")
         parts = rows_of(figure, [1.0] * len(names))
@@ -71,14 +74,15 @@ def _draw(
     for axes in panels:
         axes.axhline(0, color="black", linewidth=0.5, zorder=1)
     scaled_axis(panels[0].xaxis, ALONG, "length", units)
-    largest = max(float(np.abs(profile.adhesive_traction).max()) for profile in profiles)
-    scaled_axis(panels[0].yaxis, TENSION, "stress", units, max(largest, least))
+    largest = max(float(np.abs(profile.attraction).max()) for profile in profiles)
+    words = TENSION if profiles[0].shear is None else "traction of both modes"
+    scaled_axis(panels[0].yaxis, words, "stress", units, max(largest, least))
     if largest < least:
         panels[0].set_ylim(-least, least)
     for number, (profile, zone, label) in enumerate(zip(profiles, zones, labels, strict=True)):
         look = line_style(number) | {"label": label, "linewidth": 1.1}
         # the tension is that of positions, which do not jump between elements
-        position, tension = profile.position.ravel(), -profile.adhesive_traction.ravel()
+        position, tension = profile.position.ravel(), profile.attraction.ravel()
         panels[0].plot(position, tension, **look)
         if zone is not None:
             panels[1].plot(position - zone.position, tension, **look)
@@ -94,7 +98,7 @@ def _draw(
 
 def least_traction(profiles: Sequence[FrontProfile]) -> float:
     """Return the traction below which an interface is drawn as one without any, beside those of others."""
-    return _LEAST * max(float(np.abs(profile.adhesive_traction).max()) for profile in profiles)
+    return _LEAST * max(float(np.abs(profile.attraction).max()) for profile in profiles)
 
 
 def broken(x: FloatArray, y: FloatArray) -> tuple[FloatArray, FloatArray]:
