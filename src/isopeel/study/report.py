@@ -6,8 +6,8 @@ from functools import partial
 from isopeel.report.document import Block, Document, Picture, Section, Table, Text
 from isopeel.report.wording import listed
 from isopeel.results.provenance import Provenance
-from isopeel.study.figures import curves_figure, output_figure
-from isopeel.study.sobol import variance_shares
+from isopeel.study.figures import curves_figure, output_figure, shares_figure
+from isopeel.study.sobol import CONFIDENCE, Index, Shares, variance_shares
 from isopeel.study.table import StudyResults, columns_of
 
 #: Rows of the table in the report; the file has all of them.
@@ -78,16 +78,35 @@ def _outputs(results: StudyResults) -> Iterator[Block]:
     for number, output in enumerate(drawn[:_MOST_FIGURES], start=1):
         yield Picture(f"output-{number}", f"{output.heading}.", partial(output_figure, results, output))
         shares = variance_shares(results, output)
-        if shares:
-            yield Table(
-                f"shares-{number}",
-                f"Shares of the variance of {output.name} (Sobol's indices).",
-                ("factor", "alone", "with interactions"),
-                tuple((one.name, f"{one.first_order:.3f}", f"{one.total_order:.3f}") for one in shares),
+        if shares is not None:
+            yield from _shares(shares, number, output.name)
+        elif results.study.method == "saltelli":
+            yield Text(
+                f"No shares of the variance of {output.name}: too few runs have a value, or it is constant."
             )
     if len(drawn) > _MOST_FIGURES:
         others = listed([output.name for output in drawn[_MOST_FIGURES:]])
         yield Text(f"Not drawn: {others}. `outputs` in the file of the study selects readings.")
+
+
+def _shares(found: Shares, number: int, name: str) -> Iterator[Block]:
+    left_out = found.all_points - found.used_points
+    notes = (f"{left_out} of {found.all_points} points are left out: one of their runs has no value.",)
+    title = (
+        f"Shares of the variance of {name} (Sobol's indices), with intervals of {CONFIDENCE:.0%} confidence."
+    )
+    yield Table(
+        f"shares-{number}",
+        title,
+        ("factor", "alone", "interval", "with interactions", "interval"),
+        tuple((one.name, *_index(one.first_order), *_index(one.total_order)) for one in found.shares),
+        notes if left_out else (),
+    )
+    yield Picture(f"shares-of-output-{number}", title, partial(shares_figure, found.shares))
+
+
+def _index(index: Index) -> tuple[str, str]:
+    return f"{index.value:.3f}", f"{index.low:.3f} to {index.high:.3f}"
 
 
 def _provenance(results: StudyResults, provenance: Provenance) -> Iterator[Block]:
