@@ -1,6 +1,7 @@
 """The site: pages of this folder, executed, and the reference from docstrings. Built by `make docs`."""
 
 import atexit
+import json
 import os
 import re
 import sys
@@ -15,6 +16,8 @@ from latex2mathml.converter import convert
 from sphinx.application import Sphinx
 from sphinx.util.math import get_node_equation_number
 from sphinx.writers.html5 import HTML5Translator
+
+from isopeel.case.schema import case_schema
 
 # commands in the pages are those of this environment, in one thread
 os.environ["PATH"] = os.pathsep.join([str(Path(sys.executable).parent), os.environ.get("PATH", "")])
@@ -39,6 +42,11 @@ version = release = version_of("isopeel")
 extensions = ["myst_nb", "sphinx.ext.autodoc", "sphinx.ext.autosummary"]
 exclude_patterns = ["paper/runs/**"]
 # many systems have no font for formulas
+# the schema of case files is a file of the site
+_extra = Path(_home.name) / "extra"
+_extra.mkdir()
+(_extra / "case.schema.json").write_text(json.dumps(case_schema(), indent=1), "utf-8")
+html_extra_path = [str(_extra)]
 html_static_path = ["_static", str(files("ziamath") / "fonts/STIXTwoMath-Regular.ttf")]
 html_css_files = ["site.css"]
 html_theme = "furo"

@@ -18,7 +18,7 @@ from isopeel.case.sections import (
     MeshKey,
     SpaceKey,
 )
-from isopeel.case.values import LengthKey, list_of, read_quantity, several
+from isopeel.case.values import LengthKey, Needed, list_of, means, read_quantity, several
 from isopeel.common.errors import InputError
 from isopeel.common.quantities import ANGLE, LENGTH
 from isopeel.common.units import UnitSystem
@@ -32,6 +32,8 @@ _A_PLACE = several(2, LENGTH.needed)
 _A_MATERIAL = (
     "a table is needed, such as { law = 'neo-hooke', youngs_modulus = '2 GPa', poissons_ratio = 0.2 }"
 )
+#: The default of keys of the space.
+_USUAL = "that of `[discretization]`"
 #: Keys of the space, which a body may have of its own.
 _OF_THE_SPACE = ("space", "mesh", "across_degree", "grading")
 
@@ -46,18 +48,64 @@ class PlacedBody(NamedTuple):
 class BodyTable(BodySection):
     """A body: its shape, turned by an angle about its origin and then moved, its material and its space."""
 
-    name: Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_-]{0,39}$", description=_A_NAME)]
-    material: Annotated[MaterialSection, Field(description=_A_MATERIAL)]
+    name: Annotated[
+        str,
+        Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_-]{0,39}$"),
+        Needed(_A_NAME),
+        means("name of the body, of letters, digits, '_' and '-'", "upper"),
+    ]
+    material: Annotated[
+        MaterialSection,
+        Needed(_A_MATERIAL),
+        means(
+            "a table with the keys of `[material]`",
+            {"law": "neo-hooke", "youngs_modulus": "2 GPa", "poissons_ratio": 0.2},
+        ),
+    ]
     at: Annotated[
-        tuple[LengthKey, LengthKey], BeforeValidator(list_of(2, _A_PLACE)), Field(description=_A_PLACE)
+        tuple[LengthKey, LengthKey],
+        BeforeValidator(list_of(2, _A_PLACE)),
+        Needed(_A_PLACE),
+        means("place of the origin of the shape", ["0 nm", "20 nm"], usual='`["0 nm", "0 nm"]`'),
     ] = (0.0, 0.0)
-    rotated: Annotated[float, BeforeValidator(lambda written: radians(read_quantity(ANGLE, written)))] = 0.0
-    on: Annotated[str | None, Field(description=A_BOUNDARY)] = None
-    gap: LengthKey | None = None
-    space: SpaceKey | None = None
-    mesh: MeshKey = None
-    across_degree: AcrossDegreeKey = None
-    grading: GradingKey = None
+    rotated: Annotated[
+        float,
+        ANGLE,
+        BeforeValidator(lambda written: radians(read_quantity(ANGLE, written))),
+        means(
+            "angle by which the shape is rotated first, anticlockwise about its origin",
+            "180 deg",
+            usual="none",
+        ),
+    ] = 0.0
+    on: Annotated[
+        str | None,
+        Needed(A_BOUNDARY),
+        means(
+            "straight side of another body, BODY.SIDE: after `rotated` and `at`, the body is moved along the "
+            "normal of this side, until their distance is `gap`",
+            "lower.top",
+            usual="none",
+        ),
+    ] = None
+    gap: Annotated[
+        LengthKey | None,
+        means(
+            "smallest distance between the body and the side `on` which it lies",
+            "1 nm",
+            usual="the equilibrium gap of the interface between them, or 0 without one",
+        ),
+    ] = None
+    space: Annotated[
+        SpaceKey | None, means("as in `[discretization]`, for this body", "N2.1", usual=_USUAL)
+    ] = None
+    mesh: Annotated[MeshKey, means("as in `[discretization]`, for this body", "200x10", usual=_USUAL)] = None
+    across_degree: Annotated[
+        AcrossDegreeKey, means("as in `[discretization]`, for this body", 2, usual=_USUAL)
+    ] = None
+    grading: Annotated[
+        GradingKey, means("as in `[discretization]`, for this body", [0.1, 1.0], usual=_USUAL)
+    ] = None
 
     @model_validator(mode="after")
     def _gap_to_a_side(self) -> Self:

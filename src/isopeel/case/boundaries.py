@@ -4,14 +4,14 @@ from collections.abc import Mapping, Sequence
 from typing import Annotated, Literal, NamedTuple, get_args
 
 import numpy as np
-from pydantic import BeforeValidator, Field, PlainValidator
+from pydantic import BeforeValidator, PlainValidator
 
 from isopeel.case.bodies import PlacedBody
 from isopeel.case.errors import named_by
 from isopeel.case.sections import A_BOUNDARY
-from isopeel.case.values import LengthKey, Section, read_quantity
+from isopeel.case.values import LengthKey, Needed, Section, means, read_quantity
 from isopeel.common.errors import InputError
-from isopeel.common.quantities import LENGTH
+from isopeel.common.quantities import LENGTH, NUMBER
 from isopeel.common.units import UnitSystem, shown
 from isopeel.problem import Boundary, Support
 from isopeel.problem.boundary import ROUND_OFF
@@ -47,15 +47,44 @@ def _read_end(written: object) -> End:
     return End(read_quantity(LENGTH, written), is_length=True)
 
 
-EndKey = Annotated[End | None, PlainValidator(_read_end), Field(description=_AN_END)]
+EndKey = Annotated[End | None, LENGTH, NUMBER, PlainValidator(_read_end), Needed(_AN_END)]
+
+
+StartOfPart = Annotated[
+    EndKey,
+    means(
+        "start of a part of the side: a length from its left or lower end, or the parameter from 0 to 1",
+        "20 nm",
+        usual="the start of the side",
+        see="howto/bodies.md#parts-of-a-side",
+    ),
+]
+EndOfPart = Annotated[
+    EndKey,
+    means(
+        "end of the part, in the same way",
+        "80 nm",
+        usual="the end of the side",
+        see="howto/bodies.md#parts-of-a-side",
+    ),
+]
+LengthOfPart = Annotated[
+    LengthKey | None,
+    means(
+        "length of the part, from its start or to its end",
+        "60 nm",
+        usual="the whole side",
+        see="howto/bodies.md#parts-of-a-side",
+    ),
+]
 
 
 class PartKeys(Section):
     """The keys of a part of a side: between two ends, or by its length from one of them."""
 
-    start: EndKey = None
-    end: EndKey = None
-    length: LengthKey | None = None
+    start: StartOfPart = None
+    end: EndOfPart = None
+    length: LengthOfPart = None
 
     def part_of(
         self, name: str, side: Side, key: str, bodies: Mapping[str, PlacedBody], units: UnitSystem
@@ -104,7 +133,7 @@ class PartKeys(Section):
 class BoundaryTable(PartKeys):
     """A side of a body, or a part of it."""
 
-    boundary: Annotated[str, Field(description=A_BOUNDARY)]
+    boundary: Annotated[str, Needed(A_BOUNDARY), means("a side of a body, BODY.SIDE", "upper.right")]
 
     def part(self, key: str, bodies: Mapping[str, PlacedBody], units: UnitSystem) -> Boundary:
         """Find the part of the boundary. Raises InputError whose field begins with the key of the table."""
@@ -123,7 +152,11 @@ SideKey = Annotated[
 class SupportTable(BoundaryTable):
     """What holds a boundary, at zero or where an earlier stage left it."""
 
-    holds: Annotated[Literal["x", "y", "xy"], Field(description="'x', 'y' or 'xy' is needed")]
+    holds: Annotated[
+        Literal["x", "y", "xy"],
+        Needed("'x', 'y' or 'xy' is needed"),
+        means("components of the displacement that are held", "xy"),
+    ]
 
     def support(self, key: str, bodies: Mapping[str, PlacedBody], units: UnitSystem) -> Support:
         """Build the support. Raises InputError whose field begins with the key of the table."""

@@ -33,7 +33,7 @@ from isopeel.case.sections import (
 )
 from isopeel.case.stages import Stage, check_number, check_work
 from isopeel.case.text import LARGEST_TEXT, document_of, size_of
-from isopeel.case.values import Section
+from isopeel.case.values import Needed, Section, means
 from isopeel.common.errors import InputError
 from isopeel.common.units import UnitSystem, measured_in
 from isopeel.problem import Drive, Interface, Problem, RotatedSide, Support, Tie
@@ -48,14 +48,22 @@ class Case(Section):
 
     name: Annotated[
         str,
-        Field(
-            pattern=r"^[A-Za-z0-9][A-Za-z0-9._-]{0,99}$",
-            description="a name of letters, digits, '.', '_' and '-' is needed",
+        Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9._-]{0,99}$"),
+        Needed("a name of letters, digits, '.', '_' and '-' is needed"),
+        means(
+            "name of the case, of letters, digits, '.', '_' and '-'; that of the folder of its results",
+            "my-tape",
         ),
     ]
-    about: Annotated[str, Field(description="a text is needed, in quotes")] = ""
-    units: UnitsSection = UnitsSection()
-    discretization: DiscretizationSection = DiscretizationSection()
+    about: Annotated[
+        str,
+        Needed("a text is needed, in quotes"),
+        means("what the case is, in a sentence", "My first tape.", usual="none"),
+    ] = ""
+    units: Annotated[UnitsSection, means("the units L0 and E0 of the run")] = UnitsSection()
+    discretization: Annotated[DiscretizationSection, means("the spline space and the mesh")] = (
+        DiscretizationSection()
+    )
     drive: Annotated[
         tuple[DriveSection, ...],
         BeforeValidator(check_number),
@@ -64,15 +72,21 @@ class Case(Section):
             default={},
             min_length=1,
             validate_default=True,
-            description="a table [drive], or several [[drive]], is needed",
+        ),
+        Needed("a table [drive], or several [[drive]], is needed"),
+        means(
+            "what moves or pulls, how far and in which steps; several tables are stages",
+            see="howto/units.md#stages",
         ),
     ]
     load: Annotated[
         tuple[LoadTable, ...],
-        Field(min_length=1, description="a table [[load]] is needed for each load that is held, or none"),
+        Field(min_length=1),
+        Needed("a table [[load]] is needed for each load that is held, or none"),
+        means("a dead load that is constant in all stages"),
     ] = ()
-    reading: ReadingSection | None = None
-    output: OutputSection = Field(default={}, validate_default=True)
+    reading: Annotated[ReadingSection | None, means("where the plateau is read")] = None
+    output: Annotated[OutputSection, means("what is stored")] = Field(default={}, validate_default=True)
     _document: dict[str, Any] = PrivateAttr(default_factory=dict)
 
     @classmethod

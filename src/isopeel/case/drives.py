@@ -7,12 +7,12 @@ from typing import Annotated, Any, Self
 from pydantic import BeforeValidator, Field, model_validator
 
 from isopeel.case.bodies import PlacedBody
-from isopeel.case.boundaries import BoundaryTable, EndKey
+from isopeel.case.boundaries import BoundaryTable, EndOfPart, LengthOfPart, StartOfPart
 from isopeel.case.errors import named_by
 from isopeel.case.kinds import KindSection
-from isopeel.case.sections import A_BOUNDARY, A_WINDOW
+from isopeel.case.sections import A_BOUNDARY, A_WINDOW, PARAMETER
 from isopeel.case.stages import Steps, stage_parameters, stage_steps
-from isopeel.case.values import LengthKey, NumberKey, key_of, read_quantity
+from isopeel.case.values import Needed, NumberKey, key_of, means, read_quantity
 from isopeel.common.arrays import FloatArray
 from isopeel.common.errors import InputError
 from isopeel.common.path_control import PathControl
@@ -24,13 +24,15 @@ from isopeel.splines.nurbs import Side
 _A_SIDE = key_of(Side).needed
 ForceKey = Annotated[
     float,
+    FORCE_PER_WIDTH,
     BeforeValidator(lambda written: read_quantity(FORCE_PER_WIDTH, written)),
-    Field(description=FORCE_PER_WIDTH.needed),
+    Needed(FORCE_PER_WIDTH.needed),
 ]
 AngleKey = Annotated[
     float,
+    ANGLE,
     BeforeValidator(lambda written: radians(read_quantity(ANGLE, written))),
-    Field(description=ANGLE.needed),
+    Needed(ANGLE.needed),
 ]
 #: Keys of a part of the driven boundary.
 _PART = ("start", "end", "length")
@@ -40,14 +42,17 @@ _SEVERAL = "a table [[drive.on]] is needed for each boundary, or none"
 class DrivenTable(BoundaryTable):
     """One of several boundaries that a drive acts on, and its factor."""
 
-    factor: NumberKey = 1.0
+    factor: Annotated[
+        NumberKey,
+        means("factor of the motion or the force on this boundary, of a size from 1e-6 to 1e6", -1.0),
+    ] = 1.0
 
 
 class LoadTable(BoundaryTable):
     """A load that is held: a force per width on a boundary."""
 
-    force: ForceKey
-    angle: AngleKey
+    force: Annotated[ForceKey, means("force per width", "0.05 N/m")]
+    angle: Annotated[AngleKey, means("angle of the force from the x axis", "90 deg")]
 
     def load(self, key: str, bodies: Mapping[str, PlacedBody], units: UnitSystem) -> HeldLoad:
         """Build the load. Raises InputError whose field begins with the key of the table."""
@@ -64,19 +69,52 @@ class DriveSection(KindSection):
 
     name: Annotated[
         str | None,
-        Field(pattern=r"^[A-Za-z0-9-]{1,40}$", description="a name of letters, digits and '-' is needed"),
+        Field(pattern=r"^[A-Za-z0-9-]{1,40}$"),
+        Needed("a name of letters, digits and '-' is needed"),
+        means("name of the stage, of letters, digits and '-'", "press", usual="the kind"),
     ] = None
-    side: Annotated[Side | None, Field(description=_A_SIDE)] = None
-    #: BODY.SIDE, in a case of several bodies.
-    boundary: Annotated[str | None, Field(description=A_BOUNDARY)] = None
-    start: EndKey = None
-    end: EndKey = None
-    length: LengthKey | None = None
-    on: Annotated[tuple[DrivenTable, ...], Field(min_length=1, description=_SEVERAL)] = ()
-    to: Any = "120 deg"
-    step: Any = "0.1 deg"
+    side: Annotated[
+        Side | None,
+        Needed(_A_SIDE or ""),
+        means("the driven side of the only body", "right", usual='`"right"` for a rotation, else required'),
+    ] = None
+    boundary: Annotated[
+        str | None,
+        Needed(A_BOUNDARY),
+        means(
+            "BODY.SIDE, in place of `side` in a case of several bodies", "upper.right", usual="required there"
+        ),
+    ] = None
+    start: StartOfPart = None
+    end: EndOfPart = None
+    length: LengthOfPart = None
+    on: Annotated[
+        tuple[DrivenTable, ...],
+        Field(min_length=1),
+        Needed(_SEVERAL),
+        means(
+            "tables `[[drive.on]]`, one for each of several boundaries, in place of the five keys above",
+            see="theory/drives.md#several-boundaries",
+        ),
+    ] = ()
+    to: Annotated[
+        Any,
+        *PARAMETER,
+        means("last parameter", "120 deg", usual='`"120 deg"` if the parameter is an angle, else required'),
+    ] = "120 deg"
+    step: Annotated[
+        Any,
+        *PARAMETER,
+        means(
+            "step of the parameter",
+            "0.1 deg",
+            usual='`"0.1 deg"` if the parameter is an angle, else required',
+        ),
+    ] = "0.1 deg"
     path_control: Annotated[
-        PathControl, Field(description="'newton', 'auto', 'jump' or 'continuation' is needed")
+        PathControl,
+        Needed("'newton', 'auto', 'jump' or 'continuation' is needed"),
+        means("what to do when a step finds no equilibrium", "continuation", see="howto/controls.md"),
     ] = "auto"
 
     @model_validator(mode="after")

@@ -2,14 +2,16 @@
 
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
+from difflib import get_close_matches
 from inspect import isclass
 from typing import Any, get_args
 
 from pydantic import ValidationError
 from pydantic.fields import FieldInfo
 
+from isopeel.case import absent
 from isopeel.case.kinds import KindSection
-from isopeel.case.values import Section
+from isopeel.case.values import Needed, Section
 from isopeel.common.errors import InputError
 
 
@@ -26,15 +28,13 @@ def first_error(error: ValidationError, document: Mapping[str, Any], case: type[
     match details["type"]:
         case "extra_forbidden":
             shown = f"[{field}]" if isinstance(value, Mapping) else value  # a table may be long
-            return InputError(
-                field, shown, f"there is no such key; here the keys are {', '.join(section.model_fields)}"
-            )
+            return InputError(field, shown, _no_such_key(str(place[-1]), section))
         case "value_error":
             return InputError(field, value, str(cause))
         case "tuple_type" if isinstance(value, Mapping):
             table = ".".join(part for part in place if isinstance(part, str))
             return InputError(field, f"[{table}]", f"write [[{table}]], as a case may have several of them")
-    needed = (key.description if key else None) or f"a table [{field}] is needed"
+    needed = (_needed(key) if key else "") or f"a table [{field}] is needed"
     if details["type"] == "missing":
         return InputError(field, None, f"the key is missing; {needed}")
     return InputError(field, value, needed)
@@ -112,6 +112,21 @@ def _key_at(
         if family and isinstance(table, Mapping) and number < len(place):
             section = section.chosen(table)  # type: ignore[attr-defined]
     return section, key
+
+
+def _no_such_key(name: str, section: type[Section]) -> str:
+    """Return what there is in place of an unknown key: other physics, the nearest key, and all keys."""
+    if instead := absent.KEYS.get(name.lower().replace("-", "_")):
+        return instead
+    keys = list(section.model_fields)
+    nearest = get_close_matches(name, keys, 1)
+    hint = f"did you mean {nearest[0]}? " if nearest else ""
+    return f"there is no such key; {hint}here the keys are {', '.join(keys)}"
+
+
+def _needed(key: FieldInfo) -> str:
+    """Return what is needed for a key, in words; an empty text where nothing says it."""
+    return next((note.text for note in key.metadata if isinstance(note, Needed)), "")
 
 
 def _section_in(annotation: Any) -> type[Section] | None:

@@ -5,13 +5,13 @@ from itertools import combinations, product
 from typing import Annotated, Self
 
 import numpy as np
-from pydantic import BeforeValidator, Field, model_validator
+from pydantic import BeforeValidator, model_validator
 
 from isopeel.case.bodies import PlacedBody
 from isopeel.case.boundaries import TWO_SIDES, PartKeys, SideKey, split_boundary
 from isopeel.case.errors import named_by
 from isopeel.case.sections import A_BOUNDARY, AdhesionSection, SubstrateSection
-from isopeel.case.values import FlagKey, list_of
+from isopeel.case.values import FlagKey, Needed, list_of, means
 from isopeel.common.arrays import FloatArray
 from isopeel.common.errors import InputError
 from isopeel.common.units import UnitSystem
@@ -34,19 +34,50 @@ class InterfaceTable(PartKeys, AdhesionSection):
     # between two bodies, a joint law too
     packages = (*AdhesionSection.packages, "isopeel.physics.joints")
 
-    boundary: Annotated[str | None, Field(description=A_BOUNDARY)] = None
+    boundary: Annotated[
+        str | None,
+        Needed(A_BOUNDARY),
+        means("BODY.SIDE that adheres to a rigid substrate", "lower.bottom", usual="none, with `between`"),
+    ] = None
     between: Annotated[
         tuple[SideKey, SideKey] | None,
         BeforeValidator(list_of(2, TWO_SIDES)),
-        Field(description=TWO_SIDES),
+        Needed(TWO_SIDES),
+        means(
+            "the sides of two bodies that adhere to each other, in place of `boundary`. In place of "
+            "BODY.SIDE, a table with `boundary` and a part of this side is possible",
+            ["upper.bottom", "lower.top"],
+            usual="none, with `boundary`",
+            see="howto/bodies.md#two-bodies-that-adhere-to-each-other",
+        ),
     ] = None
     scheme: Annotated[
-        Scheme | None, Field(description="'unbiased', 'biased' or 'two-half-pass' is needed")
+        Scheme | None,
+        Needed("'unbiased', 'biased' or 'two-half-pass' is needed"),
+        means(
+            "how the sides are integrated, with `between`",
+            "biased",
+            usual='`"unbiased"`',
+            see="howto/bodies.md#two-bodies-that-adhere-to-each-other",
+        ),
     ] = None
-    smoothed: FlagKey = False
+    smoothed: Annotated[
+        FlagKey,
+        means(
+            "whether closest points are found on a smooth curve through the nodes of a side of Lagrange "
+            "elements, with `between`",
+            True,
+            see="theory/adhesion.md#smoothed-sides",
+        ),
+    ] = False
     substrate: Annotated[
         SubstrateSection | None,
-        Field(description="a table is needed, such as { kind = 'flat', height = '0 nm' }"),
+        Needed("a table is needed, such as { kind = 'flat', height = '0 nm' }"),
+        means(
+            "a table with the keys of `[substrate]`; not with `between`",
+            {"kind": "flat", "height": "0 nm"},
+            usual="a plane along the boundary",
+        ),
     ] = None
 
     @model_validator(mode="after")

@@ -6,13 +6,17 @@ dataclass, its fields become the keys, and its `name` is what the case file call
 
 import dataclasses
 from collections.abc import Mapping
+from difflib import get_close_matches
 from functools import cache
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self, get_type_hints
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self, get_args, get_type_hints
 
 from pydantic import Field, ModelWrapValidatorHandler, ValidationInfo, create_model, model_validator
 
-from isopeel.case.values import Section, constant_powers, key_of
+from isopeel.case import absent
+from isopeel.case.values import Needed, Section, constant_powers, key_of, means
+from isopeel.common.components import limits_of
 from isopeel.common.errors import InputError
+from isopeel.common.quantities import Meaning
 from isopeel.common.registry import discover
 from isopeel.physics.formula_dimensions import FormulaDimensions, check_dimensions
 
@@ -25,6 +29,8 @@ class KindSection(Section):
     packages: ClassVar[tuple[str, ...]]
     chooser: ClassVar[str]
     usual: ClassVar[str | None] = None
+    #: The name that the reference shows where there is no usual one.
+    example_kind: ClassVar[str] = ""
     #: Fields of the dataclasses that the family gives them, from keys of its own.
     own: ClassVar[frozenset[str]] = frozenset()
     #: The dataclass; a family has none.
@@ -41,6 +47,11 @@ class KindSection(Section):
         known = {name: kind for package in cls.packages for name, kind in discover(package).items()}
         if not isinstance(name, str) or name not in known:
             allowed = f"one of these {cls.chooser}s is needed: {', '.join(known)}"
+            if isinstance(name, str):
+                nearest = get_close_matches(name, known, 1)
+                hint = f"did you mean {nearest[0]}? " if nearest else ""
+                instead = absent.KINDS.get(name)
+                allowed = f"{instead}; {allowed}" if instead else hint + allowed
             raise InputError(f"{cls.table}.{cls.chooser}", name, allowed)
         kind: Any = known[name]
         section: type[Self] = _section(cls, kind)
@@ -90,7 +101,11 @@ def _section(family: type[KindSection], kind: type[Any]) -> Any:
             default = field.default
         elif field.default_factory is not dataclasses.MISSING:
             default = Field(default_factory=field.default_factory)
-        keys[field.name] = (Annotated[annotation, Field(description=needed)], default)
+        given = get_args(hints[field.name])[1:]
+        meaning = next((note for note in given if isinstance(note, Meaning)), Meaning(""))
+        told = means(meaning.text, meaning.example, usual=meaning.usual, see=meaning.see)
+        notes = (*limits_of(hints[field.name]), Needed(needed or ""), told)
+        keys[field.name] = (Annotated[annotation, *notes], default)
     choice: Any = Literal[kind.name], ... if family.usual != kind.name else kind.name
     section = create_model(f"{kind.__name__}Section", __base__=family, **{family.chooser: choice}, **keys)
     section.maker = kind

@@ -16,14 +16,20 @@ def shipped_cases() -> tuple[str, ...]:
     return tuple(sorted(folder.name for folder in folders if folder.is_dir() and folder.name[0] not in "._"))
 
 
+def shipped_text(name: str) -> str:
+    """Return the file of a shipped case. Raises InputError where there is no such case."""
+    if name not in shipped_cases():
+        raise InputError("NAME", name, f"the shipped cases are {', '.join(shipped_cases())}")
+    return resources.files("isopeel").joinpath("cases", name, "case.toml").read_text("utf-8")
+
+
 def load_case(case: str | Path) -> Case:
     """Load a shipped case by its name, or a TOML file by its path.
 
     Raises InputError; its field is the key's path, or CASE where the file itself cannot be used.
     """
     if case in shipped_cases():
-        file = resources.files("isopeel").joinpath("cases", str(case), "case.toml")
-        return Case.parse(file.read_text("utf-8"))
+        return Case.parse(shipped_text(str(case)))
     path = Path(case)
     try:
         # what is no file, such as a pipe, could be waited for without an end

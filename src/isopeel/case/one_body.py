@@ -1,7 +1,7 @@
 """The form of a case for one body that adheres with its lower face."""
 
 from collections.abc import Mapping
-from typing import Any
+from typing import Annotated, Any
 
 from pydantic import Field
 
@@ -15,6 +15,7 @@ from isopeel.case.sections import (
     MaterialSection,
     SubstrateSection,
 )
+from isopeel.case.values import means
 from isopeel.problem import Body, Interface, Support
 from isopeel.splines.rows import RowSpace
 
@@ -22,11 +23,19 @@ from isopeel.splines.rows import RowSpace
 class OneBody(Case):
     """A body that adheres with its lower face: the tables of the short form."""
 
-    body: BodySection
-    material: MaterialSection
-    adhesion: AdhesionSection
-    substrate: SubstrateSection = Field(default={}, validate_default=True)
-    held: HeldSection | None = None
+    body: Annotated[BodySection, means("the shape of the body")]
+    material: Annotated[MaterialSection, means("the material of the body")]
+    adhesion: Annotated[AdhesionSection, means("the adhesion of the lower face")]
+    substrate: Annotated[SubstrateSection, means("the rigid substrate")] = Field(
+        default={}, validate_default=True
+    )
+    held: Annotated[
+        HeldSection | None,
+        means(
+            "the sides that are held, and in which components",
+            usual="the left side in x; the top of a half cylinder in x",
+        ),
+    ] = None
 
     def spaces(self) -> dict[str, RowSpace]:
         """That of the body."""

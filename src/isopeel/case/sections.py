@@ -12,14 +12,16 @@ from isopeel.case.values import (
     SMALLEST,
     FlagKey,
     LengthKey,
+    Needed,
     NumberKey,
     Section,
     list_of,
+    means,
     quantity_of,
     several,
 )
 from isopeel.common.errors import InputError
-from isopeel.common.quantities import LENGTH, NUMBER, STRESS
+from isopeel.common.quantities import ANGLE, FORCE_PER_WIDTH, LENGTH, NUMBER, STRESS
 from isopeel.common.units import E0, L0, UnitSystem
 from isopeel.physics.adhesion import AdhesionLaw
 from isopeel.physics.adhesion.mirrored import Mirrored
@@ -36,7 +38,14 @@ class BodySection(KindSection):
 
     table, packages, chooser, usual = "body", ("isopeel.problem.shapes",), "shape", "strip"
 
-    width: LengthKey | None = None
+    width: Annotated[
+        LengthKey | None,
+        means(
+            "extent of the body across the plane, which must be positive; forces are then in N, not in N/m",
+            "25 mm",
+            usual="none",
+        ),
+    ] = None
 
     @field_validator("width")
     @classmethod
@@ -66,8 +75,15 @@ class MaterialSection(KindSection):
     """The material, with the stretch that it is laid at; stresses in E0."""
 
     table, packages, chooser = "material", ("isopeel.physics.materials",), "law"
+    example_kind = "neo-hooke"
 
-    prestretch: Annotated[float | None, Field(strict=True, description=NUMBER.needed)] = None
+    prestretch: Annotated[
+        float | None,
+        NUMBER,
+        Field(strict=True),
+        Needed(NUMBER.needed),
+        means("stretch along the body with which it is laid on the substrate", 1.05, usual="none"),
+    ] = None
 
     def material(self) -> Material:
         """Build the material."""
@@ -78,14 +94,41 @@ class MaterialSection(KindSection):
 class AdhesionSection(KindSection):
     """Adhesion of the lower face up to `length`, or of all of it; in E0 and L0."""
 
-    table, chooser = "adhesion", "law"
+    table, chooser, example_kind = "adhesion", "law", "exponential"
     packages: ClassVar[tuple[str, ...]] = ("isopeel.physics.adhesion",)
 
-    length: LengthKey | None = None
-    traction: Annotated[Traction, Field(description="'reference' or 'projected' is needed")] = "reference"
-    irreversible: FlagKey = False
-    sliding_length: LengthKey | None = None
-    symmetric: FlagKey = False
+    length: Annotated[
+        LengthKey | None,
+        means(
+            "length of the lower face that adheres, from its left end; of a cylinder about its lowest point",
+            "80 nm",
+            usual="the whole face",
+        ),
+    ] = None
+    traction: Annotated[
+        Traction,
+        Needed("'reference' or 'projected' is needed"),
+        means(
+            "the area that the traction acts on: that at rest, or its projection on the substrate",
+            "projected",
+        ),
+    ] = "reference"
+    irreversible: Annotated[FlagKey, means("whether damage is permanent", True)] = False
+    sliding_length: Annotated[
+        LengthKey | None,
+        means(
+            "length over which a reversible joint with the reference area also resists sliding",
+            "0.3 nm",
+            usual="slides freely",
+        ),
+    ] = None
+    symmetric: Annotated[
+        FlagKey,
+        means(
+            "whether the body adheres to its mirror image; on a flat substrate, without `sliding_length`",
+            True,
+        ),
+    ] = False
 
     def adhesion_law(self) -> AdhesionLaw:
         """Build the law."""
@@ -125,7 +168,7 @@ class SubstrateSection(KindSection):
 
     table, packages, chooser, usual = "substrate", ("isopeel.physics.substrates",), "kind", "flat"
 
-    gap: LengthKey | None = None
+    gap: Annotated[LengthKey | None, means("gap at the start", "0.5 nm", usual="the equilibrium gap")] = None
 
     def surface(self) -> Substrate:
         """Build the substrate as it lies before it recedes by the gap."""
@@ -140,8 +183,18 @@ class SubstrateSection(KindSection):
 class UnitsSection(Section):
     """What the run measures in, L0 and E0."""
 
-    length: Annotated[str, Field(description="a length is needed, such as '1 nm'")] = "1 nm"
-    stress: Annotated[str, Field(description="a stress is needed, such as '2 GPa'")] = "2 GPa"
+    length: Annotated[
+        str,
+        LENGTH,
+        Needed("a length is needed, such as '1 nm'"),
+        means("unit of length L0 of the run", "1 um"),
+    ] = "1 nm"
+    stress: Annotated[
+        str,
+        STRESS,
+        Needed("a stress is needed, such as '2 GPa'"),
+        means("unit of stress E0 of the run", "1 MPa"),
+    ] = "2 GPa"
 
     def system(self) -> UnitSystem:
         """Build the unit system. Raises InputError where one is not a positive length or stress."""
@@ -165,7 +218,13 @@ class UnitsSection(Section):
 A_BOUNDARY = "a boundary is needed, BODY.SIDE, such as 'upper.bottom'"
 A_WINDOW = "two values are needed, the smaller one first"
 _RATIOS = several(2, "the size of the last element over that of the first is needed")
-_Held = Annotated[Literal["x", "y", "xy"] | None, Field(description="'x', 'y' or 'xy' is needed")]
+_Held = Annotated[
+    Literal["x", "y", "xy"] | None,
+    Needed("'x', 'y' or 'xy' is needed"),
+    means("components of the displacement that are held on this side", "xy", usual="none"),
+]
+#: The dimensions of a parameter of a drive: one of them.
+PARAMETER = (ANGLE, LENGTH, FORCE_PER_WIDTH)
 
 
 class HeldSection(Section):
@@ -188,21 +247,15 @@ class HeldSection(Section):
 
 #: Highest degree across the height.
 HIGHEST_ACROSS = 8
-SpaceKey = Annotated[str, Field(description="the name of a space is needed, such as 'N2.1'")]
-MeshKey = Annotated[
-    str | None, Field(description="elements along length x height are needed, such as '200x10'")
-]
+SpaceKey = Annotated[str, Needed("the name of a space is needed, such as 'N2.1'")]
+MeshKey = Annotated[str | None, Needed("elements along length x height are needed, such as '200x10'")]
 AcrossDegreeKey = Annotated[
     int | None,
-    Field(
-        strict=True,
-        ge=1,
-        le=HIGHEST_ACROSS,
-        description=f"a degree across the height is needed, from 1 to {HIGHEST_ACROSS}",
-    ),
+    Field(strict=True, ge=1, le=HIGHEST_ACROSS),
+    Needed(f"a degree across the height is needed, from 1 to {HIGHEST_ACROSS}"),
 ]
 GradingKey = Annotated[
-    tuple[NumberKey, NumberKey] | None, BeforeValidator(list_of(2, _RATIOS)), Field(description=_RATIOS)
+    tuple[NumberKey, NumberKey] | None, BeforeValidator(list_of(2, _RATIOS)), Needed(_RATIOS)
 ]
 
 
@@ -213,20 +266,45 @@ class DiscretizationSection(Section):
     that of `discretization.usual_across_degree`: linear elements are too stiff in bending.
     """
 
-    space: SpaceKey = "N2.1"
-    mesh: MeshKey = None
+    space: Annotated[
+        SpaceKey, means("name of the spline space", "N2.1", see="theory/geometry.md#row-wise-spaces")
+    ] = "N2.1"
+    mesh: Annotated[
+        MeshKey,
+        means(
+            "elements along length x height",
+            "200x10",
+            usual="200 along, 2 to 10 across; 120x16 for a quarter cylinder",
+        ),
+    ] = None
     contact_points: Annotated[
         int | None,
-        Field(strict=True, ge=1, description="a number of Gauss points on an element is needed"),
+        Field(strict=True, ge=1),
+        Needed("a number of Gauss points on an element is needed"),
+        means("Gauss points of the adhesive force on an element", 4, usual="highest degree + 1"),
     ] = None
-    across_degree: AcrossDegreeKey = None
-    grading: GradingKey = None
+    across_degree: Annotated[
+        AcrossDegreeKey,
+        means("degree across the height", 2, usual="2, or 3 for nearly incompressible bodies"),
+    ] = None
+    grading: Annotated[
+        GradingKey,
+        means(
+            "size of the last element over that of the first one, along and across",
+            [0.1, 1.0],
+            usual="`[1.0, 1.0]`; `[20.0, 20.0]` for a quarter cylinder without a `mesh`",
+        ),
+    ] = None
 
 
 class ReadingSection(Section):
     """The window that the plateau is read in, in degrees, or in L0 and E0."""
 
-    window: Annotated[tuple[float, float], Field(description=A_WINDOW)]
+    window: Annotated[
+        tuple[Annotated[float, *PARAMETER], Annotated[float, *PARAMETER]],
+        Needed(A_WINDOW),
+        means("first and last parameter of the plateau", ["98 deg", "101 deg"]),
+    ]
 
 
 class OutputSection(Section):
@@ -235,4 +313,12 @@ class OutputSection(Section):
     Where it is left out, each stage has its own (`DriveSection.usual_fields_every`).
     """
 
-    fields_every: float | None = None
+    fields_every: Annotated[
+        float | None,
+        *PARAMETER,
+        means(
+            "the parameter between stored displacements, of all stages with such a parameter",
+            "10 deg",
+            usual="10 deg, or a tenth of the path",
+        ),
+    ] = None

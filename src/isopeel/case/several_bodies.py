@@ -12,6 +12,7 @@ from isopeel.case.errors import renamed
 from isopeel.case.interfaces import InterfaceTable, check_apart
 from isopeel.case.placing import placed_bodies
 from isopeel.case.ties import TieTable
+from isopeel.case.values import Needed, means
 from isopeel.common.errors import InputError
 from isopeel.problem import Boundary, Interface, Support, Tie
 from isopeel.problem.boundary import driven_boundaries
@@ -32,19 +33,26 @@ class SeveralBodies(Case):
 
     body: Annotated[
         tuple[BodyTable, ...],
-        Field(description="a table [[body]] is needed for each body"),
+        Needed("a table [[body]] is needed for each body"),
+        means("a body with a name"),
     ]
     interface: Annotated[
         tuple[InterfaceTable, ...],
-        Field(min_length=1, description="a table [[interface]] is needed for each interface, or none"),
+        Field(min_length=1),
+        Needed("a table [[interface]] is needed for each interface, or none"),
+        means("a law between a boundary and a substrate, or between two bodies"),
     ] = ()
     tie: Annotated[
         tuple[TieTable, ...],
-        Field(min_length=1, description="a table [[tie]] is needed for each tie, or none"),
+        Field(min_length=1),
+        Needed("a table [[tie]] is needed for each tie, or none"),
+        means("two sides that move as one"),
     ] = ()
     support: Annotated[
         tuple[SupportTable, ...],
-        Field(min_length=1, description="a table [[support]] is needed for each support, or none"),
+        Field(min_length=1),
+        Needed("a table [[support]] is needed for each support, or none"),
+        means("a boundary that is held"),
     ] = ()
 
     def spaces(self) -> dict[str, RowSpace]:

@@ -3,11 +3,11 @@
 from collections.abc import Mapping
 from typing import Annotated, Self
 
-from pydantic import BeforeValidator, Field, model_validator
+from pydantic import BeforeValidator, model_validator
 
 from isopeel.case.bodies import PlacedBody
 from isopeel.case.boundaries import TWO_SIDES, SideKey
-from isopeel.case.values import Section, list_of
+from isopeel.case.values import Needed, Section, list_of, means
 from isopeel.common.errors import InputError
 from isopeel.common.units import UnitSystem
 from isopeel.problem import Tie
@@ -17,7 +17,15 @@ class TieTable(Section):
     """A whole side of a body that follows the side of another body that it lies on, or a part of that."""
 
     between: Annotated[
-        tuple[SideKey, SideKey], BeforeValidator(list_of(2, TWO_SIDES)), Field(description=TWO_SIDES)
+        tuple[SideKey, SideKey],
+        BeforeValidator(list_of(2, TWO_SIDES)),
+        Needed(TWO_SIDES),
+        means(
+            "a whole side of a body, and the side of another body that it follows. In place of the second "
+            "BODY.SIDE, a table with `boundary` and a part of this side is possible",
+            ["upper.bottom", "lower.top"],
+            see="howto/bodies.md#layers-and-other-solids-of-several-bodies",
+        ),
     ]
 
     @property

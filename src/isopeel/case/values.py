@@ -1,6 +1,7 @@
 """The values that keys of a case file take, in L0 and E0, and what is said where they are wrong."""
 
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from fractions import Fraction
 from math import radians
 from pathlib import Path
@@ -14,6 +15,19 @@ from isopeel.common.units import Quantity, parse_quantity
 
 #: Magnitudes, in L0 and E0 or degrees, between which products of a few powers of them stay finite.
 SMALLEST, LARGEST = 1e-12, 1e12
+
+
+@dataclass(frozen=True)
+class Needed:
+    """What is needed for a value, in the words of an error."""
+
+    text: str
+
+
+def means(meaning: str, example: Any = None, *, usual: str = "", see: str = "") -> Any:
+    """Return the field of a key: what it means, with the other values of a `Meaning`."""
+    extra: dict[str, Any] = {"usual": usual, "see": see}
+    return Field(description=meaning, examples=[example], json_schema_extra=extra)
 
 
 class Section(BaseModel):
@@ -120,13 +134,13 @@ def key_of(hint: Any) -> Key:
 
 def _of(dimension: Dimension) -> Any:
     if dimension.is_number:
-        return Annotated[float, Field(strict=True)]
+        return Annotated[float, dimension, Field(strict=True)]
 
     def read(written: object) -> float:
         value = read_quantity(dimension, written)
         return radians(value) if dimension.angle else value
 
-    return Annotated[float, BeforeValidator(read)]
+    return Annotated[float, dimension, BeforeValidator(read)]
 
 
 def _tuple_of(keys: list[Key]) -> Key:
@@ -187,6 +201,6 @@ _PLAIN = {
 }
 
 # The same for keys that no dataclass has.
-LengthKey = Annotated[float, BeforeValidator(lambda written: read_quantity(LENGTH, written))]
-NumberKey = Annotated[float, Field(strict=True, description=NUMBER.needed)]
-FlagKey = Annotated[bool, Field(strict=True, description="true or false is needed")]
+LengthKey = Annotated[float, LENGTH, BeforeValidator(lambda written: read_quantity(LENGTH, written))]
+NumberKey = Annotated[float, NUMBER, Field(strict=True), Needed(NUMBER.needed)]
+FlagKey = Annotated[bool, Field(strict=True), Needed("true or false is needed")]

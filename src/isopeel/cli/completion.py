@@ -40,6 +40,13 @@ def laws(incomplete: str) -> list[str]:
     return _beginning_with(incomplete, discover("isopeel.physics.adhesion")) + cases(incomplete)
 
 
+def keys(incomplete: str) -> list[str]:
+    """Complete a key of a case, as TABLE.KEY."""
+    from isopeel.output.key_reference import paths
+
+    return _beginning_with(incomplete, paths())
+
+
 def checks(incomplete: str) -> list[str]:
     """Complete a check of `isopeel validate`."""
     from isopeel.validation.report import CHECKS

@@ -1,5 +1,6 @@
 """The commands that show stored runs, shipped cases, spaces and laws."""
 
+import json
 from pathlib import Path
 from typing import Annotated
 
@@ -7,6 +8,7 @@ import typer
 
 from isopeel.cli import completion
 from isopeel.cli.base import COMPLETED, command, console, fail
+from isopeel.common.errors import InputError
 from isopeel.common.interrupts import INTERRUPTED, reporting
 
 _ForceOption = Annotated[
@@ -165,11 +167,56 @@ def view(
 
 
 @command
-def cases() -> int:
-    """List the shipped cases."""
-    from isopeel.output.cases import cases_table
+def cases(
+    name: Annotated[
+        str | None,
+        typer.Argument(
+            metavar="NAME", help="A shipped case, whose file is printed.", autocompletion=completion.shipped
+        ),
+    ] = None,
+    copy: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE", help="Write the case to FILE, which must not exist, to change it there."
+        ),
+    ] = None,
+) -> int:
+    """List the shipped cases, or print or copy one of them."""
+    from isopeel.output.cases import cases_table, copy_case
 
-    console().print(cases_table())
+    if name is None:
+        if copy is not None:
+            raise InputError("NAME", None, "the name of a shipped case is needed; `isopeel cases` lists them")
+        console().print(cases_table())
+    else:
+        copy_case(name, copy, console())
+    return COMPLETED
+
+
+@command
+def help(
+    key: Annotated[
+        str | None,
+        typer.Argument(
+            metavar="KEY",
+            help="A key, such as body.height or height, a table, or a kind such as bilinear.",
+            autocompletion=completion.keys,
+        ),
+    ] = None,
+) -> int:
+    """Show what the keys of a case mean: value, default, range and an example."""
+    from isopeel.output.key_reference import show_help
+
+    show_help(key, console())
+    return COMPLETED
+
+
+@command
+def schema() -> int:
+    """Print the JSON schema of case files, with which editors complete and check them."""
+    from isopeel.case.schema import case_schema
+
+    typer.echo(json.dumps(case_schema(), indent=1))
     return COMPLETED
 
 

@@ -47,7 +47,7 @@ def named_dataclass(kind: Kind) -> Kind:
     if "name" not in vars(kind):
         kind.name = re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "-", kind.__name__).lower()
     hints = get_type_hints(kind, include_extras=True)
-    kind.limits = tuple((field, limit) for field, hint in hints.items() for limit in _limits(hint))
+    kind.limits = tuple((field, limit) for field, hint in hints.items() for limit in limits_of(hint))
     dataclass(frozen=True)(kind)
     members = {*dir(kind), *(field.name for field in fields(kind))}  # type: ignore[arg-type]
     for group in kind.needed:
@@ -56,10 +56,11 @@ def named_dataclass(kind: Kind) -> Kind:
     return kind
 
 
-def _limits(hint: Any) -> list[Limit]:
-    """The limits that a type is annotated with, or one of the types of a union."""
+def limits_of(hint: Any) -> list[Limit]:
+    """Return the limits that a type is annotated with, or one of the types of a union."""
     if get_origin(hint) is Annotated:
-        return [limit for limit in get_args(hint)[1:] if isinstance(limit, Limit)]
+        plain, *notes = get_args(hint)
+        return [note for note in notes if isinstance(note, Limit)] + limits_of(plain)
     if get_origin(hint) in (Union, UnionType):
-        return [limit for kind in get_args(hint) for limit in _limits(kind)]
+        return [limit for kind in get_args(hint) for limit in limits_of(kind)]
     return []

@@ -9,7 +9,7 @@ units. Only case files have units, and these dimensions define which units are a
 from collections.abc import Callable
 from dataclasses import dataclass
 from math import inf, isfinite
-from typing import Annotated, TypeAlias, TypeVar
+from typing import Annotated, Any, TypeAlias, TypeVar
 
 
 @dataclass(frozen=True)
@@ -55,6 +55,20 @@ class Limit:
 
     allowed: str
     holds: Callable[[float], bool]
+
+
+@dataclass(frozen=True)
+class Meaning:
+    """What a field means, as the reference of keys shows it.
+
+    `example` is a value as a case file has it, `usual` the default in words where the value does not show it,
+    and `see` a page of the site, with its section.
+    """
+
+    text: str
+    example: Any = None
+    usual: str = ""
+    see: str = ""
 
 
 _Quantity = TypeVar("_Quantity")

@@ -1,8 +1,8 @@
 """The bilinear cohesive law, its kinks rounded."""
 
-from typing import Self
+from typing import Annotated, Self
 
-from isopeel.common.quantities import Length, Number, Stress, SurfaceEnergy
+from isopeel.common.quantities import Length, Meaning, Number, Stress, SurfaceEnergy
 from isopeel.physics.adhesion.normal import NormalLaw, normal_law
 from isopeel.physics.adhesion.trapezoidal import Trapezoidal
 
@@ -15,11 +15,24 @@ class Bilinear(NormalLaw):
     without a plateau, which says what the constants mean and what is refused.
     """
 
-    strength: Stress
-    work_of_adhesion: SurfaceEnergy
-    rise: Number
-    rounding: Number = 0.5
-    equilibrium_gap: Length = 0.0
+    strength: Annotated[Stress, Meaning("largest attraction", "0.5 MPa")]
+    work_of_adhesion: Annotated[
+        SurfaceEnergy, Meaning("energy per area that separates the surfaces", "25 J/m^2")
+    ]
+    rise: Annotated[
+        Number,
+        Meaning(
+            "opening of the largest attraction, divided by the final opening, between 0 and 1",
+            0.1,
+        ),
+    ]
+    rounding: Annotated[
+        Number,
+        Meaning("half width of the rounded kinks, divided by the opening of the largest attraction", 0.5),
+    ] = 0.5
+    equilibrium_gap: Annotated[
+        Length, Meaning("gap at which the law neither attracts nor repels", "0.3 nm")
+    ] = 0.0
 
     def check(self) -> None:
         """Check the constants."""

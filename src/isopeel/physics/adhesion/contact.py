@@ -1,6 +1,8 @@
 """Contact without adhesion: a law that only repels."""
 
-from isopeel.common.quantities import Length, NotNegative, Positive, StressPerLength
+from typing import Annotated
+
+from isopeel.common.quantities import Length, Meaning, NotNegative, Positive, StressPerLength
 from isopeel.physics.adhesion.normal import NormalLaw, normal_law
 
 
@@ -18,9 +20,20 @@ class Contact(NormalLaw):
     InputError unless stiffness and penetration are positive.
     """
 
-    stiffness: Positive[StressPerLength] | None = None
-    equilibrium_gap: NotNegative[Length] = 0.0
-    penetration: Positive[Length] | None = None
+    stiffness: Annotated[
+        Positive[StressPerLength] | None,
+        Meaning("pressure per overlap", "1 GPa/mm", usual="chosen from the bodies and their meshes"),
+    ] = None
+    equilibrium_gap: Annotated[NotNegative[Length], Meaning("gap at which contact begins", "0.3 nm")] = 0.0
+    penetration: Annotated[
+        Positive[Length] | None,
+        Meaning(
+            "largest overlap that is left by multipliers",
+            "0.01 nm",
+            usual="none, without multipliers",
+            see="theory/adhesion.md#contact-without-adhesion",
+        ),
+    ] = None
 
     @property
     def work_of_adhesion(self) -> float:

@@ -1,8 +1,8 @@
 """Dugdale's law of constant attraction, its ends smoothed."""
 
-from typing import Self
+from typing import Annotated, Self
 
-from isopeel.common.quantities import Length, NotNegative, Number, Positive, Stress, SurfaceEnergy
+from isopeel.common.quantities import Length, Meaning, NotNegative, Number, Positive, Stress, SurfaceEnergy
 from isopeel.physics.adhesion.normal import NormalLaw, normal_law
 
 
@@ -20,10 +20,20 @@ class Dugdale(NormalLaw):
     InputError unless both are positive and 0 < transition <= 8/9, where no plateau is left.
     """
 
-    strength: Positive[Stress]
-    work_of_adhesion: Positive[SurfaceEnergy]
-    transition: Number
-    equilibrium_gap: NotNegative[Length] = 0.0
+    strength: Annotated[Positive[Stress], Meaning("largest attraction", "0.5 MPa")]
+    work_of_adhesion: Annotated[
+        Positive[SurfaceEnergy], Meaning("energy per area that separates the surfaces", "25 J/m^2")
+    ]
+    transition: Annotated[
+        Number,
+        Meaning(
+            "opening over which the attraction rises and falls, over work / strength, at most 8/9",
+            0.1,
+        ),
+    ]
+    equilibrium_gap: Annotated[
+        NotNegative[Length], Meaning("gap at which the law neither attracts nor repels", "0.3 nm")
+    ] = 0.0
 
     def check(self) -> None:
         """Check the transition."""

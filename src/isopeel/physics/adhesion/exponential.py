@@ -1,8 +1,10 @@
 """The exponential cohesive law."""
 
+from typing import Annotated
+
 import numpy as np
 
-from isopeel.common.quantities import Length, NotNegative, Positive, Stress, SurfaceEnergy
+from isopeel.common.quantities import Length, Meaning, NotNegative, Positive, Stress, SurfaceEnergy
 from isopeel.physics.adhesion.normal import NormalLaw, normal_law
 
 
@@ -18,9 +20,13 @@ class Exponential(NormalLaw):
     Raises InputError unless both are positive.
     """
 
-    strength: Positive[Stress]
-    work_of_adhesion: Positive[SurfaceEnergy]
-    equilibrium_gap: NotNegative[Length] = 0.0
+    strength: Annotated[Positive[Stress], Meaning("largest attraction", "0.5 MPa")]
+    work_of_adhesion: Annotated[
+        Positive[SurfaceEnergy], Meaning("energy per area that separates the surfaces", "25 J/m^2")
+    ]
+    equilibrium_gap: Annotated[
+        NotNegative[Length], Meaning("gap at which the law neither attracts nor repels", "0.3 nm")
+    ] = 0.0
 
     @property
     def characteristic_length(self) -> float:

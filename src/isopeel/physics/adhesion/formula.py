@@ -9,7 +9,7 @@ import numpy as np
 
 from isopeel.common.arrays import FloatArray
 from isopeel.common.errors import InputError
-from isopeel.common.quantities import LENGTH, SURFACE_ENERGY
+from isopeel.common.quantities import LENGTH, SURFACE_ENERGY, Meaning
 from isopeel.physics.adhesion.normal import law_kernel
 from isopeel.physics.batch import BatchFunction
 from isopeel.physics.formula import (
@@ -48,8 +48,23 @@ class FormulaAdhesion:
 
     name: ClassVar[str] = "formula"
     dimensions: ClassVar[FormulaDimensions] = FormulaDimensions("potential", SURFACE_ENERGY, {"r": LENGTH})
-    potential: Annotated[str, "a formula of the gap r is needed"]
-    constants: Mapping[str, float] = field(default_factory=dict)
+    potential: Annotated[
+        str,
+        "a formula of the gap r is needed",
+        Meaning(
+            "energy per area, a formula of the gap r",
+            "W*((s/r)**8/3 - 4/3*(s/r)**2)",
+            see="howto/adhesion-law.md",
+        ),
+    ]
+    constants: Annotated[
+        Mapping[str, float],
+        Meaning(
+            "constants of the formula, numbers or texts with units",
+            {"W": "0.03 J/m^2", "s": "0.25 nm"},
+            usual="none",
+        ),
+    ] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         """Check the formula, its equilibrium gap and its work of adhesion."""

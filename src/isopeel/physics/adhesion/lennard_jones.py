@@ -1,8 +1,9 @@
 """Adhesion by an interaction of two powers of the gap."""
 
 from math import inf
+from typing import Annotated
 
-from isopeel.common.quantities import Length, Number, Positive, SurfaceEnergy
+from isopeel.common.quantities import Length, Meaning, Number, Positive, SurfaceEnergy
 from isopeel.physics.adhesion.normal import NormalLaw, normal_law
 
 
@@ -19,10 +20,16 @@ class LennardJones(NormalLaw):
     InputError unless both are positive and m > n > 1.
     """
 
-    work_of_adhesion: Positive[SurfaceEnergy]
-    equilibrium_gap: Positive[Length]
-    repulsive_exponent: Number = 9.0
-    attractive_exponent: Number = 3.0
+    work_of_adhesion: Annotated[
+        Positive[SurfaceEnergy], Meaning("energy per area that separates the surfaces", "0.05 J/m^2")
+    ]
+    equilibrium_gap: Annotated[
+        Positive[Length], Meaning("gap at which the law neither attracts nor repels", "0.3 nm")
+    ]
+    repulsive_exponent: Annotated[
+        Number, Meaning("exponent of the repulsive traction, larger than that of the attractive one", 9.0)
+    ] = 9.0
+    attractive_exponent: Annotated[Number, Meaning("exponent of the attractive traction, above 1", 3.0)] = 3.0
 
     def check(self) -> None:
         """Check the exponents."""

@@ -1,8 +1,8 @@
 """The trapezoidal cohesive law, its kinks rounded."""
 
-from typing import Self
+from typing import Annotated, Self
 
-from isopeel.common.quantities import Length, NotNegative, Number, Positive, Stress, SurfaceEnergy
+from isopeel.common.quantities import Length, Meaning, NotNegative, Number, Positive, Stress, SurfaceEnergy
 from isopeel.physics.adhesion.normal import NormalLaw, normal_law
 
 
@@ -22,12 +22,28 @@ class Trapezoidal(NormalLaw):
     most 1 and 1 / (2 rise).
     """
 
-    strength: Positive[Stress]
-    work_of_adhesion: Positive[SurfaceEnergy]
-    rise: Number
-    plateau: Number
-    rounding: Number = 0.5
-    equilibrium_gap: NotNegative[Length] = 0.0
+    strength: Annotated[Positive[Stress], Meaning("largest attraction", "0.5 MPa")]
+    work_of_adhesion: Annotated[
+        Positive[SurfaceEnergy], Meaning("energy per area that separates the surfaces", "25 J/m^2")
+    ]
+    rise: Annotated[
+        Number,
+        Meaning(
+            "opening of the largest attraction, divided by the final opening, between 0 and 1",
+            0.1,
+        ),
+    ]
+    plateau: Annotated[
+        Number,
+        Meaning("fraction of the final opening over which the attraction is constant", 0.5),
+    ]
+    rounding: Annotated[
+        Number,
+        Meaning("half width of the rounded kinks, divided by the opening of the largest attraction", 0.5),
+    ] = 0.5
+    equilibrium_gap: Annotated[
+        NotNegative[Length], Meaning("gap at which the law neither attracts nor repels", "0.3 nm")
+    ] = 0.0
 
     def check(self) -> None:
         """Check the shares."""

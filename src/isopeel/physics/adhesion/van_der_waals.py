@@ -1,10 +1,10 @@
 """Van der Waals adhesion: the Lennard-Jones interaction integrated over a half space."""
 
-from typing import Self
+from typing import Annotated, Self
 
 import numpy as np
 
-from isopeel.common.quantities import Energy, Length, Positive
+from isopeel.common.quantities import Energy, Length, Meaning, Positive
 from isopeel.physics.adhesion.normal import NormalLaw, normal_law
 
 
@@ -23,8 +23,13 @@ class VanDerWaals(NormalLaw):
     hamaker_constant: energy; equilibrium_distance: r0 of the Lennard-Jones potential, a length.
     """
 
-    hamaker_constant: Positive[Energy]
-    equilibrium_distance: Positive[Length]
+    hamaker_constant: Annotated[
+        Positive[Energy], Meaning("Hamaker constant of body and substrate", "1e-19 J")
+    ]
+    equilibrium_distance: Annotated[
+        Positive[Length],
+        Meaning("distance of two molecules at which they neither attract nor repel", "0.4 nm"),
+    ]
 
     @classmethod
     def like(cls, _strength: float, work_of_adhesion: float, equilibrium_gap: float) -> Self:

@@ -1,9 +1,11 @@
 """The bilinear joint law with damage, whose work depends on the mode ratio."""
 
+from typing import Annotated
+
 import numpy as np
 
 from isopeel.common.arrays import BoolArray, FloatArray
-from isopeel.common.quantities import Number, Positive, Stress, SurfaceEnergy
+from isopeel.common.quantities import Meaning, Number, Positive, Stress, SurfaceEnergy
 from isopeel.physics.joints.base import HistoryVariable, JointLaw, joint_law
 
 #: Mixity of a point that has not moved yet.
@@ -44,13 +46,25 @@ class MixedModeBilinear(JointLaw):
     where the constants are not positive, rise is not in (0, 1), or the initial damage is not in [0, 1].
     """
 
-    strength: Positive[Stress]
-    shear_strength: Positive[Stress]
-    work_of_adhesion: Positive[SurfaceEnergy]
-    shear_work: Positive[SurfaceEnergy]
-    rise: Number
-    exponent: Positive[Number] = 2.0
-    initial_damage: Number = 0.0
+    strength: Annotated[Positive[Stress], Meaning("largest normal traction, in opening alone", "10 MPa")]
+    shear_strength: Annotated[
+        Positive[Stress], Meaning("largest tangential traction, in sliding alone", "10 MPa")
+    ]
+    work_of_adhesion: Annotated[
+        Positive[SurfaceEnergy], Meaning("energy per area of separation by opening alone", "100 J/m^2")
+    ]
+    shear_work: Annotated[
+        Positive[SurfaceEnergy], Meaning("energy per area of separation by sliding alone", "200 J/m^2")
+    ]
+    rise: Annotated[
+        Number, Meaning("jump at which damage begins, divided by the final jump, between 0 and 1", 0.1)
+    ]
+    exponent: Annotated[
+        Positive[Number], Meaning("exponent of the mode ratio in the work of Benzeggagh and Kenane", 2.0)
+    ] = 2.0
+    initial_damage: Annotated[
+        Number, Meaning("damage at the start, from 0 to 1; 1 for the faces of a crack", 0.0)
+    ] = 0.0
 
     history = (
         HistoryVariable("damage", "1", "damage from 0 to 1 at the Gauss points"),

@@ -1,8 +1,10 @@
 """The exponential joint law of opening and sliding."""
 
+from typing import Annotated
+
 import numpy as np
 
-from isopeel.common.quantities import Finite, Number, Positive, Stress, SurfaceEnergy
+from isopeel.common.quantities import Finite, Meaning, Number, Positive, Stress, SurfaceEnergy
 from isopeel.physics.joints.base import JointLaw, joint_law
 
 
@@ -22,11 +24,23 @@ class XuNeedleman(JointLaw):
     2006). Raises InputError where strengths or works are not positive, or r is 1.
     """
 
-    strength: Positive[Stress]
-    shear_strength: Positive[Stress]
-    work_of_adhesion: Positive[SurfaceEnergy]
-    q: Positive[Number] = 1.0
-    r: Finite[Number] = 0.0
+    strength: Annotated[Positive[Stress], Meaning("largest normal traction, in opening alone", "10 MPa")]
+    shear_strength: Annotated[
+        Positive[Stress], Meaning("largest tangential traction, in sliding alone", "10 MPa")
+    ]
+    work_of_adhesion: Annotated[
+        Positive[SurfaceEnergy], Meaning("energy per area of separation by opening", "100 J/m^2")
+    ]
+    q: Annotated[
+        Positive[Number], Meaning("energy of separation by sliding, divided by that by opening", 1.0)
+    ] = 1.0
+    r: Annotated[
+        Finite[Number],
+        Meaning(
+            "opening after sliding apart without a normal traction, over the characteristic opening",
+            0.0,
+        ),
+    ] = 0.0
 
     def check(self) -> None:
         """Check the opening after sliding."""

@@ -9,7 +9,7 @@ from typing import Annotated, Any, ClassVar, Self
 import numpy as np
 
 from isopeel.common.arrays import FloatArray
-from isopeel.common.quantities import NUMBER, STRESS
+from isopeel.common.quantities import NUMBER, STRESS, Meaning
 from isopeel.physics.formula import check_constants, check_smooth, check_used, parse_formula, point_function
 from isopeel.physics.formula_dimensions import FormulaDimensions
 from isopeel.physics.materials.invariants import INVARIANTS
@@ -29,8 +29,23 @@ class FormulaMaterial(Isotropic):
     dimensions: ClassVar[FormulaDimensions] = FormulaDimensions(
         "energy", STRESS, dict.fromkeys(INVARIANTS, NUMBER)
     )
-    energy: Annotated[str, "a formula of I1, I2 and J is needed"]
-    constants: Mapping[str, float] = field(default_factory=dict)  # type: ignore[assignment]
+    energy: Annotated[
+        str,
+        "a formula of I1, I2 and J is needed",
+        Meaning(
+            "energy per volume, a formula of the invariants I1, I2 and J",
+            "C*(I1/J**(2/3) - 3) + K/2*(J - 1)**2",
+            see="extending.md",
+        ),
+    ]
+    constants: Annotated[
+        Mapping[str, float],
+        Meaning(
+            "constants of the formula, numbers or texts with units",
+            {"C": "0.2 MPa", "K": "100 MPa"},
+            usual="none",
+        ),
+    ] = field(default_factory=dict)  # type: ignore[assignment]
 
     def check(self) -> None:
         """Check the formula and its state of rest."""

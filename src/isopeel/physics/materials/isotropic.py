@@ -8,7 +8,7 @@ import numpy as np
 
 from isopeel.common.arrays import FloatArray
 from isopeel.common.components import Component, named_dataclass
-from isopeel.common.quantities import Limit, Number, Positive, Stress
+from isopeel.common.quantities import Limit, Meaning, Number, Positive, Stress
 from isopeel.physics.batch import BatchFunction
 from isopeel.physics.materials import invariants
 from isopeel.physics.materials.plane_strain import plane_strain_kernel
@@ -76,8 +76,10 @@ class Isotropic(Component):
 class Hookean(Isotropic):
     """The base of a material with the constants of Hooke's law, E and nu; its energy has mu and lambda."""
 
-    youngs_modulus: Positive[Stress]
-    poissons_ratio: Annotated[Number, Limit("it must lie in (-1, 0.5)", lambda nu: -1 < nu < 0.5)]
+    youngs_modulus: Annotated[Positive[Stress], Meaning("Young's modulus E", "4 GPa")]
+    poissons_ratio: Annotated[
+        Number, Limit("it must lie in (-1, 0.5)", lambda nu: -1 < nu < 0.5), Meaning("Poisson's ratio", 0.38)
+    ]
 
     @property
     def shear_modulus(self) -> float:

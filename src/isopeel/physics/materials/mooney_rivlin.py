@@ -1,9 +1,9 @@
 """The compressible Mooney-Rivlin material."""
 
-from typing import Self
+from typing import Annotated, Self
 
 from isopeel.common.errors import InputError
-from isopeel.common.quantities import Finite, Positive, Stress
+from isopeel.common.quantities import Finite, Meaning, Positive, Stress
 from isopeel.physics.differentiation import Scalar
 from isopeel.physics.materials.isotropic import Isotropic, material
 
@@ -18,9 +18,12 @@ class MooneyRivlin(Isotropic):
     and kappa > 0.
     """
 
-    c10: Finite[Stress]
-    c01: Finite[Stress]
-    bulk_modulus: Positive[Stress]
+    c10: Annotated[
+        Finite[Stress],
+        Meaning("constant of I1 - 3; half of the shear modulus with all others zero", "0.2 MPa"),
+    ]
+    c01: Annotated[Finite[Stress], Meaning("constant of I2 - 3", "0.05 MPa")]
+    bulk_modulus: Annotated[Positive[Stress], Meaning("bulk modulus", "100 MPa")]
 
     def check(self) -> None:
         """Check that the state of rest is stable."""

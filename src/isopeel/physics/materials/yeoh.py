@@ -1,8 +1,8 @@
 """The compressible Yeoh material."""
 
-from typing import Self
+from typing import Annotated, Self
 
-from isopeel.common.quantities import Finite, Positive, Stress
+from isopeel.common.quantities import Finite, Meaning, Positive, Stress
 from isopeel.physics.differentiation import Scalar
 from isopeel.physics.materials.isotropic import Isotropic, material
 
@@ -16,10 +16,13 @@ class Yeoh(Isotropic):
     that want D1 write kappa = 2/D1, and no D2, D3. Raises InputError unless c10 > 0 and kappa > 0.
     """
 
-    c10: Positive[Stress]
-    c20: Finite[Stress]
-    c30: Finite[Stress]
-    bulk_modulus: Positive[Stress]
+    c10: Annotated[
+        Positive[Stress],
+        Meaning("constant of I1 - 3; half of the shear modulus with all others zero", "0.2 MPa"),
+    ]
+    c20: Annotated[Finite[Stress], Meaning("constant of (I1 - 3)^2", "-2 kPa")]
+    c30: Annotated[Finite[Stress], Meaning("constant of (I1 - 3)^3", "0.1 kPa")]
+    bulk_modulus: Annotated[Positive[Stress], Meaning("bulk modulus", "100 MPa")]
 
     @classmethod
     def like(cls, youngs_modulus: float, poissons_ratio: float) -> Self:

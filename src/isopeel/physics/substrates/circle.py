@@ -1,12 +1,12 @@
 """A substrate bounded by a circle: a cylinder, or a hole."""
 
 from dataclasses import replace
-from typing import ClassVar, Literal, Self, get_args
+from typing import Annotated, ClassVar, Literal, Self, get_args
 
 import numpy as np
 
 from isopeel.common.errors import InputError
-from isopeel.common.quantities import Length, Positive
+from isopeel.common.quantities import Length, Meaning, Positive
 from isopeel.physics.substrates.rigid import RigidSubstrate, substrate
 
 #: Where the solid lies: inside the circle (a cylinder, convex) or outside it (a hole, concave).
@@ -23,9 +23,18 @@ class Circle(RigidSubstrate):
     """
 
     constant_curvature: ClassVar[bool] = True
-    radius: Positive[Length]
-    solid: SolidPart = "inside"
-    centre: tuple[Length, Length] | None = None
+    radius: Annotated[Positive[Length], Meaning("radius of the cylinder or the hollow", "200 nm")]
+    solid: Annotated[
+        SolidPart, Meaning("which side is solid: inside (a cylinder) or outside (a hollow)", "inside")
+    ] = "inside"
+    centre: Annotated[
+        tuple[Length, Length] | None,
+        Meaning(
+            "centre of the circle",
+            ["0 nm", "-200 nm"],
+            usual="the lowest or highest point of the circle is the origin",
+        ),
+    ] = None
 
     def check(self) -> None:
         """Check the part that is solid and the centre."""

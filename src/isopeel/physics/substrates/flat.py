@@ -1,11 +1,11 @@
 """A flat substrate."""
 
 from math import pi
-from typing import ClassVar
+from typing import Annotated, ClassVar
 
 import numpy as np
 
-from isopeel.common.quantities import Angle, Finite, Length
+from isopeel.common.quantities import Angle, Finite, Length, Meaning
 from isopeel.physics.substrates.rigid import RigidSubstrate, substrate
 
 
@@ -17,8 +17,10 @@ class Flat(RigidSubstrate):
     """
 
     constant_curvature: ClassVar[bool] = True
-    height: Finite[Length] = 0.0
-    angle: Finite[Angle] = pi / 2
+    height: Annotated[Finite[Length], Meaning("distance of the plane from the origin", "0 nm")] = 0.0
+    angle: Annotated[Finite[Angle], Meaning("angle of the normal of the plane from the x axis", "90 deg")] = (
+        pi / 2
+    )
 
     def constants(self) -> tuple[float, ...]:
         """Height and normal."""

@@ -9,7 +9,7 @@ import numpy as np
 
 from isopeel.common.arrays import FloatArray
 from isopeel.common.errors import InputError
-from isopeel.common.quantities import LENGTH
+from isopeel.common.quantities import LENGTH, Meaning
 from isopeel.physics.batch import BatchFunction
 from isopeel.physics.formula import (
     check_constants,
@@ -39,8 +39,13 @@ class FormulaSubstrate:
 
     name: ClassVar[str] = "formula"
     dimensions: ClassVar[FormulaDimensions] = FormulaDimensions("formula", LENGTH, {"x": LENGTH})
-    formula: Annotated[str, "a formula of the place x is needed"]
-    constants: Mapping[str, float] = field(default_factory=dict)
+    formula: Annotated[
+        str, "a formula of the place x is needed", Meaning("height, a formula of the place x", "-x**2/(2*R)")
+    ]
+    constants: Annotated[
+        Mapping[str, float],
+        Meaning("constants of the formula, numbers or texts with units", {"R": "1 um"}, usual="none"),
+    ] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         """Check the formula."""

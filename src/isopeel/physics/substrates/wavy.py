@@ -1,12 +1,12 @@
 """A substrate with a cosine wave."""
 
 from dataclasses import replace
-from typing import Self
+from typing import Annotated, Self
 
 import numpy as np
 
 from isopeel.common.compilation import inlined
-from isopeel.common.quantities import Angle, Finite, Length, NotNegative, Positive
+from isopeel.common.quantities import Angle, Finite, Length, Meaning, NotNegative, Positive
 from isopeel.physics.substrates.closest_point import minimum, seen_from
 from isopeel.physics.substrates.rigid import RigidSubstrate, substrate
 
@@ -21,10 +21,16 @@ class Wavy(RigidSubstrate):
     amplitude is not negative.
     """
 
-    amplitude: NotNegative[Length]
-    wavelength: Positive[Length]
-    phase: Finite[Angle] = 0.0
-    height: Finite[Length] | None = None
+    amplitude: Annotated[
+        NotNegative[Length], Meaning("half of the height between troughs and crests", "1 nm")
+    ]
+    wavelength: Annotated[Positive[Length], Meaning("distance of two crests", "50 nm")]
+    phase: Annotated[
+        Finite[Angle], Meaning("shift of the crests along x, one wavelength for 360 degrees", "90 deg")
+    ] = 0.0
+    height: Annotated[
+        Finite[Length] | None, Meaning("mean height", "0 nm", usual="the crests are at y = 0")
+    ] = None
 
     @property
     def mean_height(self) -> float:

@@ -1,13 +1,13 @@
 """Sides that are moved along a straight line."""
 
 from dataclasses import dataclass
-from typing import ClassVar, Literal, TypeAlias, get_args
+from typing import Annotated, ClassVar, Literal, TypeAlias, get_args
 
 import numpy as np
 
 from isopeel.common.arrays import FloatArray
 from isopeel.common.errors import InputError
-from isopeel.common.quantities import LENGTH, Angle, Dimension
+from isopeel.common.quantities import LENGTH, Angle, Dimension, Meaning
 from isopeel.problem.boundary import Place, driven_boundaries
 from isopeel.problem.drives.base import DISPLACEMENT, FORCE, Column, Freedom, unit_vector
 
@@ -27,8 +27,10 @@ class MovedSide:
 
     name: ClassVar[str] = "displacement"
     on: Place
-    angle: Angle
-    transverse: Transverse = "free"
+    angle: Annotated[Angle, Meaning("angle of the motion from the x axis", "90 deg")]
+    transverse: Annotated[
+        Transverse, Meaning("whether points of the side can move across the motion", "held")
+    ] = "free"
 
     def __post_init__(self) -> None:
         """Check the boundaries, the angle and the constraint across the motion."""

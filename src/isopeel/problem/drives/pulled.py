@@ -1,13 +1,13 @@
 """Sides that a force pulls."""
 
 from dataclasses import dataclass
-from typing import ClassVar, get_args
+from typing import Annotated, ClassVar, get_args
 
 import numpy as np
 
 from isopeel.common.arrays import FloatArray
 from isopeel.common.errors import InputError
-from isopeel.common.quantities import Angle, Dimension
+from isopeel.common.quantities import Angle, Dimension, Meaning
 from isopeel.problem.boundary import Place, driven_boundaries
 from isopeel.problem.drives.base import (
     DISPLACEMENT,
@@ -34,9 +34,12 @@ class PulledSide:
 
     name: ClassVar[str] = "force"
     on: Place
-    angle: Angle
-    follows: bool = False
-    control: LoadControl = "displacement"
+    angle: Annotated[Angle, Meaning("angle of the force from the x axis", "60 deg")]
+    follows: Annotated[bool, Meaning("whether the force rotates with the surface", True)] = False
+    control: Annotated[
+        LoadControl,
+        Meaning("what the steps prescribe: the displacement along the force, or the force", "displacement"),
+    ] = "displacement"
 
     def __post_init__(self) -> None:
         """Check the boundaries, the angle and the control."""

@@ -2,12 +2,12 @@
 
 from dataclasses import dataclass
 from math import cos, pi, sin, tan
-from typing import ClassVar, Literal, TypeAlias, get_args
+from typing import Annotated, ClassVar, Literal, TypeAlias, get_args
 
 import numpy as np
 
 from isopeel.common.errors import InputError
-from isopeel.common.quantities import Length
+from isopeel.common.quantities import Length, Meaning, Positive
 from isopeel.problem.shapes.base import check_positive, parameter_at_length
 from isopeel.splines.nurbs import NurbsSurface, Side
 from isopeel.splines.space import SplineSpace
@@ -28,10 +28,12 @@ class CurvedStrip:
     name: ClassVar[str] = "curved-strip"
     usual_hold: ClassVar[Side] = "left"
 
-    length: Length
-    height: Length
-    radius: Length
-    bends: Bend = "down"
+    length: Annotated[Positive[Length], Meaning("length of the lower face", "200 nm")]
+    height: Annotated[Positive[Length], Meaning("height: the thickness of the strip", "10 nm")]
+    radius: Annotated[Positive[Length], Meaning("radius of the lower face", "200 nm")]
+    bends: Annotated[
+        Bend, Meaning("direction of the ends: down as on a cylinder, up as in a hollow", "down")
+    ] = "down"
 
     def __post_init__(self) -> None:
         """Check the lengths and the bend."""

@@ -3,13 +3,13 @@
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import ClassVar, get_args
+from typing import Annotated, ClassVar, get_args
 
 import numpy as np
 
 from isopeel.common.arrays import FloatArray
 from isopeel.common.errors import InputError
-from isopeel.common.quantities import Length
+from isopeel.common.quantities import Length, Meaning, Positive
 from isopeel.problem.shapes.base import check_positive, parameter_at_length
 from isopeel.problem.shapes.spline_file import read_surface
 from isopeel.splines.nurbs import NurbsSurface, Side
@@ -49,8 +49,22 @@ class Patch:
     name: ClassVar[str] = "patch"
     usual_hold: ClassVar[Side] = "left"
 
-    file: Path
-    unit_length: Length = 1.0
+    file: Annotated[
+        Path,
+        Meaning(
+            "path of a file that splinepy wrote, from the folder of the case",
+            "shape.json",
+            see="howto/shape.md",
+        ),
+    ]
+    unit_length: Annotated[
+        Positive[Length],
+        Meaning(
+            "length of one unit of the coordinates in the file",
+            "1 um",
+            usual="the unit of length of the case",
+        ),
+    ] = 1.0
 
     def __post_init__(self) -> None:
         """Read the file."""

@@ -2,9 +2,9 @@
 
 from dataclasses import dataclass
 from math import pi
-from typing import ClassVar
+from typing import Annotated, ClassVar
 
-from isopeel.common.quantities import Length
+from isopeel.common.quantities import Length, Meaning, Positive
 from isopeel.problem.shapes.base import check_positive, parameter_at_length
 from isopeel.problem.shapes.blending import arc, blended, line
 from isopeel.splines.nurbs import NurbsSurface, Side
@@ -22,7 +22,7 @@ class QuarterCylinder:
     name: ClassVar[str] = "quarter-cylinder"
     usual_hold: ClassVar[Side] = "left"
 
-    radius: Length
+    radius: Annotated[Positive[Length], Meaning("radius", "100 nm")]
 
     def __post_init__(self) -> None:
         """Check the radius."""

@@ -1,9 +1,9 @@
 """The strip: a rectangle."""
 
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Annotated, ClassVar
 
-from isopeel.common.quantities import Length
+from isopeel.common.quantities import Length, Meaning, Positive
 from isopeel.problem.shapes.base import check_length, check_positive
 from isopeel.splines.nurbs import NurbsSurface, Side, rectangle
 
@@ -15,8 +15,8 @@ class Strip:
     name: ClassVar[str] = "strip"
     usual_hold: ClassVar[Side] = "left"
 
-    length: Length
-    height: Length
+    length: Annotated[Positive[Length], Meaning("length along x", "200 nm")]
+    height: Annotated[Positive[Length], Meaning("height along y: the thickness of the strip", "10 nm")]
 
     def __post_init__(self) -> None:
         """Check the lengths."""

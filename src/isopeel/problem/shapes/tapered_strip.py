@@ -1,11 +1,11 @@
 """The tapered strip: a flat lower face, and a height that changes linearly."""
 
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Annotated, ClassVar
 
 import numpy as np
 
-from isopeel.common.quantities import Length
+from isopeel.common.quantities import Length, Meaning, Positive
 from isopeel.problem.shapes.base import check_length, check_positive
 from isopeel.splines.nurbs import NurbsSurface, Side
 from isopeel.splines.space import SplineSpace
@@ -21,9 +21,9 @@ class TaperedStrip:
     name: ClassVar[str] = "tapered-strip"
     usual_hold: ClassVar[Side] = "left"
 
-    length: Length
-    height: Length
-    end_height: Length
+    length: Annotated[Positive[Length], Meaning("length along x", "200 nm")]
+    height: Annotated[Positive[Length], Meaning("height of the left end", "5 nm")]
+    end_height: Annotated[Positive[Length], Meaning("height of the right end", "20 nm")]
 
     def __post_init__(self) -> None:
         """Check the lengths."""
