@@ -13,7 +13,7 @@ caller builds: they include all that depends on the parameter, such as the geome
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
-from typing import NamedTuple
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -59,8 +59,8 @@ def variant_of(system: System, other: System, shift: float, weight: float) -> Va
     mine, theirs = system.constraints.unknowns, other.constraints.unknowns
     if mine.shape != theirs.shape or ((mine == HELD) != (theirs == HELD)).any():
         raise InputError("mesh", None, "the mesh or its unknowns change")
-    if system.irreversible and system.maximum_openings.shape != other.maximum_openings.shape:
-        raise InputError("mesh", None, "the elements of the interfaces change, and with them their history")
+    if system.maximum_openings.shape != other.maximum_openings.shape:
+        raise InputError("mesh", None, "the elements of an interface change")
     numbers = np.arange(other.count)
     moves = mine != HELD
     numbers[theirs[moves]] = mine[moves]
@@ -86,7 +86,8 @@ class Sensitivities:
         if rates:
             self._history = [one.history for one in rates]
         else:
-            self._history = [_initial_rate(several) for several in variants]
+            at_rest = [[one.system.maximum_openings for one in several] for several in variants]
+            self._history = [_history_rate(*one) for one in zip(variants, at_rest, strict=True)]
         #: Which variables of the history have no known derivative.
         self._unknown: BoolArray = np.zeros(self._system.maximum_openings.shape, dtype=np.bool_)
         self._last: _Solution | None = None
@@ -102,7 +103,7 @@ class Sensitivities:
         stays = history == system.maximum_openings
         if found is not None and system.irreversible:
             self._history = [
-                _total(several, found.at(k, self._history), _committed)
+                _history_rate(several, _values(several, found.at(k, self._history), _committed))
                 for k, several in enumerate(self._variants)
             ]
         # a history that goes on from here is known again
@@ -172,20 +173,41 @@ class _Solution(NamedTuple):
         return _Moving(self.parameter, self.unknown_values, self.rates[number], self.history, history_rate)
 
 
-def _total(
-    variants: Sequence[Variant], at: _Moving, of: Callable[[Variant, FloatArray, float], FloatArray]
-) -> FloatArray:
-    """Return the derivative of a function of system, unknowns and drive's parameter at a moving state."""
-    total: FloatArray | None = None
+#: A function of a variant, its unknowns and the drive's parameter.
+_Function: TypeAlias = Callable[[Variant, FloatArray, float], FloatArray]
+
+
+def _values(variants: Sequence[Variant], at: _Moving, of: _Function) -> list[FloatArray]:
+    """Return the values of a function in all variants, for a state that changes with the parameter."""
+    values = []
     for one in variants:
-        system = one.system
-        if system.irreversible:
-            system = system.after(at.history + one.shift * at.history_rate)
+        if one.system.irreversible:
+            history = at.history + one.shift * at.history_rate
+            # a negative number is a state of its own, such as that of a point that has not closed yet
+            history = np.where(at.history < 0, history, np.maximum(history, 0.0))
+            one = one._replace(system=one.system.after(history))
         moved = (at.unknown_values + one.shift * at.rate)[one.unknowns]
-        value = one.weight * of(one._replace(system=system), moved, at.parameter)
-        total = value if total is None else total + value
-    assert total is not None
+        values.append(of(one, moved, at.parameter))
+    return values
+
+
+def _total(variants: Sequence[Variant], at: _Moving, of: _Function) -> FloatArray:
+    """Return the total derivative of a function by the parameter."""
+    return _weighted(variants, _values(variants, at, of))
+
+
+def _weighted(variants: Sequence[Variant], values: Sequence[FloatArray]) -> FloatArray:
+    total = variants[0].weight * values[0]
+    for one, value in zip(variants[1:], values[1:], strict=True):
+        total += one.weight * value
     return total
+
+
+def _history_rate(variants: Sequence[Variant], histories: Sequence[FloatArray]) -> FloatArray:
+    """Return the derivative of a history, from its values in all variants."""
+    waits = np.min(histories, axis=0) < 0
+    rate: FloatArray = np.where(waits, 0.0, _weighted(variants, histories))
+    return rate
 
 
 def with_sensitivities(steps: Iterable[Step], sensitivities: Sensitivities | None) -> Iterator[Step]:
@@ -237,15 +259,3 @@ def _gradient(system: System, y: FloatArray, parameter: float) -> FloatArray | N
     )
     gradient: FloatArray = (ahead - behind) / (2 * small)
     return gradient
-
-
-def _initial_rate(variants: Sequence[Variant]) -> FloatArray:
-    """Return the derivative of the history of the bodies as they are."""
-    if not variants[0].system.irreversible:
-        return np.zeros(0)
-    total = sum(one.weight * one.system.maximum_openings for one in variants)
-    first = variants[0].system.maximum_openings
-    # points that have not closed yet have one number in all variants
-    same = np.all([one.system.maximum_openings == first for one in variants], axis=0)
-    rate: FloatArray = np.where(same, 0.0, total)
-    return rate
