@@ -92,6 +92,13 @@ def run(
         str | None,
         typer.Option(metavar="VALUE", help="Parameter between stored displacements, in the same format."),
     ] = None,
+    sensitivities: Annotated[
+        str,
+        typer.Option(
+            metavar="KEY,KEY,...",
+            help="Differentiate the reaction by keys of the case, such as adhesion.strength,body.height.",
+        ),
+    ] = "",
     strict: Annotated[
         bool,
         typer.Option("--strict", help="Reject overlapping bodies, and a mesh that is too coarse or locks."),
@@ -150,7 +157,8 @@ def run(
         with reporting("interrupted", message), logged(verbose), warmed_up_beside():
             from isopeel.running.run import run_case
 
-            result = run_case(chosen, folder, printed, strict, force=force)
+            keys = [key.strip() for key in sensitivities.split(",")] if sensitivities else []
+            result = run_case(chosen, folder, printed, strict, force=force, sensitivities=keys)
     except InputError as error:
         # some errors of options are found by the solver
         for option, value in (("mesh", mesh), ("contact_points", contact_points)):

@@ -1,7 +1,7 @@
 """The findings of a run: readings, fronts, closed forms, and notes on the discretization."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -31,6 +31,7 @@ from isopeel.post.readings import (
 )
 from isopeel.post.resolution import Zones, elements_are_tall
 from isopeel.post.resolution_notes import oscillation_notes, peels, zone_note
+from isopeel.post.sensitivities import sensitivity_notes, sensitivity_readings
 from isopeel.post.steady_load import steady_load
 from isopeel.post.steady_part import steady_part, steady_part_of_bodies
 from isopeel.problem import Problem
@@ -92,8 +93,14 @@ def find(
     laboratory = laboratory or Laboratory.of(UnitSystem(), problem)
     if problem.is_single:
         own = spaces_by_name(problem, space)[problem.body.name]
-        return _of_one_body(problem, own, run, window, laboratory)
-    return _of_several(problem, space, run, window, laboratory, contact_points)
+        found = _of_one_body(problem, own, run, window, laboratory)
+    else:
+        found = _of_several(problem, space, run, window, laboratory, contact_points)
+    return replace(
+        found,
+        readings=[*found.readings, *sensitivity_readings(run.curve, window)],
+        notes=[*found.notes, *sensitivity_notes(run.curve, laboratory)],
+    )
 
 
 def _of_several(

@@ -156,6 +156,7 @@ class Laboratory:
             reaction_column=columns[1],
             parameter=values[0],
             reaction=values[1],
+            sensitivities=curve.sensitivities * self.column(curve.reaction_column).factor,
         )
 
     def sentence(self, text: str) -> str:

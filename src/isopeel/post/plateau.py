@@ -7,7 +7,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from isopeel.common.arrays import FloatArray
+from isopeel.common.arrays import FloatArray, IntArray
 from isopeel.common.errors import InputError
 from isopeel.results.curve import Curve
 
@@ -86,10 +86,15 @@ def unreadable(
 
 def plateau_mean(curve: Curve, window: tuple[float, float]) -> float | None:
     """Return the mean reaction in a window of the parameter; None where the curve does not cover it."""
-    parameter, reaction = rising(curve)
-    if not _covers(parameter, window):
-        return None
-    return float(reaction[_inside(parameter, window)].mean())
+    inside = in_window(curve, window)
+    return None if inside is None else float(curve.reaction[inside].mean())
+
+
+def in_window(curve: Curve, window: tuple[float, float]) -> IntArray | None:
+    """Return the steps (n,) in a window, in the order of `rising`; None where it is not covered."""
+    steps = _rising_steps(curve)
+    parameter = curve.parameter[steps]
+    return steps[_inside(parameter, window)] if _covers(parameter, window) else None
 
 
 def rising(curve: Curve) -> tuple[FloatArray, FloatArray]:
@@ -97,11 +102,17 @@ def rising(curve: Curve) -> tuple[FloatArray, FloatArray]:
 
     Of a curve that turns back, only the steps beyond all earlier ones are returned.
     """
+    steps = _rising_steps(curve)
+    return curve.parameter[steps], curve.reaction[steps]
+
+
+def _rising_steps(curve: Curve) -> IntArray:
     falls = len(curve) > 0 and curve.parameter[-1] < curve.parameter[0]
     forward = -curve.parameter if falls else curve.parameter
-    beyond = forward > np.append(-np.inf, np.maximum.accumulate(forward)[:-1]) if len(curve) else slice(None)
-    order = slice(None, None, -1 if falls else 1)
-    return curve.parameter[beyond][order], curve.reaction[beyond][order]
+    if not len(curve):
+        return np.zeros(0, dtype=np.int64)
+    (beyond,) = np.nonzero(forward > np.append(-np.inf, np.maximum.accumulate(forward)[:-1]))
+    return beyond[::-1] if falls else beyond
 
 
 def _covers(parameter: FloatArray, window: tuple[float, float]) -> bool:

@@ -39,6 +39,7 @@ def write_curve(
         factor = laboratory.column(column).factor
         # a factor of one does not change whole numbers and texts
         table[laboratory.heading(column)] = (values if factor == 1.0 else values * factor).tolist()
+    table |= sensitivity_columns(curve, laboratory)
     for name in problem.interface_names:
         of = f" {name}" if len(problem.interface_names) > 1 else ""
         columns: list[tuple[str, Kind, Mapping[int, float]]] = []
@@ -52,3 +53,15 @@ def write_curve(
                 shown.get(step) for step in range(len(curve))
             ]
     write_table(path, table)
+
+
+def sensitivity_columns(curve: Curve, laboratory: Laboratory) -> dict[str, list[float | None]]:
+    """Return the sensitivities of a curve (steps,) by their headings, as
+    "d force / d body.height [N/m per nm]"."""
+    unit, name = laboratory.column(curve.reaction_column), curve.reaction_column.name.removesuffix("_deg")
+    found = {}
+    for one, rates in zip(curve.sensitive_to, curve.sensitivities.T * unit.factor, strict=True):
+        per = f"{unit.name} per {one.unit}" if one.unit else unit.name
+        values: list[float | None] = [None if rate != rate else rate for rate in rates.tolist()]
+        found[f"d {name} / d {one.key} [{per}]"] = values
+    return found

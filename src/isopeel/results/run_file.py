@@ -26,7 +26,7 @@ from isopeel.common.arrays import FloatArray, frozen
 from isopeel.common.errors import InputError
 from isopeel.problem import Column, Problem
 from isopeel.results import schema, untrusted
-from isopeel.results.curve import Curve
+from isopeel.results.curve import Curve, DifferentiatedBy
 from isopeel.results.fields import KeptStates, StoredState, nearest
 from isopeel.results.files import check_readable, replacing
 from isopeel.results.journal import Record, read_journal
@@ -54,6 +54,8 @@ _OTHERS = (
 
 #: Between names of boundaries, and such a name.
 _BETWEEN, _NAME = ", ", re.compile(r"[\w-][\w -]*\.[a-z]{1,10}(#\d{1,4})?")
+#: Between units of parameters, and the key of one.
+_UNITS, _KEY = "; ", re.compile(r"[A-Za-z0-9_-]{1,100}(\.[A-Za-z0-9_-]{1,100}){0,19}")
 
 
 class Failure(NamedTuple):
@@ -221,6 +223,12 @@ def _write_curve(file: h5py.File, curve: Curve) -> None:
     if curve.boundaries:
         names, unit = _BETWEEN.join(curve.boundaries), curve.reaction_column.unit
         schema.write(file, "curve/reactions", curve.reactions, names=names, unit=unit)
+    if curve.sensitive_to:
+        keys, values, units = zip(*curve.sensitive_to, strict=True)
+        unit = curve.reaction_column.unit
+        schema.write(file, "curve/sensitivities", curve.sensitivities, unit=unit)
+        listed = {"names": _BETWEEN.join(keys), "unit": _UNITS.join(units)}
+        schema.write(file, "curve/sensitive_to", np.array(values, dtype=np.float64), **listed)
     if curve.load_work.size:
         schema.write(file, "curve/load_work", curve.load_work)
 
@@ -324,12 +332,23 @@ def _stored_curve(file: h5py.File, read: schema.Read) -> Curve:
     values: dict[str, Any] = {
         name: read.arrays[f"curve/{name}"] for name in ("parameter", "reaction", *_OTHERS)
     }
-    for name in ("reactions", "load_work"):
+    for name in ("reactions", "load_work", "sensitivities"):
         if f"curve/{name}" in read.arrays:
             values[name] = read.arrays[f"curve/{name}"]
     if "reactions" in values:
         values["boundaries"] = _boundaries(file["curve/reactions"])
+    if "sensitivities" in values:
+        values["sensitive_to"] = _sensitive_to(file, read)
     return Curve(columns["parameter"], columns["reaction"], **values)
+
+
+def _sensitive_to(file: h5py.File, read: schema.Read) -> tuple[DifferentiatedBy, ...]:
+    values, data = read.floats("curve/sensitive_to").tolist(), file["curve/sensitive_to"]
+    keys = schema.text_attribute(data, "names").split(_BETWEEN)
+    units = [schema.plain(unit) for unit in schema.text_attribute(data, "unit").split(_UNITS)]
+    if not len(keys) == len(units) == len(values) or not all(_KEY.fullmatch(key) for key in keys):
+        raise UntrustedError("the parameters of its sensitivities do not fit")
+    return tuple(DifferentiatedBy(*one) for one in zip(keys, values, units, strict=True))
 
 
 def _boundaries(reactions: h5py.Dataset) -> tuple[str, ...]:

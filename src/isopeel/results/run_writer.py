@@ -11,7 +11,7 @@ from typing import Self
 
 from isopeel.common.arrays import FloatArray
 from isopeel.problem import Drive
-from isopeel.results.curve import Curve, row_of
+from isopeel.results.curve import Curve, DifferentiatedBy, row_of
 from isopeel.results.fields import KeptStates, StoredState
 from isopeel.results.journal import Journal, Record
 from isopeel.results.layout import Layout
@@ -31,9 +31,10 @@ class RunWriter:
 
     The displacement and the maximum openings are stored at the first step at or beyond each multiple of
     `field_interval` (in the unit of the parameter's column), and at the last step; `base` is the displacement
-    of the initial state of a stage. Each save replaces the file as a whole, so that the file is valid also
-    after an exception, a kill or a full disk. A run that continues a stored one, read without its journal,
-    appends its steps; file and journal do not change until all steps of the journal have been computed again.
+    of the initial state of a stage. The steps have sensitivities to the `sensitive_to` parameters. Each save
+    replaces the file as a whole, so that the file is valid also after an exception, a kill or a full disk. A
+    run that continues a stored one, read without its journal, appends its steps; file and journal do not
+    change until all steps of the journal have been computed again.
 
     Raises OSError if the file cannot be written. If the folder has been removed, it is made again first, with
     all steps so far.
@@ -51,15 +52,17 @@ class RunWriter:
         after: StoredRun | None = None,
         journaled: int = 0,
         layout: Layout = _UNKNOWN,
+        sensitive_to: tuple[DifferentiatedBy, ...] = (),
     ) -> None:
         self._path = path
         self._drive = drive
+        self._sensitive_to = sensitive_to
         self._outdated = outdated
         self._rows: list[Step] = []
         self._journaled = journaled
         nothing = StoredRun(
             case_text,
-            Curve.of([], drive),
+            Curve.of([], drive, sensitive_to),
             (),
             attributes,
             "running",
@@ -117,7 +120,7 @@ class RunWriter:
         if step.resumes and (self._journal is None or perf_counter() >= self._next_save):
             self._save()
         elif self._journal is not None:
-            self._journal.append(Record(Curve.of([row], self._drive), state))
+            self._journal.append(Record(self._curve_of([row]), state))
 
     @property
     def _is_behind(self) -> bool:
@@ -127,7 +130,10 @@ class RunWriter:
     @property
     def curve(self) -> Curve:
         """The curve so far."""
-        return self._run.curve.followed_by([Curve.of(self._rows, self._drive)])
+        return self._run.curve.followed_by([self._curve_of(self._rows)])
+
+    def _curve_of(self, rows: list[Step]) -> Curve:
+        return Curve.of(rows, self._drive, self._sensitive_to)
 
     @property
     def ending(self) -> Ending:

@@ -62,6 +62,17 @@ SCHEMA: dict[str, DataSet] = {
     "curve/load_work": DataSet(
         "float", ("steps",), "E0 L0^3", "work of the loads that are held", required=False
     ),
+    "curve/sensitivities": DataSet(
+        "float",
+        ("steps", "parameters"),
+        "",
+        "derivatives of the reaction by parameters of the case, of its unit per units of these; NaN: none",
+        required=False,
+        finite=False,
+    ),
+    "curve/sensitive_to": DataSet(
+        "float", ("parameters",), "", "values of these parameters, in their units in the case", required=False
+    ),
     "curve/seconds": DataSet("float", ("steps",), "s", "wall time of the step"),
     "curve/energy_residuals": DataSet(
         "float", ("corrections",), "E0 L0^3", "energy residual per unknown before each correction, all steps"
@@ -176,7 +187,12 @@ def check_values(data: h5py.Dataset, values: FloatArray | IntArray, *, finite: b
 def label(of: h5py.Group | h5py.Dataset, name: str) -> str:
     """Return an attribute that is a name, a unit or a label, without characters that are not allowed."""
     value = text_attribute(of, name)
-    return value if _LABEL.fullmatch(value) else _FORBIDDEN.sub("", value)
+    return value if _LABEL.fullmatch(value) else plain(value)
+
+
+def plain(text: str) -> str:
+    """Return a text without characters that are not allowed in names and units."""
+    return _FORBIDDEN.sub("", text)
 
 
 def text_attribute(of: h5py.Group | h5py.Dataset, name: str) -> str:

@@ -19,7 +19,7 @@ EARLIER = "run.earlier.h5"
 REPORT = "report.html"
 
 #: Folder inside that of a run for later figures, and the names of these, in any format.
-FIGURES, DRAWN = "figures", ("curve", "plateau", "shapes", "front", "tractions", "animation")
+FIGURES, DRAWN = "figures", ("curve", "plateau", "shapes", "front", "tractions", "animation", "sensitivities")
 #: Folder inside that of a run for exported files, and the names of these.
 PARAVIEW, EXPORTED = "paraview", re.compile(r"(body|adhesive-side)((-[\w.-]+)?-\d{4,}\.vtu|\.pvd)")
 #: The file that a process locks while it writes to a folder, and the beginning of the names of stage folders.

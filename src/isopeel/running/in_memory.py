@@ -1,6 +1,6 @@
 """A run without files: the stages of a case are traced, and their results are returned."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 from time import perf_counter
@@ -13,9 +13,8 @@ from isopeel.results.run_file import Ending, Failure, StoredRun
 from isopeel.running.sensitivities import Differentiation
 from isopeel.running.stage_run import StageRun, stage_runs
 from isopeel.running.stage_summary import Results, results_of
-from isopeel.running.stage_trace import attributes_of, steps_of
+from isopeel.running.stage_trace import attributes_of
 from isopeel.solve.convergence import ConvergenceError
-from isopeel.solve.sensitivity import Sensitivities, with_sensitivities
 from isopeel.solve.step import State, Step
 
 
@@ -33,24 +32,22 @@ def stage_results(case: Case, sensitivities: Sequence[str] = ()) -> Iterator[Res
     for number, begun in enumerate(stage_runs(case, Path())):
         began = perf_counter()
         one = replace(begun, base=base)
-        run = _traced(one, differentiation.of_stage(number, one), differentiation.sensitive_to)
+        run = _traced(one, differentiation.steps(number, one), differentiation.sensitive_to)
         yield results_of(one, run, perf_counter() - began)
         if run.ending != "completed":
             return
         base = run.last
 
 
-def _traced(
-    one: StageRun, sensitivities: Sensitivities | None, sensitive_to: tuple[DifferentiatedBy, ...]
-) -> StoredRun:
-    """Trace a stage from its first step."""
+def _traced(one: StageRun, steps: Iterable[Step], sensitive_to: tuple[DifferentiatedBy, ...]) -> StoredRun:
+    """Trace a stage through all its steps."""
     drive, every = one.stage.problem.drive, one.stage.fields_every
     rows: list[Step] = []
     kept, last = KeptStates(every), None
     ending: Ending = "completed"
     failure: Failure | None = None
     try:
-        for step in with_sensitivities(steps_of(one), sensitivities):
+        for step in steps:
             check()
             rows.append(row_of(step))
             kept.take(StoredState.of(step, drive)._replace(step=step.number))

@@ -1,5 +1,6 @@
 """Continue a run that was interrupted, from its folder."""
 
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -13,6 +14,7 @@ from isopeel.running.checks import check_later_stages
 from isopeel.running.folder import FILES, check_overwritten, run_files
 from isopeel.running.lock import alone_in
 from isopeel.running.run import Result, run_stages
+from isopeel.running.sensitivities import Differentiation
 from isopeel.running.stage_run import StageRun, stage_runs
 from isopeel.solve.step import KINDS
 
@@ -34,7 +36,26 @@ def resume_case(
         check_overwritten("DIR", written, remedy="move it to another folder")
         if path_control is not None:
             stored = {number: replace(run, failure=None) for number, run in stored.items()}
-        return run_stages(runs, folder, console, stored)
+        return run_stages(runs, folder, console, stored, _differentiation(runs, stored, folder))
+
+
+def _differentiation(
+    runs: Sequence[StageRun], stored: Mapping[int, StoredRun], folder: Path
+) -> Differentiation:
+    """Return the sensitivities of a run, if it has some.
+
+    Raises InputError where they depend on derivatives of earlier steps or stages, which are not stored.
+    """
+    keys = [one.key for run in stored.values() for one in run.curve.sensitive_to]
+    if keys and (len(runs) > 1 or any(one.has_history for one in runs[0].stage.problem.interfaces)):
+        allowed = (
+            "with sensitivities, a run of several stages or of a joint with damage cannot be continued, as"
+            " derivatives of its earlier states are not stored; run the case again"
+        )
+        if not all(replace(one, stored=stored.get(number)).is_complete for number, one in enumerate(runs)):
+            raise InputError("DIR", str(folder), allowed)
+        keys = []
+    return Differentiation.of(runs[0].case, keys)
 
 
 def _found(

@@ -20,9 +20,9 @@ from isopeel.running.previous_run import (
     kept_runs,
     remove_kept,
 )
+from isopeel.running.sensitivities import Differentiation
 from isopeel.running.stage_run import StageRun, stage_runs
 from isopeel.running.stage_steps import complete_stage, run_stage
-from isopeel.running.stage_trace import steps_of
 from isopeel.solve.step import State, Step
 
 _LOG = logging.getLogger(__name__)
@@ -35,7 +35,15 @@ class Result(NamedTuple):
     folder: Path
 
 
-def run_case(case: Case, out: Path, console: Console, strict: bool = False, *, force: bool = False) -> Result:
+def run_case(
+    case: Case,
+    out: Path,
+    console: Console,
+    strict: bool = False,
+    *,
+    force: bool = False,
+    sensitivities: Sequence[str] = (),
+) -> Result:
     """Run a case and write its files to a folder, in place of those of an earlier run of it.
 
     A case of several stages has a folder for each stage inside, numbered and named. Returns the last stage
@@ -43,7 +51,8 @@ def run_case(case: Case, out: Path, console: Console, strict: bool = False, *, f
     interrupted; the files hold all steps that converged before. Doubts about bodies and discretization are
     printed before the first step; they are an error where the run is `strict`. An earlier run stays until the
     first step, and a finished one is kept beside the new one (`run.earlier.h5`) until the new one has
-    finished too.
+    finished too. The steps have the derivatives of the reaction by the parameters with the keys of
+    `sensitivities`.
 
     Raises InputError where a folder cannot be written, another process runs in it or the run needs more
     memory than there is, OSError where a file cannot be written, and KeyboardInterrupt where there is no step
@@ -55,7 +64,8 @@ def run_case(case: Case, out: Path, console: Console, strict: bool = False, *, f
     # the stages are checked before any folder is made
     runs = stage_runs(case, out)
     check_later_stages(runs)
-    steps = steps_of(runs[0])
+    differentiation = Differentiation.of(case, sensitivities)
+    steps = differentiation.steps(0, runs[0])
     for note in early_notes(runs, strict=strict):
         console.print(f"note: {note.text}", soft_wrap=True)
     make_folder(out)
@@ -73,7 +83,7 @@ def run_case(case: Case, out: Path, console: Console, strict: bool = False, *, f
             console.print(replaced, soft_wrap=True)
             keep_finished(out)
         try:
-            return run_stages(runs, out, console, {}, steps)
+            return run_stages(runs, out, console, {}, differentiation, steps)
         finally:
             remove_kept(out, replaced=False)
 
@@ -83,6 +93,7 @@ def run_stages(
     out: Path,
     console: Console,
     stored: Mapping[int, StoredRun],
+    differentiation: Differentiation,
     first_steps: Iterable[Step] | None = None,
 ) -> Result:
     """Run stages in a folder as `run_case` does, after the `stored` ones, by their numbers from zero.
@@ -91,7 +102,7 @@ def run_stages(
     the first stored one do not change. The caller keeps other processes out of the folder, and may pass the
     steps of the first stage. The kept files of an earlier run are removed once this one has finished.
     """
-    result = _run_stages(runs, console, stored, first_steps)
+    result = _run_stages(runs, console, stored, differentiation, first_steps)
     if replace(runs[-1], stored=result.run).is_complete:
         remove_kept(out)
     elif kept := kept_runs(out):
@@ -104,6 +115,7 @@ def _run_stages(
     runs: Sequence[StageRun],
     console: Console,
     stored: Mapping[int, StoredRun],
+    differentiation: Differentiation,
     first_steps: Iterable[Step] | None,
 ) -> Result:
     base: State | None = None
@@ -120,7 +132,12 @@ def _run_stages(
             elif found is not None and found.failure is not None:
                 run = found
             else:
-                run = run_stage(one, first_steps or steps_of(one), console)
+                run = run_stage(
+                    one,
+                    first_steps or differentiation.steps(number, one),
+                    differentiation.sensitive_to,
+                    console,
+                )
                 first_steps = None
             result = Result(run, one.place.folder)
             if run.ending != "completed":

@@ -1,6 +1,6 @@
 """The sensitivities of a run: the systems of its stages with other values of parameters of the case."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from typing import Self
 
@@ -13,7 +13,9 @@ from isopeel.common.arrays import FloatArray
 from isopeel.common.errors import InputError
 from isopeel.results.curve import DifferentiatedBy
 from isopeel.running.stage_run import StageRun
-from isopeel.solve.sensitivity import STENCILS, Rates, Sensitivities, Variant, variant_of
+from isopeel.running.stage_trace import steps_of
+from isopeel.solve.sensitivity import STENCILS, Sensitivities, Variant, variant_of, with_sensitivities
+from isopeel.solve.step import Step
 
 
 @dataclass
@@ -35,22 +37,23 @@ class Differentiation:
         """The parameters as a curve has them."""
         return tuple(DifferentiatedBy(one.key, one.value, one.unit) for one in self.parameters)
 
+    def steps(self, number: int, one: StageRun) -> Iterable[Step]:
+        """Return the steps of a stage, by its number from zero, with their sensitivities.
+
+        Raises InputError where they cannot be computed.
+        """
+        return with_sensitivities(steps_of(one), self.of_stage(number, one))
+
     def of_stage(self, number: int, one: StageRun) -> Sensitivities | None:
         """Return the sensitivities of a stage, by its number from zero, after those of the stage before.
 
-        None without parameters. Raises InputError where a parameter changes the mesh, or where the stage
-        before ends where there are no derivatives.
+        None without parameters. Raises InputError where a parameter changes the mesh, or a contact has
+        multipliers.
         """
         if not self.parameters:
             return None
         base = one.base
-        rates: Sequence[Rates] = ()
-        if self._of_last_stage is not None:
-            found = self._of_last_stage.rates()
-            if found is None:
-                allowed = "the stage before ends at a state without derivatives; end it elsewhere"
-                raise InputError("sensitivities", None, allowed)
-            rates = found
+        rates = () if self._of_last_stage is None else self._of_last_stage.rates()
         points = one.case.discretization.contact_points
         u0 = None if base is None else base.displacement
         system = System(one.stage.problem, one.spaces, points, u0)
@@ -58,6 +61,9 @@ class Differentiation:
             self._variants(one, number, system, points, u0, rates[k].displacement if rates else None)
             for k, one in enumerate(self.parameters)
         ]
+        if system.has_multipliers:
+            allowed = "the state of a contact with a penetration depends on the updates of its multipliers"
+            raise InputError("sensitivities", None, f"{allowed}; leave penetration out")
         history = None if base is None else base.maximum_openings
         self._of_last_stage = Sensitivities(system, variants, history, rates)
         return self._of_last_stage

@@ -7,12 +7,13 @@ from rich.console import Console
 from rich.table import Table
 
 from isopeel.common.interrupts import check
-from isopeel.post.figures import reaction_figure, save, shapes_figure
+from isopeel.post.figures import reaction_figure, save, sensitivities_figure, shapes_figure
 from isopeel.post.shown import in_laboratory
 from isopeel.post.summary_table import summary_rows
 from isopeel.post.table import write_curve
 from isopeel.results.files import replacing
 from isopeel.results.run_file import StoredRun
+from isopeel.running.folder import FIGURES, make_folder
 from isopeel.running.stage_run import StageRun
 from isopeel.running.stage_summary import Results, results_of
 
@@ -36,6 +37,10 @@ def write_results(one: StageRun, run: StoredRun, wall_time: float) -> Results:
             check()
             with replacing(out / name) as part:
                 save(figure, part)
+        if curve.sensitive_to:
+            make_folder(out / FIGURES)
+            with replacing(out / FIGURES / "sensitivities.png") as part:
+                save(sensitivities_figure(curve), part)
     return results
 
 

@@ -9,6 +9,7 @@ from rich.console import Console
 
 from isopeel.common.interrupts import check, deferred, leave_time
 from isopeel.post.table import write_curve
+from isopeel.results.curve import DifferentiatedBy
 from isopeel.results.layout import Layout
 from isopeel.results.run_file import Failure, StoredRun, read_run
 from isopeel.results.run_writer import RunWriter
@@ -23,8 +24,13 @@ from isopeel.solve.step import Step
 _LOG = logging.getLogger(__name__)
 
 
-def run_stage(one: StageRun, steps: Iterable[Step], console: Console) -> StoredRun:
-    """Compute the steps of a stage, write all its files, and print its results."""
+def run_stage(
+    one: StageRun, steps: Iterable[Step], sensitive_to: tuple[DifferentiatedBy, ...], console: Console
+) -> StoredRun:
+    """Compute the steps of a stage, write all its files, and print its results.
+
+    The steps have sensitivities to the given parameters.
+    """
     began = perf_counter()
     stage, place, stored = one.stage, one.place, one.stored
     meshes = ", ".join(f"{name}: {space.name} {space.elements}" for name, space in one.spaces.items())
@@ -40,6 +46,7 @@ def run_stage(one: StageRun, steps: Iterable[Step], console: Console) -> StoredR
         stored,
         0 if stored is None else read_run(place.run_file).journaled,
         Layout.of(stage.problem, one.spaces, one.case.discretization.contact_points),
+        sensitive_to,
     )
     with deferred():
         try:

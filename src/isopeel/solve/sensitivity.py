@@ -71,7 +71,8 @@ class Sensitivities:
     """The sensitivities of the steps of one path, which it receives in their order.
 
     `variants` has those of each parameter, and `rates` the derivatives of the state that the path begins
-    with, where it is not the bodies as they are. `history` is the history of that state.
+    with, where it is not the bodies as they are; None where these do not exist, so that all sensitivities are
+    NaN. `history` is the history of that state.
     """
 
     def __init__(
@@ -79,8 +80,9 @@ class Sensitivities:
         system: System,
         variants: Sequence[Sequence[Variant]],
         history: FloatArray | None = None,
-        rates: Sequence[Rates] = (),
+        rates: Sequence[Rates] | None = (),
     ) -> None:
+        self._begins = rates is not None
         self._system = system if history is None else system.after(history)
         self._variants = variants
         if rates:
@@ -99,7 +101,8 @@ class Sensitivities:
         of such a point. Units are those of the problem, and of the shifts of the variants.
         """
         system, history = self._system, step.maximum_openings
-        found = None if step.kind == "limit point" else self._solved(system, step)
+        exists = self._begins and step.kind != "limit point"
+        found = self._solved(system, step) if exists else None
         stays = history == system.maximum_openings
         if found is not None and system.irreversible:
             self._history = [
