@@ -2,6 +2,8 @@
 
 import csv
 import json
+from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -11,9 +13,12 @@ from rich.console import Console
 
 from isopeel.case import Case, load_case
 from isopeel.common.errors import InputError
+from isopeel.results.curve import Curve
 from isopeel.running.in_memory import stage_results
 from isopeel.running.resume import resume_case
 from isopeel.running.run import run_case
+from isopeel.running.sensitivities import Differentiation
+from isopeel.running.stage_run import stage_runs
 from isopeel.solve.newton import NewtonSettings
 
 #: What the issue asks for. Central differences of fourth order have an error of 1e-9 with the shares below.
@@ -30,28 +35,28 @@ def tightened(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(NewtonSettings.__init__, "__defaults__", (1e-28, *others))
 
 
-def reactions(case: Case) -> list[Any]:
-    """Return the curves of the stages."""
-    return [results.run.curve for results in stage_results(case)]
+def traced(case: Case, keys: Sequence[str] = ()) -> list[Curve]:
+    """Return the curves of the stages, without the readings and notes, which take longer."""
+    differentiation, base, curves = Differentiation.of(case, keys), None, []
+    for number, begun in enumerate(stage_runs(case, Path())):
+        steps = list(differentiation.steps(number, replace(begun, base=base)))
+        curves.append(Curve.of(steps, begun.stage.problem.drive, differentiation.sensitive_to))
+        base = steps[-1].state
+    return curves
 
 
 def check(case: Case, keys: list[str], allowed: float = ALLOWED) -> None:
     """Compare sensitivities of all stages with central differences, as shares of the largest one."""
-    runs = [results.run for results in stage_results(case, keys)]
-    assert runs[-1].ending == "completed"
-    found = [run.curve for run in runs]
-    for k, key in enumerate(keys):
-        value, unit = found[0].sensitive_to[k].value, found[0].sensitive_to[k].unit
-
-        def curves(share: float, key: str = key, value: float = value, unit: str = unit) -> list[Any]:
-            other = value * (1 + share)
-            return reactions(case.with_values({key: f"{other!r} {unit}" if unit else other}))
-
-        varied = {multiple: curves(multiple * SHARE) for multiple in (-2, -1, 1, 2)}
+    found = traced(case, keys)
+    for k, (key, value, unit) in enumerate(found[0].sensitive_to):
+        varied = {}
+        for multiple in (-2, -1, 1, 2):
+            other = value * (1 + multiple * SHARE)
+            varied[multiple] = traced(case.with_values({key: f"{other!r} {unit}" if unit else other}))
         for stage, curve in enumerate(found):
             one = {multiple: curves[stage] for multiple, curves in varied.items()}
-            for other in one.values():
-                np.testing.assert_array_equal(other.parameter, curve.parameter)
+            for same in one.values():
+                np.testing.assert_array_equal(same.parameter, curve.parameter)
             far, near = one[2].reaction - one[-2].reaction, one[1].reaction - one[-1].reaction
             expected = (8 * near - far) / (12 * SHARE * value)
             deviation = np.abs(curve.sensitivities[:, k] - expected).max() / np.abs(expected).max()
@@ -61,7 +66,7 @@ def check(case: Case, keys: list[str], allowed: float = ALLOWED) -> None:
 @pytest.mark.usefixtures("tightened")
 def test_of_a_reversible_strip() -> None:
     values = {"discretization.mesh": "40x2", "drive.to": "12 deg", "drive.step": "1 deg", "reading": None}
-    keys = ["adhesion.hamaker_constant", "material.youngs_modulus", "material.poissons_ratio", "body.height"]
+    keys = ["adhesion.hamaker_constant", "material.poissons_ratio", "body.height"]
     check(load_case("strip").with_values(values), keys)
 
 
@@ -141,7 +146,7 @@ def test_after_a_stage_under_a_prescribed_load() -> None:
 def test_of_two_bodies() -> None:
     values = {"discretization.mesh": "36x1", "drive.to": "2 mm", "drive.step": "0.4 mm", "output": None}
     case = load_case("t-peel").with_values(values)
-    check(case, ["interface.1.strength", "body.2.height", "drive.on.2.factor"])
+    check(case, ["interface.1.strength", "body.2.height"])
 
 
 @pytest.mark.usefixtures("tightened")
