@@ -64,6 +64,11 @@ def reader(kind: type) -> Any:
 
     Numba cannot compile a loop over fields of several types. So its source is written here, with one
     expression for each field.
+
+    Each kind has a name of its own. Cached loops contain the readers that they call, as symbols of a name, a
+    number that counts the functions of a process, and the types of the arguments. With one name for all, two
+    processes could compile different readers with the same symbol, and a third one, which loaded the loops of
+    both, called one reader for both.
     """
     views, place = [], 0
     for is_float, dimensions in _fields(kind).values():
@@ -76,10 +81,11 @@ def reader(kind: type) -> Any:
         else:
             views.append(f"{whole}[{begin}]")
         place += 1 + dimensions
-    source = f"def read(integers, floats):\n    return Kind({', '.join(views)})\n"
-    names: dict[str, Any] = {"Kind": kind}
+    name = f"read_{kind.__name__}"
+    source = f"def {name}(integers, floats):\n    return Kind({', '.join(views)})\n"
+    names: dict[str, Any] = {"Kind": kind, "__name__": kind.__module__}
     exec(source, names)
-    return inner_of_text(names["read"])
+    return inner_of_text(names[name])
 
 
 def _fields(kind: type) -> dict[str, tuple[bool, int]]:
