@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from isopeel.common.arrays import FloatArray, IntArray
-from isopeel.common.compilation import compiled
+from isopeel.common.compilation import compiled, inner
 
 #: Segments of one larger box, which is compared first.
 _GROUP = 8
@@ -73,7 +73,7 @@ def segments_at(
     return Segments(points, weights, rational, slowest, boxes, groups)
 
 
-@compiled
+@inner
 def _slowest(points: FloatArray) -> float:
     """Return a lower bound of y'.y' / |y''| on a polynomial segment of control points (2, p + 1).
 
@@ -99,7 +99,7 @@ def _slowest(points: FloatArray) -> float:
     return speed * speed / bend if bend > 0.0 else np.inf
 
 
-@compiled
+@inner
 def bernstein(s: float, basis: FloatArray) -> None:
     """Write the Bernstein polynomials of degree p at s, and two derivatives, to a basis (3, p + 1)."""
     p = basis.shape[1] - 1
@@ -123,7 +123,7 @@ def bernstein(s: float, basis: FloatArray) -> None:
         value[0] *= 1.0 - s
 
 
-@compiled
+@inner
 def curve_at(curve: Segments, segment: int, s: float, basis: FloatArray, point: FloatArray) -> None:
     """Write position, tangent dy/ds and its derivative to a point (3, 2), and the basis."""
     bernstein(s, basis)
@@ -147,7 +147,7 @@ def curve_at(curve: Segments, segment: int, s: float, basis: FloatArray, point: 
         point[2, i] = (point[2, i] - 2.0 * point[1, i] * W1 - point[0, i] * W2) / W0
 
 
-@compiled
+@inner
 def _box_distance(x: float, y: float, box: FloatArray) -> float:
     """Return the squared distance of a point to a box."""
     across = max(box[0] - x, 0.0, x - box[2])
@@ -156,7 +156,7 @@ def _box_distance(x: float, y: float, box: FloatArray) -> float:
     return square
 
 
-@compiled
+@inner
 def _closest_on(
     curve: Segments, segment: int, x: float, y: float, basis: FloatArray, point: FloatArray
 ) -> tuple[float, float]:
@@ -210,7 +210,7 @@ def _closest_on(
     return s, (x - point[0, 0]) ** 2 + (y - point[0, 1]) ** 2
 
 
-@compiled
+@inner
 def _is_convex(curve: Segments, segment: int, x: float, y: float) -> bool:
     """Return whether the squared distance to a point is convex along a segment: y'.y' > (x - y) . y''."""
     points, slowest = curve.points[segment], curve.slowest[segment]
@@ -221,7 +221,7 @@ def _is_convex(curve: Segments, segment: int, x: float, y: float) -> bool:
     return convex
 
 
-@compiled
+@inner
 def _parallel(one: FloatArray, other: FloatArray) -> bool:
     """Return whether two tangents (2,) have one direction."""
     sizes = np.hypot(one[0], one[1]) * np.hypot(other[0], other[1])
@@ -245,7 +245,7 @@ def closest_places(curve: Segments, points: FloatArray) -> tuple[IntArray, IntAr
     return kinds, segments, places
 
 
-@compiled
+@inner
 def closest_point(
     curve: Segments,
     x: float,

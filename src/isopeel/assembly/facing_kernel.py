@@ -14,7 +14,7 @@ from isopeel.assembly.interface_kernel import Response, respond_normally, respon
 from isopeel.assembly.loops import Energies
 from isopeel.assembly.packing import Floats1, Floats2, Floats3, Integers2, Integers3, reader
 from isopeel.common.arrays import FloatArray, IntArray
-from isopeel.common.compilation import compiled, compiled_reordered
+from isopeel.common.compilation import compiled_reordered, inner, inner_reordered
 from isopeel.matrix.band import entry_place
 from isopeel.physics.batch import law_at
 
@@ -152,7 +152,7 @@ def respond_to(facing: FacingData, found: Partners, history: FloatArray) -> Resp
     return Response(found.position, found.gap, found.normal, curvature, potential, T, dT, lost, shear)
 
 
-@compiled_reordered
+@inner_reordered
 def _relative(
     numerators: FloatArray, denominator: FloatArray, basis: FloatArray, P: FloatArray, Q: FloatArray
 ) -> None:
@@ -171,7 +171,7 @@ def _relative(
         Q[b] = (slope - value * dW) / W
 
 
-@compiled_reordered
+@inner_reordered
 def _variations(
     n: FloatArray, a: FloatArray, gap: float, bend: float, P: FloatArray, R: FloatArray, d: FloatArray
 ) -> None:
@@ -188,7 +188,7 @@ def _variations(
             d[3, 2 * c + i] = d[1, 2 * c + i] + bend * d[2, 2 * c + i]
 
 
-@compiled_reordered
+@inner_reordered
 def _second_variation(d: FloatArray, gap: float, bend: float, speed: float, second: FloatArray) -> None:
     """Write D dg to second (2 M, 2 M), by the variations d (4, 2 M); speed is y' . y'."""
     for r in range(second.shape[0]):
@@ -197,7 +197,7 @@ def _second_variation(d: FloatArray, gap: float, bend: float, speed: float, seco
             second[r, c] = gap / speed * turn * d[3, c] - slope * d[2, c] - place * (d[1, c] + bend * d[2, c])
 
 
-@compiled_reordered
+@inner_reordered
 def _second_variation_at_corner(n: FloatArray, gap: float, P: FloatArray, second: FloatArray) -> None:
     """Write D dg to second (2 M, 2 M) where the partner is a corner of the other side."""
     for c in range(P.size):
@@ -208,7 +208,7 @@ def _second_variation_at_corner(n: FloatArray, gap: float, P: FloatArray, second
                     second[2 * c + i, 2 * d + k] = P[c] * P[d] * across / gap
 
 
-@compiled_reordered
+@inner_reordered
 def _turned_forces(d: FloatArray, a: FloatArray, speed: float, P: FloatArray, second: FloatArray) -> None:
     """Write the derivatives P_c dn of the forces along a normal that turns, to second (2 M, 2 M)."""
     for c in range(P.size):
@@ -217,7 +217,7 @@ def _turned_forces(d: FloatArray, a: FloatArray, speed: float, P: FloatArray, se
                 second[2 * c + i, e] = -P[c] * a[i] * d[3, e] / speed
 
 
-@compiled
+@inner
 def _add_entries(local: FloatArray, numbers: IntArray, rows: int, band: FloatArray, diagonal: int) -> None:
     """Add the first rows of a local tangent (2 M, 2 M) of unknowns (2 M,) to a band, as far as it reaches."""
     flat, stride = band.ravel(), band.shape[1] - 1
