@@ -8,8 +8,9 @@ import pytest
 
 from isopeel.solve.newton import NewtonSettings
 
-#: What writes a figure of a run.
-SAVE = "isopeel.running.stage_results.save"
+#: Where a run makes its figures and writes them.
+FIGURES_OF_RUNS = "isopeel.running.stage_results"
+MAKERS = ("reaction_figure", "shapes_figure")
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -48,16 +49,19 @@ def without_figures() -> Iterator[None]:
     The files are marked as the figures of isopeel are, or the next command would not replace them.
     """
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(SAVE, lambda _, path: path.write_bytes(b"Creator\0isopeel"))
+        for name in MAKERS:
+            patch.setattr(f"{FIGURES_OF_RUNS}.{name}", lambda *_: None)
+        patch.setattr(f"{FIGURES_OF_RUNS}.save", lambda _, path: path.write_bytes(b"Creator\0isopeel"))
         yield
 
 
 @pytest.fixture
 def with_figures(monkeypatch: pytest.MonkeyPatch) -> None:
     """Let the runs of one test draw their figures, in a module without."""
-    from isopeel.post.figures import save
+    from isopeel.post import figures
 
-    monkeypatch.setattr(SAVE, save)
+    for name in (*MAKERS, "save"):
+        monkeypatch.setattr(f"{FIGURES_OF_RUNS}.{name}", getattr(figures, name))
 
 
 def let_it_be_interrupted() -> None:

@@ -87,6 +87,7 @@ def test_an_assignment_has_a_value_of_toml_or_a_text(text: str, pair: tuple[str,
     assert assignment(text) == pair
 
 
+@pytest.mark.usefixtures("without_figures")
 def test_a_run_has_the_values_that_are_set(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     out = str(tmp_path / "out")
     values = ("--set", "discretization.mesh=20x2", "--set", "drive.to=2 deg", "--set", "drive.step=1 deg")

@@ -57,7 +57,7 @@ def test_plain_texts_stay_as_they_are() -> None:
 
 
 @pytest.fixture(scope="module")
-def stored(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def stored(without_figures: None, tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("run") / "out"
     small = ("--mesh", "10x1", "--space", "L1", "--to", "2", "--step", "1")
     assert main(["run", "strip", *small, "--out", str(folder)]) == 0

@@ -23,6 +23,8 @@ from isopeel.running.resume import resume_case
 from isopeel.running.run import run_case
 from isopeel.running.run_reader import StoredStage, read_stages
 
+pytestmark = pytest.mark.usefixtures("without_figures")
+
 HEAD = """
 name = "reopened"
 [units]

@@ -14,6 +14,8 @@ from isopeel.common.units import UnitSystem
 from isopeel.post.laboratory import Laboratory
 from isopeel.solve.convergence import ConvergenceError
 
+pytestmark = pytest.mark.usefixtures("without_figures")
+
 TAPE = """
 name = "weight"
 [units]

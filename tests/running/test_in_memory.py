@@ -4,6 +4,7 @@ import json
 from pathlib import Path
 
 import numpy as np
+import pytest
 from rich.console import Console
 
 from isopeel.case import load_case
@@ -15,6 +16,7 @@ from isopeel.running.run import run_case
 OF_THE_RUN = ("run", "wall_time_s")
 
 
+@pytest.mark.usefixtures("without_figures")
 def test_the_results_are_those_of_a_run_with_files(tmp_path: Path) -> None:
     case = load_case("press-and-peel").with_values({"discretization.mesh": "40x2"})
     run_case(case, tmp_path, Console(quiet=True))

@@ -18,6 +18,7 @@ from isopeel.running.resume import resume_case
 from isopeel.running.run import run_case
 from isopeel.solve.trace import trace
 
+pytestmark = pytest.mark.usefixtures("without_figures")
 QUIET = Console(quiet=True)
 STAGE = """
 [[drive]]
