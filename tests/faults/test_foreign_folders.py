@@ -382,14 +382,14 @@ def test_a_report_replaces_a_report_and_prints_it(
 ) -> None:
     monkeypatch.setattr("isopeel.paper.report.execute", lambda *_: None)
     for options in ([], [], ["--mesh", "m1"]):
-        assert main(["paper", "--only", "spaces", *options, "--out", "mine"]) == 0
-    (Path("mine") / "spaces" / "notes.txt").write_text("mine")
+        assert main(["paper", "--only", "table3", *options, "--out", "mine"]) == 0
+    (Path("mine") / "table3" / "notes.txt").write_text("mine")
     capsys.readouterr()
-    assert main(["paper", "--only", "spaces", "--out", "mine"]) == 2
-    assert "it contains spaces/notes.txt, which is not of a report" in the_error(capsys)
-    assert main(["paper", "--only", "spaces", "--out", "mine", "--force"]) == 0
-    assert "replaces the report in mine/spaces" in capsys.readouterr().out
-    assert (Path("mine") / "spaces" / "notes.txt").read_text() == "mine"
+    assert main(["paper", "--only", "table3", "--out", "mine"]) == 2
+    assert "it contains table3/notes.txt, which is not of a report" in the_error(capsys)
+    assert main(["paper", "--only", "table3", "--out", "mine", "--force"]) == 0
+    assert "replaces the report in mine/table3" in capsys.readouterr().out
+    assert (Path("mine") / "table3" / "notes.txt").read_text() == "mine"
 
 
 def test_the_stored_reports_are_taken_for_reports() -> None:
