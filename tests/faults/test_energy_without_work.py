@@ -108,6 +108,7 @@ def check(text: str, steps: list[Step]) -> None:
     assert max(gained(steps)) <= 1e-6 * worth(text)
 
 
+@pytest.mark.long
 def test_a_cylinder_does_not_climb_to_another_branch() -> None:
     """Pressed from -0.1075 to -0.1125 nm its energy rose by 34 % of its range."""
     (steps,) = paths(CYLINDER)
