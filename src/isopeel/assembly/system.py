@@ -138,6 +138,8 @@ class System:
         self.has_multipliers: bool = any(one.penetration is not None for one in problem.interfaces)
         #: What forces and tangent are the sum of.
         self.terms: tuple[Term, ...] = *self.bodies, *self.interfaces, *self.loads
+        #: Whether all forces are derivatives of an energy, so that the tangent is symmetric.
+        self.has_potential: bool = all(term.has_potential for term in self.terms)
         #: Maximum openings at the points of the adhesive force, for irreversible adhesion: the history from
         #: which forces are evaluated. It is that of the undeformed bodies, unless `after` sets another one.
         #: They are (E, Q), elements of one interface after those of another; (n, 1) where these differ in Q,
@@ -256,11 +258,6 @@ class System:
     def count(self) -> int:
         """Number of unknowns y: those of the displacement, and the global ones."""
         return self.constraints.total
-
-    @property
-    def has_potential(self) -> bool:
-        """Whether all forces are derivatives of an energy, so that the tangent is symmetric."""
-        return all(term.has_potential for term in self.terms)
 
     @property
     def storage(self) -> Storage:
