@@ -157,9 +157,8 @@ length = "9.732 um"
 """
 
 
-@pytest.mark.parametrize(
-    ("mesh", "noted"), [pytest.param('mesh = "100x10"', True, marks=pytest.mark.long), ("", False)]
-)
+@pytest.mark.long
+@pytest.mark.parametrize(("mesh", "noted"), [('mesh = "100x10"', True), ("", False)])
 def test_tall_elements_below_a_contact_are_noted(mesh: str, noted: bool) -> None:
     """Of 100x10 elements the pull-off force is 3.5 % too large, by their height; it was said of none."""
     changes, curve = _changes(CYLINDER.format(mesh=mesh))
