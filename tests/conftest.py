@@ -28,6 +28,11 @@ def pytest_configure(config: pytest.Config) -> None:
         *others, _ = NewtonSettings.__init__.__defaults__ or ()
         NewtonSettings.__init__.__defaults__ = (*others, True)
     let_it_be_interrupted()
+    # the process that starts those of pytest-xdist, which have `workerinput`
+    if config.getoption("numprocesses", None) and not hasattr(config, "workerinput"):
+        from kernels import compile_kernels
+
+        compile_kernels()
 
 
 def pytest_runtest_setup(item: pytest.Item) -> None:
