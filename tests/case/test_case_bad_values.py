@@ -32,7 +32,7 @@ BAD_VALUES = [
     ("[body]", "[bodies]", "bodies", "body, material, adhesion, substrate, held"),
     ('name = "strip"', 'name = "../strip"', "name", "letters"),
     ('name = "strip"', "name = 3", "name", "letters"),
-    ('length = "150 nm"', 'length = "201 nm"', "adhesion.length", "at most 200"),
+    ('length = "150 nm"', 'length = "201 nm"', "adhesion.length", "at most 200 nm"),
     ('length = "150 nm"', 'length = "-1 nm"', "adhesion.length", "positive"),
     (
         'hamaker_constant = "1e-19 J"',

@@ -95,3 +95,10 @@ def test_few_digits_of_a_length_are_written_without_an_exponent(
 ) -> None:
     # lengths in nm by default; millimetres begin at 1000 um
     assert Laboratory(UnitSystem()).text(metres * 1e9, "length", digits) == shown
+
+
+def test_values_of_columns_in_sentences() -> None:
+    angle, length = Column("theta_deg", "degree"), Column("displacement", "L0")
+    assert [angle.text(value) for value in (1.0, 74.1647)] == ["1 degree", "74.1647 degrees"]
+    text = f"the path turns back at {angle.text(74.1647)}, {angle.text(1.0)} and {length.text(2.0)}"
+    assert NANO.sentence(text) == "the path turns back at 74.1647 deg, 1 deg and 2 nm"

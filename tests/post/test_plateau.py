@@ -86,7 +86,7 @@ def test_a_run_towards_smaller_parameters_is_read_like_its_mirror_image() -> Non
     assert falling.drift == pytest.approx(-rising.drift, abs=1e-13)
     assert falling.steepest_fall == pytest.approx(-rising.steepest_rise, rel=1e-9)
     assert falling.steepest_rise == pytest.approx(-rising.steepest_fall, rel=1e-9)
-    assert "the run reached -109.99 degree" in str(unreadable(fallen, (-111.0, -108.0)))
+    assert "the run reached -109.99 degrees" in str(unreadable(fallen, (-111.0, -108.0)))
     assert plateau_mean(fallen, (-111.0, -108.0)) is None
 
 
@@ -100,7 +100,7 @@ def test_a_run_that_ends_too_soon_is_not_read(last: float) -> None:
     ("step", "window", "reason"),
     [
         (0.1, (98.0, 98.5), "shorter than a period"),
-        (0.2, (98.0, 101.4), "steps of 0.2 degree are too large"),
+        (0.2, (98.0, 101.4), "steps of 0.2 degrees are too large"),
         (1.0, (98.0, 101.4), "steps of 1 degree are too large"),
         (2.0, (98.0, 101.4), "has 2 steps"),
         (0.1, (108.0, 111.4), "the run reached 110"),

@@ -270,9 +270,9 @@ def test_bad_shapes_are_refused() -> None:
         ):
             with pytest.raises(InputError, match=rf"^body\.{field}: .* it must be positive"):
                 make(bad)
-    with pytest.raises(InputError, match=r"^body\.length: .* below pi radii"):
+    with pytest.raises(InputError, match=r"^body\.length: .* below pi radii, 3.1416 L0"):
         CurvedStrip(pi, 0.1, 1.0)
-    with pytest.raises(InputError, match=r"^body\.height: .* below the radius"):
+    with pytest.raises(InputError, match=r"^body\.height: .* below the radius, 2 L0"):
         CurvedStrip(1.0, 2.0, 2.0, "up")
     with pytest.raises(InputError, match=r"^body\.bends: 'left' .* down or up"):
         CurvedStrip(1.0, 2.0, 2.0, "left")  # type: ignore[arg-type]

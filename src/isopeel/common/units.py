@@ -28,7 +28,7 @@ class UnitSystem:
 
 
 _USUAL = UnitSystem()
-_MEASURED_IN = ContextVar("_MEASURED_IN", default=_USUAL)
+_MEASURED_IN: ContextVar[UnitSystem | None] = ContextVar("_MEASURED_IN", default=None)
 
 
 @contextmanager
@@ -110,7 +110,7 @@ def parse_quantity(text: str) -> Quantity:
     mass, length, time = (dimension.pop(base, Fraction(0)) for base in ("[mass]", "[length]", "[time]"))
     if any(dimension.values()) or time != -2 * mass or not (angle or mass or length):
         raise ValueError(_of_another_kind(unit))
-    system = _MEASURED_IN.get()
+    system = _MEASURED_IN.get() or _USUAL
     exact = Fraction(number) * Fraction(10) ** exponent / width
     try:
         for name, power in powers.items():
@@ -281,6 +281,12 @@ def shown(value: float, units: UnitSystem, stress: int = 0, length: int = 0) -> 
         return f"{si / size:.5g} {name}"
     compact = _registry().Quantity(si, _SINGLE[stress, length]).to_compact()
     return f"{compact.magnitude:.5g} {compact.units:~}"
+
+
+def length_text(value: float) -> str:
+    """Return the text of a length in L0: in SI units while a case is read, else in L0."""
+    units = _MEASURED_IN.get()
+    return f"{value:.5g} L0" if units is None else shown(value, units, length=1)
 
 
 #: Units of the quantities of a case, and those that are confused with them, as pint reads them (NIST SP 811,

@@ -12,8 +12,6 @@ from pathlib import Path
 from statistics import median
 from typing import NamedTuple, Protocol
 
-from filelock import FileLock, Timeout
-
 from isopeel.common.errors import InputError
 from isopeel.common.interrupts import check
 from isopeel.common.processes import worker_pool
@@ -22,6 +20,7 @@ from isopeel.results.layout import Layout
 from isopeel.results.provenance import Provenance
 from isopeel.results.run_file import Failure, StoredRun, read_run, run_attributes
 from isopeel.results.run_writer import RunWriter
+from isopeel.running.lock import alone_in
 from isopeel.solve.convergence import ConvergenceError
 from isopeel.solve.newton import NewtonSettings
 from isopeel.solve.step import State, Step
@@ -90,13 +89,10 @@ def execute(runs: Iterable[Run], store: Store, workers: int, watcher: Watcher) -
     waiting = [run for run in with_bases(runs) if store.finished(run) is None]
     if not waiting:
         return
-    try:
-        with FileLock(store.folder / ".lock", blocking=False):
-            _execute([run for run in waiting if not run.timed], store, workers, watcher)
-            # one after the other, so that they do not slow each other down
-            _execute([run for run in waiting if run.timed], store, 1, watcher)
-    except Timeout as error:
-        raise InputError("--out", str(store.folder), "another process computes runs in it") from error
+    with alone_in(store.folder, "--out"):
+        _execute([run for run in waiting if not run.timed], store, workers, watcher)
+        # one after the other, so that they do not slow each other down
+        _execute([run for run in waiting if run.timed], store, 1, watcher)
 
 
 def _execute(waiting: list[Run], store: Store, workers: int, watcher: Watcher) -> None:

@@ -136,7 +136,7 @@ class Laboratory:
     def parameter(self, column: Column, value: float) -> str:
         """Return a value of a column with its unit."""
         if column.unit not in _KINDS:
-            return f"{value:.{DIGITS}g} {column.unit}"
+            return column.text(value)
         return self.text(value, kind_of(column))
 
     def curve(self, curve: Curve) -> Curve:
@@ -164,7 +164,7 @@ class Laboratory:
 
         def shown(found: re.Match[str]) -> str:
             value, unit = float(found[1]), found[2]
-            return f"{found[1]} deg" if unit == "degree" else self.text(value, _KINDS[unit])
+            return f"{found[1]} deg" if unit.startswith("degree") else self.text(value, _KINDS[unit])
 
         return _VALUE.sub(shown, text)
 
@@ -185,6 +185,7 @@ _KINDS: dict[str, Kind] = {
     "E0 L0^3": "energy",
 }
 _UNITS = "|".join(re.escape(unit) for unit in sorted(_KINDS, key=len, reverse=True) if unit != "1")
+_UNITS = _UNITS.replace("degree", "degrees?")
 
 
 #: A value in the unit of a column, the longest units first.

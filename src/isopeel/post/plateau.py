@@ -62,7 +62,7 @@ def unreadable(
     start, end = window
     parameter, _ = rising(curve)
     inside = parameter[_inside(parameter, window)]
-    write = shown or f"{{:.6g}} {curve.parameter_column.unit}".format
+    write = shown or curve.parameter_column.text
     ends = f"{write(start)} to {write(end)}"
     if not _covers(parameter, window):
         reached = (

@@ -40,7 +40,7 @@ def check_memory(one: StageRun) -> None:
     if needed > free:
         gib = f"{needed / 2**30:.1f} GiB of memory, and {free / 2**30:.1f} GiB are free"
         allowed = f"the displacements at its multiples need {gib}"
-        raise InputError("output.fields_every", f"{stage.fields_every:g} {column.unit}", allowed)
+        raise InputError("output.fields_every", column.text(stage.fields_every), allowed)
 
 
 def early_notes(runs: Sequence[StageRun], *, strict: bool) -> list[Note]:

@@ -26,7 +26,7 @@ def progress(
     is shown where the console is not a terminal. `shown` writes a value of a column.
     """
     bar = _bar(console)
-    write = shown or (lambda column, value: f"{value:.6g} {column.unit}")
+    write = shown or Column.text
     parameter, reaction = drive.parameter_column, drive.reaction_column
 
     met: set[float] = set()

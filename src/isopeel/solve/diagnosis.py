@@ -33,7 +33,7 @@ def diagnosed(path: Path, error: ConvergenceError, parameter: float) -> Converge
 def _at_limit(path: Path, error: ConvergenceError, parameter: float, limit: float) -> ConvergenceError:
     """Return the error of a step to a parameter beyond a limit point."""
     column = path.system.problem.drive.parameter_column
-    at = f"{column.shown(limit):.6g} {column.unit}"
+    at = column.text(column.shown(limit))
     if path.system.control.raises_load:
         reason = f"the largest load is reached: no equilibrium was found beyond {at}, a limit point"
         return ConvergenceError(reason, error.iterations, parameter, "limit load")

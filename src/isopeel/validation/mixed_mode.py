@@ -15,7 +15,7 @@ from isopeel.physics.joints import MixedModeBilinear
 from isopeel.physics.materials import NeoHooke
 from isopeel.physics.materials.base import plane_strain_modulus
 from isopeel.post.closed_form import BondedBeams, double_cantilever_force
-from isopeel.post.style import BLUE, GREY, ONE_COLUMN, style
+from isopeel.post.style import BLUE, GREY
 from isopeel.problem import Body, Drive, Interface, Problem, PulledSide, Support
 from isopeel.problem.place import placed
 from isopeel.report.document import Picture
@@ -25,6 +25,7 @@ from isopeel.splines.nurbs import rectangle
 from isopeel.splines.rows import RowSpace
 from isopeel.splines.space import SplineSpace
 from isopeel.validation.check import Check, Result, Row, traced
+from isopeel.validation.one_panel import one_panel
 
 #: The closed form rests on a fit: in elastic runs of these isotropic beams the crack is lengthened by
 #: 0.34 chi h in sliding, where the fit says 0.42 chi h. That makes G 0.9 % too large.
@@ -241,9 +242,7 @@ def judge(outcomes: Sequence[Cracked]) -> Result:
 
 
 def _draw(outcomes: Sequence[Cracked]) -> Figure:
-    with style():
-        figure = Figure(figsize=(ONE_COLUMN, 2.4), layout="constrained")
-        axes = figure.subplots()
+    with one_panel("mixity $G_{II}/G$", "$G/W$") as (figure, axes):
         mixity = np.linspace(0.0, 1.0, 101)
         work = [LAW.work_at(float(one)) / _WORK for one in mixity]
         axes.plot(mixity, work, color=GREY)
@@ -251,10 +250,8 @@ def _draw(outcomes: Sequence[Cracked]) -> Figure:
             if found.lever != inf:
                 released = found.released.sum(axis=1).mean() / _WORK
                 axes.plot(found.mixity, released, color=BLUE, marker="o", markersize=4)
-        axes.set_xlabel("mixity $G_{II}/G$")
-        axes.set_ylabel("$G/W$")
         axes.set_ylim(bottom=0.0)
-        return figure
+    return figure
 
 
 CHECK = Check("Joints in mixed mode", (inf, 166.7, 87.4, 60.0, 0.0), crack, judge)

@@ -13,7 +13,7 @@ from isopeel.physics.joints import MixedModeBilinear
 from isopeel.physics.materials import NeoHooke
 from isopeel.physics.materials.base import plane_strain_modulus
 from isopeel.post.mode_ratio import ModeRates, mode_rates
-from isopeel.post.style import BLUE, GREY, ONE_COLUMN, style
+from isopeel.post.style import BLUE, GREY
 from isopeel.problem import Body, Interface, Problem, RotatedSide, Support
 from isopeel.problem.place import placed
 from isopeel.report.document import Picture
@@ -23,6 +23,7 @@ from isopeel.splines.nurbs import rectangle
 from isopeel.splines.rows import RowSpace
 from isopeel.splines.space import SplineSpace
 from isopeel.validation.check import Check, Result, Row, traced
+from isopeel.validation.one_panel import one_panel
 
 #: What is left of the mixity's lag in a step, of the length of the process zone, and of the mesh.
 ALLOWED = 0.005
@@ -219,16 +220,12 @@ def judge(outcomes: Sequence[Grown]) -> Result:
 
 
 def _draw(outcomes: Sequence[Grown]) -> Figure:
-    with style():
-        figure = Figure(figsize=(ONE_COLUMN, 2.6), layout="constrained")
-        axes = figure.subplots()
+    with one_panel("mode ratio $B$", "$(G_I + G_{II}) / G_{Ic}$", 2.6) as (figure, axes):
         ratios = np.linspace(0.0, 1.0, 101)
         axes.plot(ratios, _toughness(ratios) / _WORK, color=GREY)
         for found in (one for one in outcomes if not one.of.differs):
             axes.plot(found.ratio, found.rate / _WORK, color=BLUE, linestyle="", marker=".")
-        axes.set_xlabel("mode ratio $B$")
-        axes.set_ylabel("$(G_I + G_{II}) / G_{Ic}$")
-        return figure
+    return figure
 
 
 CHECK = Check("Mode ratios", _CASES, grow, judge)

@@ -13,13 +13,14 @@ from isopeel.common.arrays import FloatArray
 from isopeel.physics.adhesion import Exponential
 from isopeel.physics.joints import MixedModeBilinear
 from isopeel.physics.materials import NeoHooke
-from isopeel.post.style import BLUE, ONE_COLUMN, VERMILION, style
+from isopeel.post.style import BLUE, VERMILION
 from isopeel.problem import Body, Interface, MovedSide, Problem, Support
 from isopeel.problem.place import placed
 from isopeel.report.document import Picture
 from isopeel.splines.nurbs import annulus_sector, rectangle
 from isopeel.splines.rows import row_space
 from isopeel.validation.check import Check, Result, Row
+from isopeel.validation.one_panel import one_panel
 
 #: Sums of as many forces as there are functions, which cancel each other in part.
 ROUND_OFF = 1e-11
@@ -109,18 +110,14 @@ def judge(outcomes: Sequence[Forces]) -> Result:
 
 
 def _draw(found: Forces) -> Figure:
-    with style():
-        figure = Figure(figsize=(ONE_COLUMN, 2.0), layout="constrained")
-        axes = figure.subplots()
+    with one_panel("$x$ / $L_0$", "$y$ / $L_0$", 2.0) as (figure, axes):
         for k, (name, color) in enumerate((("upper", BLUE), ("lower", VERMILION))):
             loaded = np.abs(found.forces[k]).max(axis=1) > 0
             place, forces = found.position[k][loaded], found.forces[k][loaded]
             axes.quiver(*place.T, *forces.T, color=color, label=name, width=4e-3, scale=1.5)
         axes.set_ylim(-0.7, 1.3)
         axes.legend(loc="upper right")
-        axes.set_xlabel("x / L0")
-        axes.set_ylabel("y / L0")
-        return figure
+    return figure
 
 
 CHECK = Check("Momentum", tuple(_JOINTS), forces_of, judge)

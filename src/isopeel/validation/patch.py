@@ -12,13 +12,14 @@ from matplotlib.figure import Figure
 from isopeel.physics.adhesion import Contact
 from isopeel.physics.materials import NeoHooke
 from isopeel.post.fields import sample_fields
-from isopeel.post.style import BLUE, DASHES, DOTS, GREEN, ONE_COLUMN, VERMILION, style
+from isopeel.post.style import BLUE, DASHES, DOTS, GREEN, VERMILION
 from isopeel.problem import Body, Interface, Problem, PulledSide, Scheme, Support
 from isopeel.problem.place import placed
 from isopeel.report.document import Picture
 from isopeel.splines.nurbs import rectangle
 from isopeel.splines.rows import row_space
 from isopeel.validation.check import Check, Result, Row, traced
+from isopeel.validation.one_panel import one_panel
 
 #: Forces of one energy act at the Gauss points of one side on the functions of the other, whose ends lie
 #: between these points: an error of the quadrature. Two half-passes load each side by its own functions.
@@ -127,9 +128,7 @@ def judge(outcomes: Sequence[Pressed]) -> Result:
 
 
 def _draw(outcomes: Sequence[Pressed]) -> Figure:
-    with style():
-        figure = Figure(figsize=(ONE_COLUMN, 2.6), layout="constrained")
-        axes = figure.subplots()
+    with one_panel("Gauss points on an element", "relative error of the stress", 2.6) as (figure, axes):
         looks = zip(get_args(Scheme), (BLUE, VERMILION, GREEN), ("-", DASHES, DOTS), strict=True)
         for scheme, color, line in looks:
             own = [one for one in outcomes if (one.of.scheme, one.of.refinement) == (scheme, 1)]
@@ -137,13 +136,10 @@ def _draw(outcomes: Sequence[Pressed]) -> Figure:
             errors = [found.error for found in own if found.error > _SHOWN]
             if errors:
                 axes.loglog(points, errors, color=color, linestyle=line, marker="o", label=scheme)
-                axes.legend()
         counts = sorted({one.of.points for one in outcomes})
         axes.set_xticks(counts, [str(count) for count in counts])
         axes.set_xticks([], minor=True)
-        axes.set_xlabel("Gauss points on an element")
-        axes.set_ylabel("relative error of the stress")
-        return figure
+    return figure
 
 
 _CASES = tuple(

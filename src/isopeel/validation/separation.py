@@ -11,13 +11,14 @@ from matplotlib.figure import Figure
 from isopeel.common.arrays import FloatArray
 from isopeel.physics.joints import MixedModeBilinear
 from isopeel.physics.materials import NeoHooke
-from isopeel.post.style import BLUE, DASHES, DOTS, GREY, ONE_COLUMN, VERMILION, style
+from isopeel.post.style import BLUE, DASHES, DOTS, GREY, VERMILION
 from isopeel.problem import Body, Interface, MovedSide, Problem, Support
 from isopeel.problem.place import placed
 from isopeel.report.document import Picture
 from isopeel.splines.nurbs import rectangle
 from isopeel.splines.rows import row_space
 from isopeel.validation.check import Check, Result, Row, traced
+from isopeel.validation.one_panel import one_panel
 
 #: The trapezoidal rule errs by a square of the step at both kinks, and the blocks yield a little, so that the
 #: mode ratio changes: by less than 2e-4 of the work with 400 steps and these blocks.
@@ -101,18 +102,12 @@ def judge(outcomes: Sequence[Parted]) -> Result:
 
 
 def _draw(outcomes: Sequence[Parted]) -> Figure:
-    with style():
-        figure = Figure(figsize=(ONE_COLUMN, 2.4), layout="constrained")
-        axes = figure.subplots()
+    with one_panel("displacement / $L_0$", "traction / $10^{-3} E_0$") as (figure, axes):
         lines = ("-", DASHES, DOTS, "-", DASHES)
         for found, line, color in zip(outcomes, lines, (BLUE, VERMILION, "black", GREY, GREY), strict=False):
             label = f"$B$ = {found.mixity:g}"
             axes.plot(found.displacement, 1e3 * found.traction, linestyle=line, color=color, label=label)
-        if outcomes:
-            axes.legend()
-        axes.set_xlabel("displacement / $L_0$")
-        axes.set_ylabel("traction / $10^{-3} E_0$")
-        return figure
+    return figure
 
 
 CHECK = Check("Separation in mixed mode", (0.0, 0.25, 0.5, 0.75, 1.0), part, judge)

@@ -10,11 +10,12 @@ from matplotlib.figure import Figure
 
 from isopeel.common.arrays import FloatArray
 from isopeel.post.closed_form import BondedBeams
-from isopeel.post.style import BLUE, DASHES, ONE_COLUMN, style
+from isopeel.post.style import BLUE, DASHES
 from isopeel.report.document import Picture
 from isopeel.solve.newton import NewtonSettings
 from isopeel.validation.check import Check, Result, Row, traced
 from isopeel.validation.mixed_mode import HALF_SPAN, HEIGHT, LAW, MODULUS, SHEAR_MODULUS, bonded_beams
+from isopeel.validation.one_panel import one_panel
 
 #: Slender beams; the process zone, of some two heights, is not short against the crack.
 ALLOWED = 0.01
@@ -114,19 +115,22 @@ def judge(outcomes: Sequence[Followed]) -> Result:
 
 
 def _draw(outcomes: Sequence[Followed]) -> Figure:
-    with style():
-        figure = Figure(figsize=(ONE_COLUMN, 2.4), layout="constrained")
-        axes = figure.subplots()
+    with one_panel("displacement $D$ / $L_0$", "load $P$ / $10^{-3} E_0 L_0$") as (figure, axes):
         for found in outcomes:
-            axes.plot(found.displacement, 1e3 * found.load, color=BLUE)
+            axes.plot(found.displacement, 1e3 * found.load, color=BLUE, label="run")
         lengths = np.linspace(0.5, 0.8, 61) * HALF_SPAN
         loads = np.array([load_at(float(one)) for one in lengths])
         moved = [load_at(float(one)) * _BEAMS.compliance(float(one)) for one in lengths]
-        axes.plot(moved, 1e3 * loads, color="black", linestyle=DASHES, linewidth=0.8)
-        axes.set_xlabel("displacement $D$ / $L_0$")
-        axes.set_ylabel("load $P$ / $10^{-3} E_0 L_0$")
+        axes.plot(
+            moved,
+            1e3 * loads,
+            color="black",
+            linestyle=DASHES,
+            linewidth=0.8,
+            label="beam theory, growing crack",
+        )
         axes.set_ylim(bottom=0.0)
-        return figure
+    return figure
 
 
 CHECK = Check("Snap-back in end-notched flexure", (_CRACK,), follow, judge)

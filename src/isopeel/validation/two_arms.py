@@ -18,13 +18,14 @@ from isopeel.physics.materials import Material, NeoHooke
 from isopeel.physics.materials.base import plane_strain_modulus
 from isopeel.physics.substrates import Flat
 from isopeel.post.closed_form import kendall_force
-from isopeel.post.style import BLUE, DASHES, DOTS, GREEN, GREY, ONE_COLUMN, VERMILION, style
+from isopeel.post.style import BLUE, DASHES, DOTS, GREEN, GREY, VERMILION
 from isopeel.problem import Body, Drive, Interface, Problem, PulledSide, RotatedSide, Support
 from isopeel.problem.place import placed
 from isopeel.report.document import Picture
 from isopeel.splines.nurbs import rectangle
 from isopeel.splines.rows import RowSpace, row_space
 from isopeel.validation.check import Check, EquilibriumPath, Result, Row, traced
+from isopeel.validation.one_panel import one_panel
 
 #: A force that both arms share is steady, and the energy of the interface is exact.
 ALLOWED_FORCE = 0.005
@@ -248,9 +249,7 @@ def judge(outcomes: Sequence[Peeled]) -> Result:
 
 
 def _draw(outcomes: Sequence[Peeled]) -> Figure:
-    with style():
-        figure = Figure(figsize=(ONE_COLUMN, 2.6), layout="constrained")
-        axes = figure.subplots()
+    with one_panel("parameter of the drive / its last value", "number / closed form", 2.6) as (figure, axes):
         axes.axhline(1.0, color=GREY, linewidth=0.6)
         drawn = [found for found in outcomes if found.averaged]
         colors, lines = (BLUE, VERMILION, "black", GREEN), ("-", DASHES, DOTS, "-")
@@ -260,9 +259,7 @@ def _draw(outcomes: Sequence[Peeled]) -> Figure:
         if drawn:
             axes.legend(loc="lower right")
         axes.set_ylim(0.0, 1.4)
-        axes.set_xlabel("parameter of the drive / its last value")
-        axes.set_ylabel("number / closed form")
-        return figure
+    return figure
 
 
 _RUNS: dict[str, Callable[[], Peeled]] = {

@@ -30,6 +30,11 @@ class Column:
         """Return the value in the unit of the column, without the round-off of its conversion."""
         return round(value * self.factor, 12)
 
+    def text(self, shown: float) -> str:
+        """Return a value in the unit of the column with this unit."""
+        plural = "s" if self.unit == "degree" and shown != 1.0 else ""
+        return f"{shown:.6g} {self.unit}{plural}"
+
 
 DISPLACEMENT = Column("displacement", "L0", words="displacement $d$")
 FORCE = Column("force", "E0 L0", words="force $F$")

@@ -4,6 +4,7 @@ from math import inf
 from typing import ClassVar, Protocol
 
 from isopeel.common.errors import InputError
+from isopeel.common.units import length_text
 from isopeel.splines.nurbs import NurbsCurve, NurbsSurface, Side
 
 ROUND_OFF = 1e-12  # relative: a length that exceeds the whole by at most this share is the whole
@@ -45,7 +46,7 @@ def check_positive(**fields: float) -> None:
 def check_length(length: float, total: float) -> None:
     """Raise InputError unless this length of a lower side, whose total length is given, can adhere."""
     if not 0 < length <= total:
-        raise InputError("adhesion.length", length, f"it must be positive and at most {total:g}")
+        raise InputError("adhesion.length", length, f"it must be positive and at most {length_text(total)}")
 
 
 def parameter_at_length(curve: NurbsCurve, length: float) -> float:

@@ -8,6 +8,7 @@ import numpy as np
 
 from isopeel.common.errors import InputError
 from isopeel.common.quantities import Length, Meaning, Positive
+from isopeel.common.units import length_text
 from isopeel.problem.shapes.base import check_positive, parameter_at_length
 from isopeel.splines.nurbs import NurbsSurface, Side
 from isopeel.splines.space import SplineSpace
@@ -41,9 +42,11 @@ class CurvedStrip:
         if self.bends not in get_args(Bend):
             raise InputError("body.bends", self.bends, f"it must be {' or '.join(get_args(Bend))}")
         if not self.length / self.radius < pi:
-            raise InputError("body.length", self.length, f"it must be below pi radii, {pi * self.radius:g}")
+            allowed = f"it must be below pi radii, {length_text(pi * self.radius)}"
+            raise InputError("body.length", self.length, allowed)
         if self.bends == "up" and not self.height < self.radius:
-            raise InputError("body.height", self.height, f"it must be below the radius, {self.radius:g}")
+            allowed = f"it must be below the radius, {length_text(self.radius)}"
+            raise InputError("body.height", self.height, allowed)
 
     def surface(self) -> NurbsSurface:
         """Return one patch of exact quadratic arcs, weights 1, cos(angle/2), 1 (The NURBS Book, Sec. 7.3)."""
