@@ -60,7 +60,13 @@ def test_a_case_is_seen_from_the_folder_of_the_study(tmp_path: Path) -> None:
         ('from = "0.5e-19 J"', "from = nan", "^factor.2.from: nan"),
         ('from = "0.5e-19 J"', 'from = "-1e-19 J"', "^factor.2.scale: .*positive"),
         ("count = 3", "count = 1", "^factor.2.count: 1 "),
-        ("count = 3", "", "^factor.2: .*`from`, `to` and `count`"),
+        ("count = 3", "", "^factor.2: .*`from`, `to` and, in a grid, `count`"),
+        (
+            'values = ["60 deg", "90 deg"]',
+            'values = ["60 deg", "60 deg"]',
+            "^factor.1.values: '60 deg'",
+        ),
+        ('"discretization.mesh" = "80x2"', '"drive.angle" = "1 deg"', "^set.drive.angle: .*a factor has"),
         ('scale = "logarithmic"', 'scale = "log"', "^factor.2.scale: 'log'"),
         ('scale = "logarithmic"', "values = [1]", "^factor.2.from: .*not both"),
         ('scale = "logarithmic"', 'zap = "a"', "^factor.2.zap: .*the keys are key, values, from"),
@@ -96,3 +102,11 @@ def test_a_file_that_cannot_be_read_is_named(content: bytes | None, message: str
         path.write_bytes(content)
     with pytest.raises(InputError, match=f"^STUDY: .*{message}"):
         read_study(path)
+
+
+def test_a_range_of_a_sample_needs_no_count() -> None:
+    document = GOOD.replace("count = 3", "").replace(
+        "[set]", '[design]\nmethod = "sobol"\ncount = 4\n[set]', 1
+    )
+    points = study_of(tomllib.loads(document)).points
+    assert len({point["adhesion.hamaker_constant"] for point in points}) == 4

@@ -20,7 +20,7 @@ from isopeel.study.tables import case_of, first_error, text_of, with_set_values
 #: Most runs of a study: each takes a second or more.
 MOST_RUNS = 100_000
 _NAME = r"^[A-Za-z0-9][A-Za-z0-9._-]{0,99}$"
-_RANGE = "a factor has `values`, a list, or a range: `from`, `to` and `count`"
+_RANGE = "a factor has `values`, a list, or a range: `from`, `to` and, in a grid, `count`"
 
 
 class _FactorTable(Section):
@@ -101,10 +101,17 @@ def _checked(document: Mapping[str, Any]) -> _StudyTable:
 
 
 def _of_case(tables: _StudyTable, base: Case) -> Study:
-    factors = tuple(_factor(table, f"factor.{number}") for number, table in enumerate(tables.factor, start=1))
-    _check_zips(factors)
-    _check_keys(base, factors)
     design = tables.design
+    factors = tuple(
+        _factor(table, f"factor.{number}", design.method)
+        for number, table in enumerate(tables.factor, start=1)
+    )
+    if twice := {factor.key for factor in factors} & set(tables.set):
+        raise InputError(f"set.{min(twice)}", tables.set[min(twice)], "a factor has this key; leave one out")
+    _check_keys_differ(factors)
+    if design.method == "grid":
+        _check_lists(factors)
+    _check_keys(base, factors)
     return Study(
         tables.name,
         base,
@@ -116,7 +123,7 @@ def _of_case(tables: _StudyTable, base: Case) -> Study:
     )
 
 
-def _factor(table: _FactorTable, field: str) -> Factor:
+def _factor(table: _FactorTable, field: str, method: Method) -> Factor:
     """Return the factor of a table. Raises InputError."""
     given = [
         name
@@ -127,7 +134,9 @@ def _factor(table: _FactorTable, field: str) -> Factor:
         if given:
             raise InputError(f"{field}.{given[0]}", None, f"{_RANGE}; not both")
         return Factor(table.key, Listed(tuple(table.values)), table.zip)
-    if len(given) < 3 or table.count is None:
+    # samples take any values of a range
+    count = 2 if method != "grid" else table.count
+    if table.start is None or table.to is None or count is None:
         raise InputError(field, table.key, _RANGE)
     unit = _unit(table.start, f"{field}.from")
     lower, upper = (
@@ -138,7 +147,7 @@ def _factor(table: _FactorTable, field: str) -> Factor:
         raise InputError(f"{field}.scale", table.scale, "both ends of a logarithmic range must be positive")
     if lower == upper:
         raise InputError(f"{field}.to", table.to, "it must differ from `from`")
-    return Factor(table.key, Range(lower, upper, unit, table.count, logarithmic), table.zip)
+    return Factor(table.key, Range(lower, upper, unit, count, logarithmic), table.zip)
 
 
 def _unit(value: object, field: str) -> str:
@@ -173,16 +182,20 @@ def _number(value: object, unit: str, field: str) -> float:
         raise InputError(field, value, f"{error}; {needed}") from error
 
 
+def _check_keys_differ(factors: tuple[Factor, ...]) -> None:
+    seen = set()
+    for number, factor in enumerate(factors, start=1):
+        if factor.key in seen:
+            raise InputError(f"factor.{number}.key", factor.key, "another factor has this key")
+        seen.add(factor.key)
+
+
 def _check_keys(base: Case, factors: tuple[Factor, ...]) -> None:
     """Check the keys of factors, and their listed values or the ends of their ranges. Raises InputError.
 
     Factors that change together are checked together; other combinations may fail as runs.
     """
-    numbers: dict[str, int] = {}
-    for number, factor in enumerate(factors, start=1):
-        if factor.key in numbers:
-            raise InputError(f"factor.{number}.key", factor.key, "another factor has this key")
-        numbers[factor.key] = number
+    numbers = {factor.key: number for number, factor in enumerate(factors, start=1)}
     for group in groups_of(factors):
         for values in zip(*(factor.ends for factor in group), strict=False):
             point = {factor.key: value for factor, value in zip(group, values, strict=True)}
@@ -193,7 +206,8 @@ def _check_keys(base: Case, factors: tuple[Factor, ...]) -> None:
                 raise InputError(field, error.value, error.allowed) from error
 
 
-def _check_zips(factors: tuple[Factor, ...]) -> None:
+def _check_lists(factors: tuple[Factor, ...]) -> None:
+    """Check that no run is there twice, and that factors that change together fit. Raises InputError."""
     for group in groups_of(factors):
         lengths = {factor.key: len(factor.values.values) for factor in group}
         if len(set(lengths.values())) > 1:
@@ -201,6 +215,12 @@ def _check_zips(factors: tuple[Factor, ...]) -> None:
             raise InputError(
                 "zip", group[0].zip, f"factors that change together have as many values: {listed}"
             )
+        seen = set()
+        for row in zip(*(factor.values.values for factor in group), strict=True):
+            if repr(row) in seen:
+                field = f"factor.{factors.index(group[0]) + 1}.values"
+                raise InputError(field, row[0] if len(row) == 1 else row, "it is there twice")
+            seen.add(repr(row))
 
 
 def _count(design: _DesignTable, factors: tuple[Factor, ...]) -> int:
