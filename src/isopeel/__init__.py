@@ -60,6 +60,7 @@ if TYPE_CHECKING:
     from isopeel.solve.trace import trace
     from isopeel.splines.rows import RowSpace, row_space
     from isopeel.study.parameter_study import ParameterStudy, load_study, parameter_study
+    from isopeel.study.sobol import variance_shares
     from isopeel.study.table import StudyResults
 
 __version__ = "0.1.0"
@@ -121,6 +122,7 @@ __all__ = [
     "strip",
     "support_reactions",
     "trace",
+    "variance_shares",
 ]
 
 # Names are imported when they are first used, so that the help of the command line does not load a compiler.
@@ -174,6 +176,7 @@ _MODULES = {
     "solve.trace": ("trace",),
     "splines.rows": ("RowSpace", "row_space"),
     "study.parameter_study": ("ParameterStudy", "load_study", "parameter_study"),
+    "study.sobol": ("variance_shares",),
     "study.table": ("StudyResults",),
 }
 _HOMES = {name: module for module, names in _MODULES.items() for name in names}

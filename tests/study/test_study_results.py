@@ -42,6 +42,7 @@ def test_shares_of_the_variance_are_those_of_ishigamis_function() -> None:
     whole = first + second + joint
     found = variance_shares(results, results.outputs[0])
     assert found is not None
+    assert found == variance_shares(results, "y")
     # the error of the sample, some count^-1/2
     known = [first / whole, second / whole, 0]
     assert [share.first_order.value for share in found.shares] == pytest.approx(known, abs=0.02)

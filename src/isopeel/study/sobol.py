@@ -7,7 +7,7 @@ from scipy.stats import bootstrap
 
 from isopeel.common.arrays import FloatArray, IntArray
 from isopeel.study.design import groups_of
-from isopeel.study.table import Output, StudyResults
+from isopeel.study.table import Output, StudyResults, output_of
 
 #: The confidence level of the intervals, and the resamples from which they are taken.
 CONFIDENCE, _RESAMPLES = 0.95, 999
@@ -39,8 +39,10 @@ class Shares(NamedTuple):
     all_points: int
 
 
-def variance_shares(results: StudyResults, output: Output) -> Shares | None:
+def variance_shares(results: StudyResults, output: Output | str) -> Shares | None:
     """Return the indices of all factors; None if the design has no such points, or too few have a value.
+
+    The output is that of a reading, or its name.
 
     The estimators are those of Saltelli et al. (Comput. Phys. Commun. 181, 2010, table 2, b and f). Their
     errors are of the order of count^-1/2, so that small ones may be negative; the intervals are those of
@@ -48,6 +50,7 @@ def variance_shares(results: StudyResults, output: Output) -> Shares | None:
     """
     study = results.study
     groups = groups_of(study.factors)
+    output = output_of(output, results.outcomes) if isinstance(output, str) else output
     if study.method != "saltelli":
         return None
     values = output.values.reshape(len(groups) + 2, study.count)
