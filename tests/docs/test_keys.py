@@ -70,3 +70,15 @@ def test_help_shows_a_key_of_each_table_that_has_it(capsys: pytest.CaptureFixtur
 def test_help_names_the_nearest_key(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["help", "body.heigth"]) == 2
     assert "did you mean 'body.height'?" in capsys.readouterr().err
+
+
+def test_help_names_the_kinds_that_share_a_key(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["help", "adhesion.strength"]) == 0
+    assert "adhesion.strength (dugdale, exponential, trapezoidal)\n" in capsys.readouterr().out
+    assert main(["help", "drive"]) == 0
+    assert 'drive.kind\n    the kind, with keys of its own\n    "displacement"' in capsys.readouterr().out
+
+
+def test_help_says_what_there_is_in_place_of_missing_physics(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["help", "drive.rate"]) == 2
+    assert "isopeel has no rate effects; give a work_of_adhesion" in capsys.readouterr().err

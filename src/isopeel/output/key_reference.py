@@ -12,10 +12,11 @@ from itertools import product
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from rich.box import SIMPLE_HEAD
 from rich.console import Console
-from rich.table import Table
+from rich.padding import Padding
+from rich.text import Text
 
+from isopeel.case.absent import KEYS
 from isopeel.case.reference import FAMILIES, PARTS, KeyEntry, TableEntry, tables
 from isopeel.common.errors import InputError
 
@@ -60,19 +61,25 @@ def show_help(key: str | None, console: Console) -> None:
     chosen = [one for one in found if wanted in (one.path, one.table)]
     chosen = chosen or [one for one in found if wanted in (one.key.name, one.kind)]
     # an [[interface]] has the keys of [adhesion]
-    chosen = list({(one.kind, one.key.name, one.key.meaning): one for one in reversed(chosen)}.values())[::-1]
     if not chosen:
         known = [name for one in found for name in (one.path, one.key.name, one.table, one.kind) if name]
         nearest = get_close_matches(wanted, known, 1)
-        hint = f"did you mean {nearest[0]!r}? " if nearest else ""
+        hint = KEYS.get(wanted.rpartition(".")[2]) or (nearest and f"did you mean {nearest[0]!r}?")
+        hint = f"{hint}; " if hint else ""
         raise InputError("KEY", key, f"there is no such key; {hint}`isopeel help` lists all keys")
-    shown = Table("key", "meaning", "value", "default", "example", box=SIMPLE_HEAD)
+    # an [[interface]] has the keys of [adhesion], and several kinds have the same key
+    alike: dict[tuple[str, ...], tuple[str, KeyEntry, dict[str, None]]] = {}
     for one in chosen:
-        path = f"{one.path} ({one.kind})" if one.kind else one.path
-        cells = (path, one.key.meaning, _value(one.key), one.key.default)
+        at = one.key.name, one.key.meaning, _value(one.key), one.key.default
+        alike.setdefault(at, (one.path, one.key, {}))[2][one.kind] = None
+    for path, entry, names in alike.values():
+        of_kinds = f" ({', '.join(names)})" if any(names) else ""
+        default = entry.default if entry.is_required else f"default: {entry.default}"
+        example = f"; example: {_example(entry)}" if _example(entry) else ""
+        console.print(Text.assemble((path, "bold"), of_kinds))
         # the marks of code are for the page
-        shown.add_row(*(cell.replace("`", "") for cell in cells), _example(one.key))
-    console.print(shown)
+        text = f"{entry.meaning}\n{_value(entry)}; {default}{example}".replace("`", "")
+        console.print(Padding(Text(text), (0, 0, 0, 4), expand=False))
 
 
 def paths() -> list[str]:
