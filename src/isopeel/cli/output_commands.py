@@ -1,6 +1,7 @@
 """The commands that show stored runs, shipped cases, spaces and laws."""
 
 import json
+import sys
 from pathlib import Path
 from typing import Annotated
 
@@ -190,6 +191,69 @@ def cases(
         console().print(cases_table())
     else:
         copy_case(name, copy, console())
+    return COMPLETED
+
+
+@command
+def new(
+    test: Annotated[
+        str | None,
+        typer.Argument(
+            metavar="TEST",
+            help="tape, t-peel, double-cantilever or film.",
+            autocompletion=completion.one_of("tape", "t-peel", "double-cantilever", "film"),
+        ),
+    ] = None,
+    out: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="File of the case, which must not exist; TEST.toml by default."),
+    ] = None,
+    thickness: Annotated[
+        str | None, typer.Option(metavar="VALUE", help="Thickness of the tape, layer or arm.")
+    ] = None,
+    modulus: Annotated[str | None, typer.Option(metavar="VALUE", help="Young's modulus.")] = None,
+    poissons_ratio: Annotated[str | None, typer.Option(metavar="NUMBER", help="Poisson's ratio.")] = None,
+    force: Annotated[
+        str | None,
+        typer.Option(metavar="VALUE", help="Peel force of a tape's data sheet, such as '5 N/25 mm'."),
+    ] = None,
+    force_angle: Annotated[
+        str | None, typer.Option(metavar="VALUE", help="Angle at which that force was measured.")
+    ] = None,
+    angle: Annotated[
+        str | None, typer.Option(metavar="VALUE", help="Angle at which the tape is pulled.")
+    ] = None,
+    work: Annotated[
+        str | None, typer.Option(metavar="VALUE", help="Work of adhesion; of all but tapes.")
+    ] = None,
+    crack: Annotated[
+        str | None, typer.Option(metavar="VALUE", help="Crack of a double cantilever at the start.")
+    ] = None,
+    strength: Annotated[
+        str | None, typer.Option(metavar="VALUE", help="Strength of the joint; chosen if it is not given.")
+    ] = None,
+    width: Annotated[
+        str | None, typer.Option(metavar="VALUE", help="Width of the specimen, for forces in N.")
+    ] = None,
+) -> int:
+    """Write a case from what a data sheet has. Without an option, a terminal asks for its value."""
+    from isopeel.output.asked import write_new_case
+
+    options = {
+        "thickness": thickness,
+        "modulus": modulus,
+        "poissons_ratio": poissons_ratio,
+        "force": force,
+        "force_angle": force_angle,
+        "angle": angle,
+        "work": work,
+        "crack": crack,
+        "strength": strength,
+        "width": width,
+    }
+    given = {name: value for name, value in options.items() if value is not None}
+    ask = (lambda text, usual: str(typer.prompt(text, default=usual))) if sys.stdin.isatty() else None
+    write_new_case(test, given, out, console(), ask)
     return COMPLETED
 
 
