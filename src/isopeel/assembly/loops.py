@@ -68,6 +68,22 @@ class TermList(NamedTuple):
         chosen = np.array(kept, dtype=np.int64)
         return self._replace(addresses=self.addresses[chosen], places=self.places[chosen])
 
+    def differing(self, other: "TermList") -> list[int]:
+        """Return the numbers of the terms whose loops or data differ from those of another list as long."""
+        return [
+            t
+            for t, (mine, theirs) in enumerate(zip(self.places, other.places, strict=True))
+            if self.addresses[t] != other.addresses[t]
+            or not np.array_equal(self._integers(mine), other._integers(theirs))
+            or not np.array_equal(self._floats(mine), other._floats(theirs))
+        ]
+
+    def _integers(self, place: IntArray) -> IntArray:
+        return self.integers[place[0, 0] : place[1, 0]]
+
+    def _floats(self, place: IntArray) -> FloatArray:
+        return self.floats[place[0, 1] : place[1, 1]]
+
 
 def term_list(terms: Sequence[tuple[Loops, Packed, int]]) -> TermList:
     """Join terms, each of its loops, their data and the size of its history."""

@@ -191,10 +191,13 @@ class System:
 
     def without_joint(self) -> Self:
         """The same bodies without what a substrate does to them. It shares the arrays of tangents."""
-        loose = copy(self)
-        kept = [t for t, term in enumerate(self.terms) if term not in self.interfaces]
-        loose.equations = self.equations._replace(terms=self.equations.terms.only(kept))
-        return loose
+        return self.only([t for t, term in enumerate(self.terms) if term not in self.interfaces])
+
+    def only(self, kept: Sequence[int]) -> Self:
+        """The same unknowns with the forces of some terms, by their numbers."""
+        lighter = copy(self)
+        lighter.equations = self.equations._replace(terms=self.equations.terms.only(kept))
+        return lighter
 
     @property
     def space(self) -> RowSpace:

@@ -1,7 +1,7 @@
 """The sensitivities of a run: the systems of its stages with other values of parameters of the case."""
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Self
 
 import numpy as np
@@ -11,6 +11,7 @@ from isopeel.case import Case, Stage
 from isopeel.case.parameters import Parameter, parameter_of
 from isopeel.common.arrays import FloatArray
 from isopeel.common.errors import InputError
+from isopeel.problem import Problem
 from isopeel.results.curve import DifferentiatedBy
 from isopeel.running.stage_run import StageRun
 from isopeel.running.stage_trace import steps_of
@@ -52,32 +53,27 @@ class Differentiation:
         """
         if not self.parameters:
             return None
-        base = one.base
         rates = () if self._of_last_stage is None else self._of_last_stage.rates()
-        points = one.case.discretization.contact_points
-        u0 = None if base is None else base.displacement
-        system = System(one.stage.problem, one.spaces, points, u0)
-        variants = [
-            self._variants(one, number, system, points, u0, rates[k].displacement if rates else None)
-            for k, one in enumerate(self.parameters)
-        ]
+        system = _system(one.stage.problem, one, None if one.base is None else one.base.displacement)
         if system.has_multipliers:
             allowed = "the state of a contact with a penetration depends on the updates of its multipliers"
             raise InputError("sensitivities", None, f"{allowed}; leave penetration out")
-        history = None if base is None else base.maximum_openings
+        variants = [
+            self._variants(parameter, number, one, system, rates[k].displacement if rates else None)
+            for k, parameter in enumerate(self.parameters)
+        ]
+        history = None if one.base is None else one.base.maximum_openings
         self._of_last_stage = Sensitivities(system, variants, history, rates)
         return self._of_last_stage
 
     def _variants(
-        self,
-        parameter: Parameter,
-        number: int,
-        system: System,
-        points: int | None,
-        base: FloatArray | None,
-        rate: FloatArray | None,
+        self, parameter: Parameter, number: int, one: StageRun, system: System, rate: FloatArray | None
     ) -> list[Variant]:
-        """Return the variants of a stage with other values of a parameter."""
+        """Return the variants of a stage with other values of a parameter.
+
+        The displacement that the stage begins with changes at a rate (functions, 2), if there is one.
+        """
+        begins = None if one.base is None else one.base.displacement
         refusals: list[InputError] = []
         for stencil in STENCILS:
             found = []
@@ -85,8 +81,10 @@ class Differentiation:
                 for multiple, weight in stencil:
                     shift = multiple * parameter.shift
                     case, stages = self._shifted(parameter, shift)
-                    begins = base if base is None or rate is None else np.asarray(base + shift * rate)
-                    other = System(stages[number].problem, case.spaces(), points, begins)
+                    moved = begins if begins is None or rate is None else begins + shift * rate
+                    problem = stages[number].problem
+                    same = _same_shapes(problem, one.stage.problem)
+                    other = _system(problem, one if same else replace(one, spaces=case.spaces()), moved)
                     found.append(variant_of(system, other, shift, weight / parameter.shift))
             except InputError as error:
                 refusals.append(error)
@@ -102,3 +100,17 @@ class Differentiation:
             case = self.case.with_values({parameter.key: parameter.written(shift)})
             self._varied[at] = case, case.stages()
         return self._varied[at]
+
+
+def _system(problem: Problem, one: StageRun, base: FloatArray | None) -> System:
+    """Return the system of a problem in place of that of a stage, which begins with coefficients."""
+    return System(problem, one.spaces, one.case.discretization.contact_points, base)
+
+
+def _same_shapes(problem: Problem, other: Problem) -> bool:
+    """Return whether the bodies of two problems have the same shapes, and so the same spaces."""
+    return all(
+        np.array_equal(mine.shape.control_points, theirs.shape.control_points)
+        and np.array_equal(mine.shape.weights, theirs.shape.weights)
+        for mine, theirs in zip(problem.bodies, other.bodies, strict=True)
+    )

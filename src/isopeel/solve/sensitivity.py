@@ -85,6 +85,8 @@ class Sensitivities:
         self._begins = rates is not None
         self._system = system if history is None else system.after(history)
         self._variants = variants
+        #: The same with the terms alone that depend on the parameter, for derivatives at fixed unknowns.
+        self._partial = [_of_differing(system, several) for several in variants]
         if rates:
             self._history = [one.history for one in rates]
         else:
@@ -141,7 +143,7 @@ class Sensitivities:
         gradient = _gradient(system, y, p)
         for k, several in enumerate(self._variants):
             found.rates.append(np.zeros(system.count))
-            partial = _total(several, found.at(k, self._history), _balance)
+            partial = _total(self._partial[k], found.at(k, self._history), _balance)
             found.rates[k] = -factor.solve(partial[:-1])
             if gradient is None:
                 whole = _total(several, found.at(k, self._history), _balance)
@@ -149,6 +151,31 @@ class Sensitivities:
             else:
                 found.reactions.append(float(partial[-1] + gradient @ found.rates[k]))
         return found
+
+
+def _of_differing(system: System, variants: Sequence[Variant]) -> list[Variant]:
+    """Return variants without the terms that are the same in all of them: their differences cancel.
+
+    All terms are kept where the coefficients of the same unknowns differ, or those that the drive moves.
+    """
+    mine, kept = system.constraints, set()
+    for one in variants:
+        other = one.system.constraints
+        if not (
+            np.array_equal(mine.offset, other.offset)
+            and np.array_equal(mine.unknowns, other.unknowns)
+            and np.array_equal(mine.driven, other.driven)
+            and all(map(np.array_equal, mine.tied.followers, other.tied.followers))
+            and all(
+                np.array_equal(a.points, b.points) and a.factor == b.factor and a.constraint == b.constraint
+                for a, b in zip(mine.motions, other.motions, strict=True)
+            )
+        ):
+            return list(variants)
+        kept |= {*system.equations.terms.differing(one.system.equations.terms)}
+    if system.irreversible:
+        kept |= {t for t, term in enumerate(system.terms) if term in system.interfaces}
+    return [one._replace(system=one.system.only(sorted(kept))) for one in variants]
 
 
 class _Moving(NamedTuple):
@@ -244,7 +271,7 @@ def _residual(system: System, equilibrium: Equilibrium, u: FloatArray, parameter
     """Return the residual of all unknowns (count,)."""
     if not system.global_unknowns:
         return equilibrium.residual
-    return np.append(equilibrium.residual, system.control.equation(u, parameter)[0])
+    return np.append(equilibrium.residual, parameter - system.control.displacement(u))
 
 
 def _gradient(system: System, y: FloatArray, parameter: float) -> FloatArray | None:
