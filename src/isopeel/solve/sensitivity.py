@@ -84,7 +84,8 @@ class Sensitivities:
     ) -> None:
         self._begins = rates is not None
         self._system = system if history is None else system.after(history)
-        self._variants = variants
+        #: The systems of each parameter, whose weighted sums are derivatives.
+        self.variants = variants
         #: The same with the terms alone that depend on the parameter, for derivatives at fixed unknowns.
         self._partial = [_of_differing(system, several) for several in variants]
         if rates:
@@ -109,13 +110,13 @@ class Sensitivities:
         if found is not None and system.irreversible:
             self._history = [
                 _history_rate(several, _values(several, found.at(k, self._history), _committed))
-                for k, several in enumerate(self._variants)
+                for k, several in enumerate(self.variants)
             ]
         # a history that goes on from here is known again
         self._unknown = self._unknown & stays if found is not None else self._unknown | ~stays
         self._system, self._last = system.after(history), found
         if found is None or self._unknown.any():
-            return (np.nan,) * len(self._variants)
+            return (np.nan,) * len(self.variants)
         return tuple(found.reactions)
 
     def rates(self) -> list[Rates] | None:
@@ -124,7 +125,7 @@ class Sensitivities:
         if last is None or self._unknown.any():
             return None
         moved = [
-            _total(several, last.at(k, self._history), _displaced) for k, several in enumerate(self._variants)
+            _total(several, last.at(k, self._history), _displaced) for k, several in enumerate(self.variants)
         ]
         return [Rates(*one) for one in zip(moved, self._history, strict=True)]
 
@@ -141,7 +142,7 @@ class Sensitivities:
         y = y - factor.solve(_residual(system, equilibrium, u, p))
         found = _Solution(p, y, system.maximum_openings, [], [])
         gradient = _gradient(system, y, p)
-        for k, several in enumerate(self._variants):
+        for k, several in enumerate(self.variants):
             found.rates.append(np.zeros(system.count))
             partial = _total(self._partial[k], found.at(k, self._history), _balance)
             found.rates[k] = -factor.solve(partial[:-1])
