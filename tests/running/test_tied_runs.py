@@ -1,26 +1,19 @@
 """Runs of tied layers whose meshes do not match, from the case file to results, in two stages."""
 
 import json
-import signal
-from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
-from rich.console import Console
+from interrupted_runs import QUIET, check_resumed_run
 
-import isopeel
 from isopeel.assembly.system import System
 from isopeel.case import Case
 from isopeel.cli import main
 from isopeel.results.run_file import read_run
-from isopeel.running.resume import resume_case
 from isopeel.running.run import run_case
-from isopeel.solve.trace import trace
 
 pytestmark = pytest.mark.usefixtures("without_figures")
-QUIET = Console(quiet=True)
 STAGE = """
 [[drive]]
 name = "{name}"
@@ -115,25 +108,7 @@ def test_an_interrupted_run_continues_bit_for_bit(
     taken: int, folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """In the first stage of 13 steps, and in the second one."""
-    left = [taken]
-
-    def interrupted(*arguments: Any, **options: Any) -> Iterator[isopeel.Step]:
-        for step in trace(*arguments, **options):
-            yield step
-            left[0] -= 1
-            if left[0] == 0:
-                signal.raise_signal(signal.SIGINT)
-
-    with monkeypatch.context() as patch:
-        patch.setattr("isopeel.running.stage_trace.trace", interrupted)
-        assert run_case(CASE, tmp_path, QUIET).run.ending == "interrupted"
-    assert resume_case(tmp_path, QUIET).run.ending == "completed"
-    for stage in STAGES:
-        whole, continued = (read_run(place / stage / "run.h5") for place in (folder, tmp_path))
-        np.testing.assert_array_equal(continued.curve.reaction, whole.curve.reaction)
-        for one, other in zip(continued.states, whole.states, strict=True):
-            np.testing.assert_array_equal(one.displacement, other.displacement)
-            np.testing.assert_array_equal(one.maximum_openings, other.maximum_openings)
+    check_resumed_run(CASE, folder, STAGES, taken, tmp_path, monkeypatch)
 
 
 def test_figures_and_files_for_other_programs(folder: Path, tmp_path: Path) -> None:

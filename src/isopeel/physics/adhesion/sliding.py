@@ -10,7 +10,10 @@ Mater. Sci. Eng. 1, 1993) with q = 1 and r = 0. Whatever the path, parting the s
 adhesion W; along the substrate the joint has the stiffness 2 W/d^2 and the strength sqrt(2/e) W/d. In
 compression slip wears out the hold along the substrate, and leaves the repulsion as it is.
 
-The slip of a point is its displacement along the tangent that the substrate has at its first position.
+The slip of a point is its displacement along the tangent that the substrate has at its first position. The
+gap stays that to the closest point. With fixed pairs (`physics.joints`) it would be measured from the plane
+of the first tangent, which a curved substrate leaves: on a cylinder of radius 100 nm, a point in contact that
+has slid by 10 nm lies 0.5 nm below this plane, and the equilibrium gap is 0.4 nm.
 """
 
 import numpy as np
