@@ -10,10 +10,10 @@ from collections.abc import Iterator, Mapping, Sequence
 from difflib import get_close_matches
 from itertools import product
 from pathlib import Path
+from textwrap import fill
 from typing import Any, NamedTuple
 
 from rich.console import Console
-from rich.padding import Padding
 from rich.text import Text
 
 from isopeel.case.absent import KEYS
@@ -78,8 +78,14 @@ def show_help(key: str | None, console: Console) -> None:
         example = f"; example: {_example(entry)}" if _example(entry) else ""
         console.print(Text.assemble((path, "bold"), of_kinds))
         # the marks of code are for the page
-        text = f"{entry.meaning}\n{_value(entry)}; {default}{example}".replace("`", "")
-        console.print(Padding(Text(text), (0, 0, 0, 4), expand=False))
+        for line in (entry.meaning, f"{_value(entry)}; {default}{example}"):
+            console.print(
+                Text(
+                    fill(
+                        line.replace("`", ""), console.width, initial_indent="    ", subsequent_indent="    "
+                    )
+                )
+            )
 
 
 def paths() -> list[str]:
