@@ -12,7 +12,18 @@ from test_continuation import HAMAKER, HEIGHT, LENGTH, PULL, R0, REST, pull, ten
 from isopeel.common.arrays import FloatArray
 from isopeel.common.path_control import PathControl
 from isopeel.physics.adhesion import Exponential, VanDerWaals
-from isopeel.problem import Body, Boundary, Interface, MovedSide, Problem, Scheme, Support, strip
+from isopeel.physics.materials.base import plane_strain_modulus
+from isopeel.problem import (
+    Body,
+    Boundary,
+    Interface,
+    MovedSide,
+    Problem,
+    PulledSide,
+    Scheme,
+    Support,
+    strip,
+)
 from isopeel.problem.place import placed
 from isopeel.results.layout import Layout
 from isopeel.results.provenance import Provenance
@@ -155,3 +166,28 @@ def test_a_point_that_slides_off_the_end_of_the_other_side_is_the_cause() -> Non
         path_of(slides, np.linspace(0.0, 2 * end, 9), "newton")
     assert failed.value.cause == "lost partner"
     assert failed.value.parameter >= end
+
+
+def test_two_arms_that_slide_on_each_other_buckle_together() -> None:
+    """Forces S that pull the ends of both arms apart turn them about by an angle t.
+
+    Each arm bends as a beam, and the ends slide on each other by (h + g) t + e, where the tensions S t and
+    -S t along the arms elongate them by e in sum. So the forces do the work S ((h + g) t^2/2 + e t), against
+    E'I t^2/L + E'h e^2/(4 L). The least work is done at E'I/L = S (h + g)/2 + S^2 L/(E'h).
+    """
+    height, length, law = 4.0, 560.0, VanDerWaals(0.05, 0.4)
+    gap, material = law.equilibrium_gap, strip().body.material
+    upper = Body(placed(rectangle(length, height), (0.0, gap), 0.0), material, "upper")
+    lower = Body(placed(rectangle(length, height), (0.0, -height), 0.0), material, "lower")
+    joint = Interface(upper.side("bottom"), law, lower.side("top"))
+    held = Support(upper.side("left"), (0, 1)), Support(lower.side("left"), (0,))
+    drive = PulledSide(((upper.side("right"), 1.0), (lower.side("right"), -1.0)), np.pi / 2)
+    problem = Problem("arms", (upper, lower), (joint,), held, drive)
+    spaces = dict.fromkeys(("upper", "lower"), row_space("N2", (140, 2), 2))
+    steps = trace(problem, spaces, [0.0, 0.05], NewtonSettings(path_control="auto"))
+    found = next(step.reaction for step in steps if step.kind == "bifurcation")
+    modulus = plane_strain_modulus(material)
+    bending, stretching = modulus * height**3 / 12, modulus * height
+    buckling = max(np.roots([length / stretching, (height + gap) / 2, -bending / length]).real)
+    # beams without shear, whose ends do not turn against the joint: -11, -4 and -1 % for L/h = 35, 70 and 140
+    assert found == pytest.approx(buckling, rel=0.015)
