@@ -110,3 +110,15 @@ def test_a_range_of_a_sample_needs_no_count() -> None:
     )
     points = study_of(tomllib.loads(document)).points
     assert len({point["adhesion.hamaker_constant"] for point in points}) == 4
+
+
+def test_a_value_may_need_that_of_another_factor() -> None:
+    """A face of 250 nm does not fit to the strip of 200 nm, but to one of 300 nm."""
+    factors = [
+        {"key": "adhesion.length", "values": ["150 nm", "250 nm"]},
+        {"key": "body.length", "values": ["200 nm", "300 nm"]},
+    ]
+    study = study_of({"name": "s", "case": "strip", "factor": factors})
+    assert len(study.points) == 4
+    with pytest.raises(InputError, match=r"^factor.1, adhesion.length: '250 nm' .*at most 200 nm"):
+        study_of({"name": "s", "case": "strip", "factor": factors[:1]})

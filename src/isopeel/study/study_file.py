@@ -1,6 +1,7 @@
 """The file of a study: a base case, factors, the design, and the outputs that are read."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from itertools import islice, product
 from math import isfinite
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -12,13 +13,15 @@ from isopeel.case.text import document_of
 from isopeel.case.values import Section
 from isopeel.common.errors import InputError
 from isopeel.common.units import measured_as, unit_of
-from isopeel.study.design import Method, groups_of
+from isopeel.study.design import Method, Point, groups_of
 from isopeel.study.factors import Factor, Listed, Range
 from isopeel.study.study import Study
 from isopeel.study.tables import case_of, first_error, text_of, with_set_values
 
 #: Most runs of a study: each takes a second or more.
 MOST_RUNS = 100_000
+#: Combinations with other factors that are tried for a value that the base case cannot have.
+_MOST_TRIED = 32
 _NAME = r"^[A-Za-z0-9][A-Za-z0-9._-]{0,99}$"
 _RANGE = "a factor has `values`, a list, or a range: `from`, `to` and, in a grid, `count`"
 
@@ -193,17 +196,37 @@ def _check_keys_differ(factors: tuple[Factor, ...]) -> None:
 def _check_keys(base: Case, factors: tuple[Factor, ...]) -> None:
     """Check the keys of factors, and their listed values or the ends of their ranges. Raises InputError.
 
-    Factors that change together are checked together; other combinations may fail as runs.
+    Factors that change together are checked together. Values that the base case cannot have are right if
+    they fit to values of other factors; other combinations may fail as runs.
     """
     numbers = {factor.key: number for number, factor in enumerate(factors, start=1)}
-    for group in groups_of(factors):
-        for values in zip(*(factor.ends for factor in group), strict=False):
-            point = {factor.key: value for factor, value in zip(group, values, strict=True)}
+    rows = [_ends(group) for group in groups_of(factors)]
+    for place, points in enumerate(rows):
+        for point in points:
             try:
                 base.with_values(point)
             except InputError as error:
-                field = f"factor.{numbers[group[0].key]}, {error.field}"
+                others = product(*rows[:place], *rows[place + 1 :])
+                if any(_is_valid(base, [point, *other]) for other in islice(others, _MOST_TRIED)):
+                    continue
+                field = f"factor.{numbers[next(iter(point))]}, {error.field}"
                 raise InputError(field, error.value, error.allowed) from error
+
+
+def _ends(group: Sequence[Factor]) -> list[Point]:
+    """Return the values of factors that change together, or the ends of their ranges."""
+    return [
+        {factor.key: value for factor, value in zip(group, values, strict=True)}
+        for values in zip(*(factor.ends for factor in group), strict=False)
+    ]
+
+
+def _is_valid(base: Case, parts: Sequence[Point]) -> bool:
+    try:
+        base.with_values({key: value for part in parts for key, value in part.items()})
+    except InputError:
+        return False
+    return True
 
 
 def _check_lists(factors: tuple[Factor, ...]) -> None:
