@@ -9,12 +9,12 @@ from io import TextIOWrapper
 
 from typer.exceptions import TyperException
 
-from isopeel.cli import compute_commands, output_commands
+from isopeel.cli import compute_commands, fit_command, output_commands
 from isopeel.cli.base import BAD_INPUT, COMPLETED, app, fail, unwritten
 from isopeel.common.errors import InputError
 from isopeel.common.interrupts import ending_this_process
 
-__all__ = ["app", "compute_commands", "main", "output_commands"]
+__all__ = ["app", "compute_commands", "fit_command", "main", "output_commands"]
 
 #: Threshold of the garbage collector: objects made minus objects removed. Python's own is 700.
 _ALLOCATIONS = 20_000

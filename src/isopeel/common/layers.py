@@ -27,7 +27,8 @@ LAYERS: Mapping[str, tuple[str, ...]] = MappingProxyType(
         "paper": ("report",),
         "validation": ("report",),
         "study": ("report",),
-        "cli": ("paper", "validation", "study", "html_report", "output"),
+        "identification": ("study",),
+        "cli": ("paper", "validation", "identification", "html_report", "output"),
     }
 )
 

@@ -10,7 +10,7 @@ from isopeel.running.folder import first_names, is_leftover, make_folder
 #: The files of a report, and its folders: of pictures, of tables, and of its runs.
 PAGES, PICTURES, TABLES, RUNS = ("report.md", "report.html", "records.h5"), "figures", "tables", "runs"
 #: Kinds of files of tables.
-_OF_TABLES = (".csv", ".parquet", ".h5")
+_OF_TABLES = (".csv", ".parquet", ".h5", ".toml")
 #: The text in each report that has a section with a command.
 _MARK = "This section is made by\n\n```sh\nisopeel "
 

@@ -27,13 +27,20 @@ def stage_results(case: Case, sensitivities: Sequence[str] = ()) -> Iterator[Res
     The results are those of `isopeel.running.run.run_case`, without files and figures. Raises InputError if a
     stage cannot be computed.
     """
+    began = perf_counter()
+    for one, run in traced_stages(case, sensitivities):
+        yield results_of(one, run, perf_counter() - began)
+        began = perf_counter()
+
+
+def traced_stages(case: Case, sensitivities: Sequence[str] = ()) -> Iterator[tuple[StageRun, StoredRun]]:
+    """Trace the stages of a case as `stage_results` does, and yield their runs without reading results."""
     base: State | None = None
     differentiation = Differentiation.of(case, sensitivities)
     for number, begun in enumerate(stage_runs(case, Path())):
-        began = perf_counter()
         one = replace(begun, base=base)
         run = _traced(one, differentiation.steps(number, one), differentiation.sensitive_to)
-        yield results_of(one, run, perf_counter() - began)
+        yield one, run
         if run.ending != "completed":
             return
         base = run.last

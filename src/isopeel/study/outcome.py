@@ -18,6 +18,7 @@ from isopeel.common.arrays import FloatArray
 from isopeel.common.errors import InputError
 from isopeel.common.fingerprint import code_fingerprint
 from isopeel.post.shown import in_laboratory
+from isopeel.results.curve import Curve
 from isopeel.results.files import replacing
 from isopeel.running.in_memory import stage_results
 from isopeel.running.stage_summary import Results
@@ -36,13 +37,29 @@ class Amount(NamedTuple):
 
 
 class Line(NamedTuple):
-    """The curve of a stage: parameters and reactions (steps,), with their names and units."""
+    """The curve of a stage: parameters and reactions (steps,), with their names and units.
+
+    `sensitivities` (steps, parameters) are derivatives of the reaction, if they were computed.
+    """
 
     stage: str
     parameter: FloatArray
     reaction: FloatArray
     names: tuple[str, str]
     units: tuple[str, str]
+    sensitivities: FloatArray = np.empty((0, 0))
+
+    @classmethod
+    def of(cls, stage: str, curve: Curve) -> "Line":
+        """Return the curve of a stage, in the units of its columns."""
+        columns = curve.parameter_column, curve.reaction_column
+        return cls(
+            stage,
+            curve.parameter,
+            curve.reaction,
+            (columns[0].name.removesuffix("_deg"), columns[1].name),
+            (columns[0].unit, columns[1].unit),
+        )
 
 
 @dataclass(frozen=True)
@@ -104,17 +121,7 @@ def _outcome(stages: list[Results], refused: str, seconds: float) -> Outcome:
             if one["value"] is not None and isfinite(one["value"]):
                 readings.setdefault(prefix + one["quantity"], Amount(one["value"], one["unit"]))
         notes |= dict.fromkeys(prefix + note["text"] for note in summary["notes"])
-        curve = in_laboratory(run.curve, found)[0]
-        columns = curve.parameter_column, curve.reaction_column
-        lines.append(
-            Line(
-                stage,
-                curve.parameter,
-                curve.reaction,
-                (columns[0].name.removesuffix("_deg"), columns[1].name),
-                (columns[0].unit, columns[1].unit),
-            )
-        )
+        lines.append(Line.of(stage, in_laboratory(run.curve, found).curve))
         if not refused:
             ending = run.ending
             cause = "" if run.failure is None else f"{summary['failure']['reason']} ({run.failure.cause})"
@@ -139,7 +146,7 @@ def write_outcome(outcome: Outcome, path: Path) -> None:
         file.attrs["format"] = _FORMAT
         file["outcome"] = json.dumps(described)
         for number, line in enumerate(outcome.lines):
-            file[f"curve/{number}"] = np.stack([line.parameter, line.reaction])
+            file[f"curve/{number}"] = np.stack([line.parameter, line.reaction, *line.sensitivities.T])
 
 
 def read_outcome(path: Path) -> Outcome | None:
@@ -151,8 +158,9 @@ def read_outcome(path: Path) -> Outcome | None:
             described = json.loads(file["outcome"].asstr()[()])
             lines = []
             for number, (stage, names, units) in enumerate(described.pop("lines")):
-                parameter, reaction = file[f"curve/{number}"][()]
-                lines.append(Line(stage, parameter, reaction, tuple(names), tuple(units)))
+                parameter, reaction, *rates = file[f"curve/{number}"][()]
+                table = np.array(rates).reshape(len(rates), -1).T
+                lines.append(Line(stage, parameter, reaction, tuple(names), tuple(units), table))
             readings = {name: Amount(*amount) for name, amount in described.pop("readings").items()}
             notes = tuple(described.pop("notes"))
             return Outcome(readings=readings, lines=tuple(lines), notes=notes, **described)
