@@ -13,6 +13,9 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from isopeel.case import Case, load_case
     from isopeel.common.errors import InputError
+    from isopeel.identification.measured import Measured, read_measured
+    from isopeel.identification.result import FitResult
+    from isopeel.identification.run import fit, fit_file
     from isopeel.physics.adhesion import (
         Bilinear,
         Contact,
@@ -77,6 +80,7 @@ __all__ = [
     "CurvedStrip",
     "Dugdale",
     "Exponential",
+    "FitResult",
     "Flat",
     "FormulaAdhesion",
     "FormulaMaterial",
@@ -86,6 +90,7 @@ __all__ = [
     "InputError",
     "Interface",
     "LennardJones",
+    "Measured",
     "Mirrored",
     "MixedModeBilinear",
     "MooneyRivlin",
@@ -114,9 +119,12 @@ __all__ = [
     "Wavy",
     "XuNeedleman",
     "Yeoh",
+    "fit",
+    "fit_file",
     "load_case",
     "load_study",
     "parameter_study",
+    "read_measured",
     "read_run",
     "row_space",
     "strip",
@@ -175,6 +183,9 @@ _MODULES = {
     "solve.supports": ("support_reactions",),
     "solve.trace": ("trace",),
     "splines.rows": ("RowSpace", "row_space"),
+    "identification.measured": ("Measured", "read_measured"),
+    "identification.result": ("FitResult",),
+    "identification.run": ("fit", "fit_file"),
     "study.parameter_study": ("ParameterStudy", "load_study", "parameter_study"),
     "study.sobol": ("variance_shares",),
     "study.table": ("StudyResults",),

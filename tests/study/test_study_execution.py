@@ -1,6 +1,7 @@
 """The runs of a study are stored when they are finished, and survive the loss of processes."""
 
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -52,6 +53,12 @@ def test_an_outcome_is_read_as_it_was_written(tmp_path: Path) -> None:
     assert found.lines[0].units == LINE.units
     for name in ("ending", "cause", "readings", "notes", "steps", "corrections", "seconds", "host"):
         assert getattr(found, name) == getattr(OUTCOME, name)
+    assert found.lines[0].sensitivities.shape == (3, 0)
+    rates = LINE._replace(sensitivities=np.arange(6.0).reshape(3, 2))
+    write_outcome(replace(OUTCOME, lines=(rates,)), path)
+    again = read_outcome(path)
+    assert again is not None
+    np.testing.assert_array_equal(again.lines[0].sensitivities, rates.sensitivities)
     whole = path.read_bytes()
     path.write_bytes(whole[: len(whole) // 2])
     assert read_outcome(path) is None

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from isopeel.cli.base import COMPLETED, command, console, fail
+from isopeel.cli.messages import QuietOption
 from isopeel.common.errors import InputError
 from isopeel.common.interrupts import INTERRUPTED, reporting
 
@@ -57,6 +58,7 @@ def fit(
     force: Annotated[
         bool, typer.Option("--force", help="Write to DIR even if it has other files; these remain.")
     ] = False,
+    quiet: QuietOption = False,
 ) -> int:
     """Fit parameters of a case to measured curves, and write values, errors, figures and a report.
 
@@ -71,17 +73,19 @@ def fit(
         from isopeel.running.warm_up import warmed_up_beside
 
         with reporting(f"interrupted; {stored}"), warmed_up_beside():
-            from isopeel.identification.report import run_fit
+            from isopeel.identification.run import run_fit
 
             words = [case, *map(str, measured or [])]
             for name, values in (("parameter", parameter), ("set", assigned)):
                 words += [word for value in values or [] for word in (f"--{name}", value)]
             for name, value in {"noise": noise, **search}.items():
                 words += [] if value is None else [f"--{name}", str(value)]
-            run_fit(chosen, folder, console(), force=force, command=f"isopeel fit {shlex.join(words)}")
+            run_fit(
+                chosen, folder, console(quiet=quiet), force=force, command=f"isopeel fit {shlex.join(words)}"
+            )
     except KeyboardInterrupt:
         return fail(INTERRUPTED, f"interrupted; {stored}")
-    console().print(f"the report is {folder / 'report.html'}", soft_wrap=True)
+    console(quiet=quiet).print(f"the report is {folder / 'report.html'}", soft_wrap=True)
     return COMPLETED
 
 

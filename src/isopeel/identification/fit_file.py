@@ -9,6 +9,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, ValidationError
 
 from isopeel.case import Case
+from isopeel.case.parameters import parameter_of as differentiable
 from isopeel.case.text import document_of
 from isopeel.case.values import Section
 from isopeel.common.errors import InputError
@@ -45,9 +46,9 @@ class _MeasuredTable(Section):
 
 class _ParameterTable(Section):
     key: Annotated[str, Field(min_length=1, description="a key of the case is needed, such as body.height")]
-    start: Annotated[str | float, Field(description=_QUANTITY)]
-    lower: Annotated[str | float | None, Field(description=_QUANTITY)] = None
-    upper: Annotated[str | float | None, Field(description=_QUANTITY)] = None
+    start: Annotated[Any, Field(description=_QUANTITY)]
+    lower: Annotated[Any, Field(description=_QUANTITY)] = None
+    upper: Annotated[Any, Field(description=_QUANTITY)] = None
     scale: Annotated[
         Literal["linear", "logarithmic"] | None, Field(description="'linear' or 'logarithmic' is needed")
     ] = None
@@ -171,8 +172,8 @@ def parameter_of(
 ) -> Parameter:
     """Check a parameter, whose start and bounds are written as in a case file.
 
-    A parameter is logarithmic by default if its start is positive and no negative value is allowed by a stated
-    lower bound. Raises InputError.
+    A parameter is logarithmic by default if its start is positive, and a stated lower bound not negative.
+    Raises InputError.
     """
     unit = ""
     if isinstance(start, str):
@@ -211,8 +212,8 @@ def noise_of(field: str, text: str, measured: Measured) -> Noise:
 def _number(field: str, written: str | float, unit: str) -> float:
     """Return a written value in a unit. Raises InputError."""
     try:
-        if isinstance(written, bool) or isinstance(written, str) != bool(unit):
-            raise ValueError("it is of another kind than `start`")
+        if isinstance(written, bool) or not isinstance(written, str if unit else int | float):
+            raise ValueError("it is of another kind")
         value = in_unit(str(written), unit)
         if not isfinite(value):
             raise ValueError("it is not finite")
@@ -247,7 +248,8 @@ def _check_parameters(fit: Fit) -> None:
     for one in fit.data:
         for number, parameter in enumerate(fit.parameters, start=1):
             try:
-                one.case.with_values({parameter.key: parameter.written(parameter.start)})
+                changed = one.case.with_values({parameter.key: parameter.written(parameter.start)})
+                differentiable(changed, parameter.key)
             except InputError as error:
                 raise InputError(f"parameter.{number}, {error.field}", error.value, error.allowed) from error
         try:

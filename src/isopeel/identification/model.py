@@ -91,8 +91,7 @@ def at_measured(one: DataSet, outcome: Outcome) -> Evaluation:
         return replace(nothing, cause=outcome.cause or "an earlier stage did not complete")
     line = outcome.lines[one.stage]
     x, y = (
-        values * in_si(unit)
-        for values, unit in zip((line.parameter, line.reaction), line.units, strict=True)
+        values * in_si(unit) for values, unit in zip((line.parameter, line.reaction), line.units, strict=True)
     )
     rates = line.sensitivities * in_si(line.units[1])
     if len(x) > 1 and x[-1] < x[0]:

@@ -58,7 +58,7 @@ class Parameter:
 
 
 class Noise(NamedTuple):
-    """The standard deviation of a measured value: in the unit of its column, or a share of the largest one."""
+    """The standard deviation of a measured value, in the unit of its column, or as a share of the largest."""
 
     value: float
     is_share: bool

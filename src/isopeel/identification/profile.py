@@ -47,8 +47,8 @@ def profile_of(
 ) -> Profile:
     """Walk from the best values in both directions, until chi square has risen enough.
 
-    `covariance` (k, k) is that of the coordinates, and `variance` that of a residual, which scales chi square.
-    The other parameters begin each search where linear theory expects them.
+    `covariance` (k, k) is that of the coordinates, and `variance`, that of a residual, scales chi square. The
+    other parameters begin each search where linear theory expects them.
     """
     parameter = parameters[number]
     error = sqrt(covariance[number, number])
@@ -85,7 +85,8 @@ def _chi_square(model: Model, weights: Weights, values: Sequence[float]) -> floa
 def _interval(
     parameter: Parameter, values: FloatArray, rises: FloatArray, best: float
 ) -> tuple[float, float]:
-    """Return where the rise crosses its limit; its root is interpolated, which is linear for a linear model."""
+    """Return where the rise crosses its limit; its root is interpolated, which is linear for a linear"
+    " model."""
     coordinates = np.array([parameter.coordinate(value) for value in values])
     signed = np.sign(values - best) * np.sqrt(np.maximum(rises, 0.0))
     limit = sqrt(RISE)

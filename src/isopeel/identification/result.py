@@ -7,7 +7,7 @@ import numpy as np
 
 from isopeel.case import Case
 from isopeel.common.arrays import FloatArray
-from isopeel.common.errors import InputError
+from isopeel.common.dataframes import dataframe
 from isopeel.identification.data_set import DataSet
 from isopeel.identification.fit_file import Fit
 from isopeel.identification.least_squares import Minimum
@@ -108,12 +108,11 @@ class FitResult:
         return {one.key: one.value for one in self.parameters}
 
     def to_dataframe(self) -> Any:
-        """Return the table of parameters as a data frame of pandas. Raises InputError if it is missing."""
-        try:
-            import pandas
-        except ImportError as error:
-            raise InputError("pandas", None, "it is not installed; `pip install pandas`") from error
-        return pandas.DataFrame(self.table()).set_index("key")
+        """Return the table of parameters as a DataFrame of pandas, by their keys.
+
+        Raises ImportError if pandas is not installed.
+        """
+        return dataframe(self.table()).set_index("key")
 
     def table(self) -> dict[str, list[Any]]:
         """Return the columns of the table of parameters."""

@@ -48,7 +48,8 @@ def solve(fit: Fit, model: CurveModel) -> FitResult:
     jacobian = weights.jacobian(found)
     certain = uncertainty(jacobian[:, free], variance)
     profile = _profile(fit, model, weights, best, free, certain, variance)
-    parameters = _parameters(fit, best, found, bounds, free, certain, weights)
+    alone = uncertainty(jacobian, variance).alone
+    parameters = _parameters(fit, best, found, bounds, free, certain, alone)
     chi_square = best.chi_square / variance if variance else 0.0
     curves = _curves(fit, found, weights, free, certain, variance, freedom)
     slopes = np.array([one.slope(value) for one, value in zip(fit.parameters, best.values, strict=True)])
@@ -109,20 +110,18 @@ def _parameters(
     bounds: Sequence[str],
     free: Sequence[int],
     certain: Uncertainty,
-    weights: Weights,
+    alone: FloatArray,
 ) -> tuple[FittedParameter, ...]:
     sizes = np.concatenate([np.full(len(one.y), one.size) for one in fit.data])
     effects = np.abs(found.derivatives / sizes[:, np.newaxis]).max(axis=0)
     fitted = []
     for number, (parameter, value) in enumerate(zip(fit.parameters, best.values, strict=True)):
         slope = abs(parameter.slope(value))
-        errors = [np.nan, np.nan]
-        if number in free:
-            place = free.index(number)
-            errors = [slope * float(certain.errors[place]), slope * float(certain.alone[place])]
+        error = slope * float(certain.errors[free.index(number)]) if number in free else np.nan
         # in percent, of a change by 1 % of the value
         effect = float(effects[number]) * abs(value) / slope
-        fitted.append(FittedParameter(parameter, value, errors[0], errors[1], effect, bounds[number]))
+        known = slope * float(alone[number])
+        fitted.append(FittedParameter(parameter, value, error, known, effect, bounds[number]))
     return tuple(fitted)
 
 
@@ -135,8 +134,7 @@ def _curves(
     variance: float,
     freedom: int,
 ) -> tuple[FittedCurve, ...]:
-    derivatives = found.derivatives[:, free]
-    spread = np.sqrt(np.einsum("pi,ij,pj->p", derivatives, certain.covariance, derivatives))
+    spread = np.linalg.norm(found.derivatives[:, free] @ certain.root, axis=1)
     # the quantile of Student's distribution where the noise is estimated
     width = float(t.ppf(0.975, max(freedom, 1) if not weights.is_stated else np.inf))
     ends = np.cumsum([len(one.y) for one in fit.data])[:-1]

@@ -1,7 +1,7 @@
 """What a fit knows about its parameters: errors, correlation, and tests of the residuals.
 
-Linear theory of nonlinear least squares: the covariance is s^2 (J^T J)^-1, with the residuals in units of their
-noise (Seber and Wild, Nonlinear Regression, 1989, section 2.1.2).
+Linear theory of nonlinear least squares: the covariance is s^2 (J^T J)^-1, with the residuals in units of
+their noise (Seber and Wild, Nonlinear Regression, 1989, section 2.1.2).
 """
 
 from typing import NamedTuple
@@ -18,18 +18,24 @@ _ROUND_OFF = 1e-12
 class Uncertainty(NamedTuple):
     """Standard errors of coordinates, and how well they are separated.
 
-    `covariance` (k, k) of the coordinates; `alone` (k,) are the standard errors if all other coordinates were
-    known; `condition` is the ratio of the largest and the smallest singular value of the Jacobian.
+    `root` (k, k) is a root of the covariance of the coordinates, root root^T; `alone` (k,) are the standard
+    errors if all other coordinates were known; `condition` is the ratio of the largest and the smallest
+    singular value of the Jacobian.
     """
 
-    covariance: FloatArray
+    root: FloatArray
     alone: FloatArray
     condition: float
 
     @property
+    def covariance(self) -> FloatArray:
+        """Covariance of the coordinates (k, k)."""
+        return self.root @ self.root.T
+
+    @property
     def errors(self) -> FloatArray:
         """Standard errors (k,)."""
-        return np.sqrt(np.diag(self.covariance))
+        return np.linalg.norm(self.root, axis=1)
 
     @property
     def correlation(self) -> FloatArray:
@@ -47,13 +53,13 @@ def uncertainty(jacobian: FloatArray, variance: float = 1.0) -> Uncertainty:
     _, singular, right = np.linalg.svd(jacobian, full_matrices=False)
     largest = float(singular.max(initial=0.0)) or 1.0
     singular = np.maximum(singular, _ROUND_OFF * largest)
-    scaled = right.T / singular
+    root = np.sqrt(variance) * right.T / singular
     alone = np.sqrt(variance) / np.maximum(sizes, _ROUND_OFF * largest)
-    return Uncertainty(variance * scaled @ scaled.T, alone, largest / float(singular.min()))
+    return Uncertainty(root, alone, largest / float(singular.min()))
 
 
 class RunsTest(NamedTuple):
-    """Number of runs of residuals of one sign, its mean for independent signs, and how probable so few are."""
+    """Number of runs of one sign, its mean for independent signs, and the probability of so few."""
 
     runs: int
     expected: float

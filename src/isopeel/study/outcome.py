@@ -159,7 +159,7 @@ def read_outcome(path: Path) -> Outcome | None:
             lines = []
             for number, (stage, names, units) in enumerate(described.pop("lines")):
                 parameter, reaction, *rates = file[f"curve/{number}"][()]
-                table = np.array(rates).reshape(len(rates), -1).T
+                table = np.stack(rates, axis=1) if rates else np.empty((len(parameter), 0))
                 lines.append(Line(stage, parameter, reaction, tuple(names), tuple(units), table))
             readings = {name: Amount(*amount) for name, amount in described.pop("readings").items()}
             notes = tuple(described.pop("notes"))
