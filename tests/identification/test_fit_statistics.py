@@ -125,6 +125,14 @@ def test_what_cannot_be_identified_is_said() -> None:
     (note,) = weak.notes
     assert note.startswith("`material.poissons_ratio` cannot be identified from these curves")
     assert "hardly depend on it" in note
+    # many points have a small standard error, but an error of 1 % of the sensor is as large as the value
+    fit = _fit(2.0 + 2e-3 * X, [RATIO], 1e-3)
+    small = solve(fit, Known(fit, lambda a: 2.0 + 1e-2 * a * X))
+    assert small.parameters[0].relative_error < 0.1
+    (note,) = small.notes
+    # 0.2 changes the curve by 0.02 of 2.02
+    assert small.parameters[0].effect == pytest.approx(0.02 / 2.02, rel=1e-3)
+    assert "an error of 1 % of the sensor or of the model changes it by 101 % or more" in note
     # a product is known, and its factors are not
     fit = _fit(2.0 + 0.01 * np.sin(5 * X), [HEIGHT, FACTOR], 0.02)
     product = solve(fit, Known(fit, lambda h, b: b * h + 0 * X))

@@ -15,6 +15,9 @@ from isopeel.report.wording import listed
 #: A parameter with a larger standard error, as a part of its value, is not identified: zero and twice the
 #: value are inside its 95 % interval.
 _NOT_IDENTIFIED = 0.5
+#: Nor is one with a smaller effect: then an error of 1 % of the sensor or of the mesh, which is no noise, is
+#: enough to change it by half of its value.
+_LEAST_EFFECT = 0.02
 #: Parameters whose correlation is closer to one are badly separated.
 _TOGETHER = 0.99
 #: Parameters with a larger correlation are named beside one that is not identified.
@@ -104,6 +107,11 @@ def _identification_notes(
     correlation = certain.correlation
     for place, number in enumerate(free):
         one = parameters[number]
+        if one.effect < _LEAST_EFFECT and one.relative_error <= _NOT_IDENTIFIED:
+            yield (
+                f"`{one.key}` cannot be identified from these curves: an error of 1 % of the sensor or of the"
+                f" model changes it by {1 / max(one.effect, 1e-3):.0f} % or more.{_weak(one)}"
+            )
         if not one.relative_error > _NOT_IDENTIFIED:
             continue
         size = 100 * one.relative_error
