@@ -27,9 +27,7 @@ class CurveTask(Task):
         try:
             case = Case.parse(self.case_text).with_values(self.values)
             for one, run in traced_stages(case, list(self.values)):
-                line = Line.of(one.stage.name, one.laboratory.curve(run.curve))
-                factor = one.laboratory.column(run.curve.reaction_column).factor
-                lines.append(line._replace(sensitivities=run.curve.sensitivities * factor))
+                lines.append(Line.of(one.stage.name, one.laboratory.curve(run.curve)))
                 steps += len(run.curve)
                 ending = run.ending
                 cause = "" if run.failure is None else f"{run.failure.reason} ({run.failure.cause})"

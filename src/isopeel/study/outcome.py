@@ -59,6 +59,7 @@ class Line(NamedTuple):
             curve.reaction,
             (columns[0].name.removesuffix("_deg"), columns[1].name),
             (columns[0].unit, columns[1].unit),
+            curve.sensitivities,
         )
 
 
