@@ -3,7 +3,6 @@
 from collections.abc import Sequence
 from dataclasses import replace
 from itertools import combinations, groupby
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -21,7 +20,7 @@ from isopeel.identification.parameters import Noise, Parameter
 from isopeel.identification.report import make_document
 from isopeel.identification.solve import solve
 from isopeel.identification.statistics import runs_test, uncertainty
-from isopeel.report.document import to_markdown
+from isopeel.report.document import Picture, to_markdown
 from isopeel.results.provenance import Provenance
 
 X = np.linspace(0.5, 10.0, 40)
@@ -220,12 +219,12 @@ def test_a_combination_without_effect_has_a_large_error() -> None:
     assert uncertainty(regular).condition == pytest.approx(np.linalg.cond(regular))
 
 
-def test_the_page_needs_no_display(tmp_path: Path) -> None:
+def test_figures_have_the_headings_of_the_measured_columns() -> None:
     y = 2.0 + 0.3 * X
     fit = _fit(y, [RATIO, FACTOR], 0.1)
     found = solve(fit, Known(fit, lambda a, b: b + a * X))
     document = make_document(found, Provenance.of_this_process(), "isopeel fit known.toml")
-    pictures = [block for block in document.blocks if hasattr(block, "draw")]
+    pictures = [block for block in document.blocks if isinstance(block, Picture)]
     assert [block.name for block in pictures] == ["curve-1", "correlation"]
     axes = pictures[0].draw().axes
     assert axes[0].get_ylabel() == "force [N/m]"

@@ -28,7 +28,7 @@ def measured(curve: isopeel.Curve, first: float, count: int, seed: int) -> isope
 @pytest.mark.long
 def test_work_and_strength_are_found(curve: isopeel.Curve) -> None:
     start = {"adhesion.work_of_adhesion": "0.03 J/m^2", "adhesion.strength": "30 MPa"}
-    found = isopeel.fit(CASE, measured(curve, 1, 60, 0), start, noise="1 %")  # type: ignore[arg-type]
+    found = isopeel.fit(CASE, measured(curve, 1, 60, 0), start, noise="1 %")
     work, strength = found.parameters
     # three standard errors of one seed; the benchmark has the share of many seeds
     assert work.value == pytest.approx(0.02, abs=3 * work.standard_error)
@@ -41,5 +41,5 @@ def test_work_and_strength_are_found(curve: isopeel.Curve) -> None:
 
 def test_steady_peeling_does_not_identify_the_strength(curve: isopeel.Curve) -> None:
     start = {"adhesion.strength": "38 MPa"}
-    found = isopeel.fit(CASE, measured(curve, 55, 25, 1), start, noise="1 %")  # type: ignore[arg-type]
+    found = isopeel.fit(CASE, measured(curve, 55, 25, 1), start, noise="1 %")
     assert any(note.startswith("`adhesion.strength` cannot be identified") for note in found.notes)

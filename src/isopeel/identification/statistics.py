@@ -35,7 +35,8 @@ class Uncertainty(NamedTuple):
     @property
     def errors(self) -> FloatArray:
         """Standard errors (k,)."""
-        return np.linalg.norm(self.root, axis=1)
+        errors: FloatArray = np.linalg.norm(self.root, axis=1)
+        return errors
 
     @property
     def correlation(self) -> FloatArray:
