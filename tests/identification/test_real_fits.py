@@ -6,6 +6,8 @@ import pytest
 import isopeel
 from isopeel.running.in_memory import traced_stages
 
+pytestmark = pytest.mark.long
+
 LAW = {"law": "exponential", "strength": "40 MPa", "work_of_adhesion": "0.02 J/m^2", "length": "150 nm"}
 SETTINGS = {"discretization.mesh": "80x2", "drive.to": "60 deg", "drive.step": "2 deg", "reading": None}
 CASE = isopeel.load_case("strip").with_values({"adhesion": LAW, **SETTINGS})
@@ -25,7 +27,6 @@ def measured(curve: isopeel.Curve, first: float, count: int, seed: int) -> isope
     return isopeel.Measured("twin.csv", ("rotation", "moment"), ("deg", "N m/m"), x, y)
 
 
-@pytest.mark.long
 def test_work_and_strength_are_found(curve: isopeel.Curve) -> None:
     start = {"adhesion.work_of_adhesion": "0.03 J/m^2", "adhesion.strength": "30 MPa"}
     found = isopeel.fit(CASE, measured(curve, 1, 60, 0), start, noise="1 %")
