@@ -140,7 +140,8 @@ def path(run: StoredRun, parameters: list[float], fields: list[float]) -> Stored
     curve, number = run.curve, len(parameters)
     whole = {"kind", "negative_eigenvalues", "iterations"}
     columns: dict[str, Any] = {name: np.zeros(number, dtype=np.int64) for name in whole}
-    for name in vars(curve).keys() - whole - {"parameter_column", "reaction_column"}:
+    others = {"parameter_column", "reaction_column", "sensitive_to", "sensitivities"}
+    for name in vars(curve).keys() - whole - others:
         columns[name] = np.zeros(number)
     columns |= {"parameter": np.array(parameters), "energy_residuals": np.empty(0)}
     states = [run.states[0]._replace(step=parameters.index(at), parameter=at) for at in fields]
