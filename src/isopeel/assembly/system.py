@@ -66,6 +66,16 @@ def bytes_needed(*spaces: RowSpace) -> int:
     return 8 * (2 * tables + unknowns * (3 * half_bandwidth + 1))
 
 
+def _with_law(
+    term: InterfaceTerm | FacingTerm | PairTerm, interface: Interface
+) -> InterfaceTerm | FacingTerm | PairTerm:
+    """Return a term of an interface that has another law."""
+    if isinstance(term, PairTerm):
+        assert isinstance(interface.law, JointLaw)
+        return replace(term, adhesion=interface, law=interface.law)
+    return replace(term, adhesion=interface)
+
+
 class System:
     """Forces and tangents of a problem on a space. Tables are made once; the pattern never changes.
 
@@ -132,6 +142,11 @@ class System:
             else InterfaceTerm(interface, face, next(tangents), closed_opening(problem, interface))
             for interface, face in zip(problem.faces, faces, strict=True)
         )
+        self._complete()
+
+    def _complete(self) -> None:
+        """Set what follows from the terms of bodies, interfaces and loads."""
+        problem = self.problem
         #: Whether an interface is damaged as it opens.
         self.irreversible: bool = any(interface.has_history for interface in problem.interfaces)
         #: Whether multipliers of contact are in the history.
@@ -150,7 +165,7 @@ class System:
             term.body.material.youngs_modulus * term.table.area for term in self.bodies
         )
         self._tangents: dict[Storage, BandMatrix] = {}
-        self.equations = self._equations()
+        self.equations: Equations = self._equations()
 
     @staticmethod
     def body_loops(table: BodyTable) -> Loops:
@@ -161,6 +176,24 @@ class System:
         held = self.constraints
         listed = [(term.loops, term.data(held.unknowns), term.initial().size) for term in self.terms]
         return Equations(term_list(listed), held.unknowns, held.offset, held.driven, held.tied.followers)
+
+    def with_physics_of(self, problem: Problem) -> Self:
+        """Return the same system with the materials and laws of a problem that differs in nothing else.
+
+        It shares the tables. The start is not checked again.
+        """
+        other = copy(self)
+        other.spaces = with_contact_stiffness(replace(self.spaces, problem=problem))
+        problem = other.problem = other.spaces.problem
+        other.bodies = tuple(
+            replace(term, body=body) for term, body in zip(self.bodies, problem.bodies, strict=True)
+        )
+        other.interfaces = tuple(
+            _with_law(term, face) for term, face in zip(self.interfaces, problem.faces, strict=True)
+        )
+        other.facing = tuple(one for one in other.interfaces if isinstance(one, FacingTerm))
+        other._complete()
+        return other
 
     def under(self, share: float) -> Self:
         """The same system under a share of the held loads. It shares the arrays of tangents."""

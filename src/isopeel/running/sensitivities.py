@@ -17,6 +17,7 @@ from isopeel.running.stage_run import StageRun
 from isopeel.running.stage_trace import steps_of
 from isopeel.solve.sensitivity import STENCILS, Sensitivities, Variant, variant_of, with_sensitivities
 from isopeel.solve.step import Step
+from isopeel.splines.nurbs import NurbsSurface
 
 
 @dataclass
@@ -82,9 +83,12 @@ class Differentiation:
                     shift = multiple * parameter.shift
                     case, stages = self._shifted(parameter, shift)
                     moved = begins if begins is None or rate is None else begins + shift * rate
-                    problem = stages[number].problem
-                    same = _same_shapes(problem, one.stage.problem)
-                    other = _system(problem, one if same else replace(one, spaces=case.spaces()), moved)
+                    problem = _with_equal_shapes(stages[number].problem, one.stage.problem)
+                    if moved is begins and _has_same_geometry(problem, one.stage.problem):
+                        other = system.with_physics_of(problem)
+                    else:
+                        same = _has_same_shapes(problem, one.stage.problem)
+                        other = _system(problem, one if same else replace(one, spaces=case.spaces()), moved)
                     found.append(variant_of(system, other, shift, weight / parameter.shift))
             except InputError as error:
                 refusals.append(error)
@@ -107,10 +111,30 @@ def _system(problem: Problem, one: StageRun, base: FloatArray | None) -> System:
     return System(problem, one.spaces, one.case.discretization.contact_points, base)
 
 
-def _same_shapes(problem: Problem, other: Problem) -> bool:
-    """Return whether the bodies of two problems have the same shapes, and so the same spaces."""
-    return all(
-        np.array_equal(mine.shape.control_points, theirs.shape.control_points)
-        and np.array_equal(mine.shape.weights, theirs.shape.weights)
+def _with_equal_shapes(problem: Problem, other: Problem) -> Problem:
+    """Return a problem whose bodies have the very shapes of another one where these are equal."""
+    bodies = tuple(
+        replace(mine, shape=theirs.shape) if _are_equal(mine.shape, theirs.shape) else mine
         for mine, theirs in zip(problem.bodies, other.bodies, strict=True)
     )
+    return replace(problem, bodies=bodies)
+
+
+def _are_equal(one: NurbsSurface, other: NurbsSurface) -> bool:
+    return np.array_equal(one.control_points, other.control_points) and np.array_equal(
+        one.weights, other.weights
+    )
+
+
+def _has_same_shapes(problem: Problem, other: Problem) -> bool:
+    """Return whether the bodies have the very shapes of another problem, and so the same spaces."""
+    return all(a.shape is b.shape for a, b in zip(problem.bodies, other.bodies, strict=True))
+
+
+def _has_same_geometry(problem: Problem, other: Problem) -> bool:
+    """Return whether a problem differs from another one in materials and laws only."""
+    bodies = tuple(replace(a, material=b.material) for a, b in zip(problem.bodies, other.bodies, strict=True))
+    interfaces = tuple(
+        replace(a, law=b.law) for a, b in zip(problem.interfaces, other.interfaces, strict=True)
+    )
+    return replace(problem, bodies=bodies, interfaces=interfaces) == other
