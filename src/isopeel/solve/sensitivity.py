@@ -6,13 +6,15 @@ At an equilibrium R(y, p, h; m) = 0 of unknowns y, the drive's parameter p and t
 
 where p is fixed: direct differentiation (Michaleris, Tortorelli and Vidal, Int. J. Numer. Meth. Engng. 37,
 1994). The history after the step, h' = H(y, h; m), is differentiated in the same way. So the derivatives of
-history and displacement are carried from step to step, with one solution for each parameter and step. The
-derivatives at fixed y are central differences of the same state on problems with other parameters, which the
-caller builds: they include all that depends on the parameter, such as the geometry or the placing of bodies.
+history and displacement are carried from step to step, with one solution for each parameter and step. Without
+a history, and where K is symmetric, the one solution K a = dr/dy serves all parameters (adjoint method, same
+source): dr/dm = dr/dm at fixed y - a . dR/dm. The derivatives at fixed y are central differences of the same
+state on problems with other parameters, which the caller builds: they include all that depends on the
+parameter, such as the geometry or the placing of bodies.
 """
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 from typing import NamedTuple, TypeAlias
 
 import numpy as np
@@ -22,6 +24,8 @@ from isopeel.assembly.spaces import HELD
 from isopeel.assembly.system import Equilibrium, System
 from isopeel.common.arrays import BoolArray, FloatArray, IntArray
 from isopeel.common.errors import InputError
+from isopeel.matrix.band import BandMatrix
+from isopeel.matrix.bordered import Bordered
 from isopeel.matrix.factor import Factor, SingularError
 from isopeel.solve.stability import inertia
 from isopeel.solve.step import Step
@@ -140,18 +144,30 @@ class Sensitivities:
             return None
         # derivatives have errors of first order in that of the state
         y = y - factor.solve(_residual(system, equilibrium, u, p))
-        found = _Solution(p, y, system.maximum_openings, [], [])
+        found = _Solution(p, y, system.maximum_openings, factor)
         gradient = _gradient(system, y, p)
+        # dr/dy . K^-1: one solution for all parameters; those with a history need dy/dm in any case
+        adjoint: FloatArray | None = None
+        if gradient is not None and not system.irreversible and _is_symmetric(matrix, factor):
+            adjoint = factor.solve(gradient)
         for k, several in enumerate(self.variants):
-            found.rates.append(np.zeros(system.count))
-            partial = _total(self._partial[k], found.at(k, self._history), _balance)
-            found.rates[k] = -factor.solve(partial[:-1])
-            if gradient is None:
+            fixed = _Moving(p, y, np.zeros(system.count), found.history, self._history[k])
+            partial = _total(self._partial[k], fixed, _balance)
+            found.partial.append(partial[:-1])
+            if adjoint is not None:
+                found.reactions.append(float(partial[-1] - adjoint @ partial[:-1]))
+            elif gradient is not None:
+                found.reactions.append(float(partial[-1] + gradient @ found.rate(k)))
+            else:
                 whole = _total(several, found.at(k, self._history), _balance)
                 found.reactions.append(float(whole[-1]))
-            else:
-                found.reactions.append(float(partial[-1] + gradient @ found.rates[k]))
         return found
+
+
+def _is_symmetric(matrix: BandMatrix, factor: Factor) -> bool:
+    """Return whether a matrix is symmetric with the border that its factor may have."""
+    border = factor.border if isinstance(factor, Bordered) else None
+    return matrix.storage == "symmetric" and (border is None or np.array_equal(border.column, border.row))
 
 
 def _of_differing(system: System, variants: Sequence[Variant]) -> list[Variant]:
@@ -189,19 +205,31 @@ class _Moving(NamedTuple):
     history_rate: FloatArray
 
 
-class _Solution(NamedTuple):
-    """A state, and for each parameter of the problem dr/dm and dy/dm (count,)."""
+@dataclass(frozen=True, eq=False)
+class _Solution:
+    """A state, the factor of its tangent, and for each parameter of the problem dr/dm and dR/dm (count,).
+
+    The latter are at fixed unknowns.
+    """
 
     parameter: float
     unknown_values: FloatArray
     history: FloatArray  # before the step
-    reactions: list[float]
-    rates: list[FloatArray]
+    factor: Factor
+    reactions: list[float] = field(default_factory=list)
+    partial: list[FloatArray] = field(default_factory=list)
+    _rates: dict[int, FloatArray] = field(default_factory=dict)
+
+    def rate(self, number: int) -> FloatArray:
+        """Return dy/dm (count,) of the parameter of a number."""
+        if number not in self._rates:
+            self._rates[number] = -self.factor.solve(self.partial[number])
+        return self._rates[number]
 
     def at(self, number: int, history_rates: Sequence[FloatArray]) -> _Moving:
         """Return the state as it changes by the parameter of a number."""
-        history_rate = history_rates[number]
-        return _Moving(self.parameter, self.unknown_values, self.rates[number], self.history, history_rate)
+        rate, history_rate = self.rate(number), history_rates[number]
+        return _Moving(self.parameter, self.unknown_values, rate, self.history, history_rate)
 
 
 #: A function of a variant, its unknowns and the drive's parameter.
