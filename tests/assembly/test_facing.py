@@ -103,6 +103,19 @@ def test_forces_are_derivatives_of_the_energy_and_conserve_momentum(scheme: str)
     assert abs(moment) < 1e-12 * np.abs(x).max() * np.abs(forces).sum()
 
 
+def test_two_half_passes_store_the_mean_energy_of_both_sides() -> None:
+    """Their sum was compared with the work of the drive, so that an interface took twice its energy."""
+    half, both, one = (
+        system_of(facing(FLAT, "bottom", scheme)) for scheme in ("two-half-pass", *SCHEMES[:2])
+    )
+    u = deformed(half)
+    assert half.equilibrium(u).adhesive_energy == both.equilibrium(u).adhesive_energy
+    # of flat sides, both are the energy of one side, but for points of the lower one beyond the ends
+    rest = np.zeros(u.shape)
+    energies = [system.equilibrium(rest).adhesive_energy for system in (half, one)]
+    assert energies[0] == pytest.approx(energies[1], rel=1 / 11)  # an element of the lower side
+
+
 def test_two_half_passes_cannot_jump() -> None:
     """They have no energy to descend in: the path continued along its curve without a word."""
     spaces = {"upper": row_space("N2", (7, 2), 2), "lower": row_space("N2.1", (11, 2), 2)}

@@ -27,7 +27,7 @@ class FacingData(NamedTuple):
     equilibrium_gap: float
     irreversible: bool
     augmented: bool  # whether the law has multipliers
-    share: float  # of the energy: one half where both sides are integrated
+    share: float  # of a point in the energy: one half where both sides are integrated
     mutual: bool  # whether the other body feels the force too
     far: float  # a gap at which nothing acts
     functions: Integers2  # this and the following as in `SideTable`
@@ -252,7 +252,8 @@ def add_facing(
         D dg = -n . dy' Ds - n . Dy' ds - b ds Ds + g/(y'.y') (n . dy' + b ds)(n . Dy' + b Ds)
 
     At a corner of the other side the partner does not move along it: D dg = (Dx - Dy) . (1 - n n) . (dx - dy)
-    /g. If the force is not mutual, the other body feels nothing, and there is no potential.
+    /g. If the force is not mutual, the other body feels nothing: forces are those of the whole area, and not
+    derivatives of the energy, which is the mean of those of both passes.
     """
     facing: FacingData = read_facing(integers, floats)
     found = find_partners(facing, u)
@@ -275,6 +276,9 @@ def add_facing(
         area = facing.share * weights[e, q]
         energy += area * answer.potential[p]
         dissipated += area * answer.dissipated[p]
+        if not facing.mutual:
+            # the other body has the force of its own pass
+            area = weights[e, q]
         if found.kind[p] == NONE:
             continue
         segment = found.segment[p]

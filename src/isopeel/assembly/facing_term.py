@@ -88,7 +88,7 @@ class FacingTerm:
                 equilibrium_gap=float(adhesion.law.equilibrium_gap),
                 irreversible=adhesion.irreversible,
                 augmented=adhesion.penetration is not None,
-                share=0.5 if adhesion.scheme == "unbiased" else 1.0,
+                share=1.0 if adhesion.scheme == "biased" else 0.5,
                 mutual=adhesion.scheme != "two-half-pass",
                 far=self.far,
                 functions=table.functions,
