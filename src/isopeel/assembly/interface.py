@@ -5,6 +5,7 @@ from typing import Self
 
 import numpy as np
 
+from isopeel.assembly.closest_point_kernel import NONE
 from isopeel.assembly.contact import with_contact_stiffness
 from isopeel.assembly.facing_term import FacingTerm, facing_term
 from isopeel.assembly.interface_kernel import projected_areas
@@ -169,6 +170,16 @@ class InterfacePoints:
     def gap(self, displacement: FloatArray) -> FloatArray:
         """Return the gaps (n, k) at coefficients (size, 2); far from all bodies where there is no partner."""
         return self._term.gap(self._checked(displacement)).reshape(self.parameters.shape)
+
+    def has_partner(self, displacement: FloatArray) -> BoolArray:
+        """Return whether the points (n, k) have a partner on another body; on a substrate all have one."""
+        term, u = self._term, self._checked(displacement)
+        has = np.ones(self.parameters.size, dtype=bool)
+        if isinstance(term, FacingTerm):
+            has = term.partners(u).kind != NONE
+        elif isinstance(term, PairTerm):
+            has = term.paired.ravel()
+        return has.reshape(self.parameters.shape)
 
     def _checked(self, displacement: FloatArray) -> FloatArray:
         """Return the coefficients (size, 2) with the types of compiled code."""

@@ -61,8 +61,8 @@ class JIntegral:
 
     `neglected` is the part of it that the contour does not enclose: the energy per area that the interface
     stores ahead of the sections, and that it can still take behind them. Before the joint has `parted` at its
-    open end, the front takes less than the whole work of separation. `place` is that of the front along the
-    undeformed side, from where its parameter begins.
+    open end, which is the last point with a partner, the front takes less than the whole work of separation.
+    `place` is that of the front along the undeformed side, from where its parameter begins.
     """
 
     value: float
@@ -164,7 +164,9 @@ class Contours:
                 line.part(front + _FROM * (end - front), front + _TO * (end - front)) for end in (low, high)
             )
             arms.append(Arm(ahead, behind, line.parameter(front), line.height))
-        edge = -1 if along @ whole[0].direction > 0 else 0
+        # a point without a partner has no energy, however near the other body is
+        has_partner = np.flatnonzero(self._points.has_partner(state.displacement))
+        edge = int(has_partner[-1 if along @ whole[0].direction > 0 else 0])
         rest = _rest(joint, found, parameters, pull, arms[0], edge)
         if isinstance(rest, str):
             return rest
