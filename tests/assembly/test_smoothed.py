@@ -117,10 +117,10 @@ def test_a_corner_of_the_shape_stays_a_corner() -> None:
 
 
 def test_what_cannot_be_smoothed_is_refused() -> None:
-    with pytest.raises(InputError, match=r"adhesion\.smoothed: True.*it needs Lagrange elements"):
+    with pytest.raises(InputError, match=r"interface\.1\.smoothed: True.*it needs Lagrange elements"):
         system_of(facing(FLAT, "bottom", smoothed=True))
     # of a biased energy, closest points are found on the second side only
-    with pytest.raises(InputError, match=r"adhesion\.smoothed: True.*it needs Lagrange elements"):
+    with pytest.raises(InputError, match=r"interface\.1\.smoothed: True.*it needs Lagrange elements"):
         system_of(facing(FLAT, "bottom", "biased", smoothed=True), "L2", "N2")
     for law, against in ((LAW, Flat()), (XuNeedleman(0.1, 0.1, 0.1), LOWER.side("top"))):
         with pytest.raises(InputError, match=r"adhesion\.smoothed: True.*side of another body"):

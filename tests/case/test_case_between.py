@@ -146,6 +146,8 @@ def test_bad_values_name_their_key_and_what_is_allowed(old: str, new: str, field
     assert caught.value.field == field
     assert allowed in caught.value.allowed
     assert str(caught.value).count("\n") == 0
+    # what is refused is shown as it is written
+    assert "Section(" not in str(caught.value)
 
 
 SECOND = f"""

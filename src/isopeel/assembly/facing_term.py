@@ -179,5 +179,7 @@ def _check_lagrange(spaces: Spaces, interface: Interface, against: Boundary) -> 
     found = is_lagrange(spaces, against)
     if not found and (interface.scheme == "biased" or not is_lagrange(spaces, interface.boundary)):
         allowed = "closest points are found on sides that are smooth; it needs Lagrange elements, such as L2"
-        raise InputError("adhesion.smoothed", True, allowed)
+        faces = [one.faces for one in spaces.problem.interfaces]
+        number = next(n for n, of_one in enumerate(faces, start=1) if interface in of_one)
+        raise InputError(f"interface.{number}.smoothed", True, allowed)
     return found

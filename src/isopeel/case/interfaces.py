@@ -92,7 +92,8 @@ class InterfaceTable(PartKeys, AdhesionSection):
         if own == against:
             allowed = "the sides must be of two bodies: a body does not adhere to itself"
             raise InputError("adhesion.between", list(self.names), allowed)
-        for key, value in (("boundary", self.boundary), ("substrate", self.substrate)):
+        substrate = self.substrate and f"{{ kind = '{self.substrate.kind}' }}"
+        for key, value in (("boundary", self.boundary), ("substrate", substrate)):
             if value is not None:
                 allowed = "an interface is `between` two bodies, or of a boundary and a substrate"
                 raise InputError(f"adhesion.{key}", value, allowed)
