@@ -9,9 +9,11 @@ import pytest
 from scipy.optimize import minimize_scalar
 from test_continuation import HAMAKER, HEIGHT, LENGTH, PULL, R0, REST, pull, tension
 
+from isopeel.assembly.system import System
 from isopeel.common.arrays import FloatArray
 from isopeel.common.path_control import PathControl
 from isopeel.physics.adhesion import Exponential, VanDerWaals
+from isopeel.physics.batch import evaluate_law
 from isopeel.physics.materials.base import plane_strain_modulus
 from isopeel.problem import (
     Body,
@@ -166,6 +168,31 @@ def test_a_point_that_slides_off_the_end_of_the_other_side_is_the_cause() -> Non
         path_of(slides, np.linspace(0.0, 2 * end, 9), "newton")
     assert failed.value.cause == "lost partner"
     assert failed.value.parameter >= end
+
+
+def test_points_that_turn_away_within_the_reach_of_the_law_are_a_cause() -> None:
+    """As those of a soft joint under a tape that is folded back: they were no cause of a failure."""
+    problem = blocks("biased")
+    system = System(problem, SPACES)
+    (term,), (law, middle) = system.facing, (problem.interfaces[0].law, LENGTH / 2)
+    centre, points = np.array([middle, REST]), system.spaces.control_points()[: SPACES["upper"].size]
+
+    def turned(degrees: float) -> FloatArray:
+        c, s = np.cos(np.radians(degrees)), np.sin(np.radians(degrees))
+        u = np.zeros((system.spaces.size, 2))
+        u[: len(points)] = (points - centre) @ np.array([[c, s], [-s, c]]) + [middle, middle + REST] - points
+        return u
+
+    # the Gauss points are at (1 -+ 1/sqrt(3))/2 of the side
+    gaps = middle + REST + middle * np.array([-1, 1]) / np.sqrt(3) * np.sin(np.radians(80))
+    energies = evaluate_law(law.kernel, law.parameters, gaps, np.zeros(2))[0]
+    expected = np.abs(energies).sum() * middle
+    for states in ((80.0, 100.0), (100.0, 80.0)):
+        off, away = term.energy_without_partner(*map(turned, states))
+        assert off == 0.0
+        # both are evaluated to round-off
+        assert away == pytest.approx(expected, rel=1e-12)
+    assert term.energy_without_partner(turned(70.0), turned(80.0)) == (0.0, 0.0)
 
 
 def test_two_arms_that_slide_on_each_other_buckle_together() -> None:

@@ -147,16 +147,23 @@ class FacingTerm:
         assert isinstance(self.adhesion.against, Boundary)
         return self.adhesion.against
 
-    def energy_off_the_end(self, before: FloatArray, beyond: FloatArray) -> float:
-        """Return the energy at points that slide off an end of the curve between two states (size, 2)."""
-        one, other = self.partners(before), self.partners(beyond)
-        last = len(self.curve.ends) - 2
-        lost = (one.kind != NONE) & (other.kind == NONE) & np.isin(one.segment, [0, last])
-        law = self.adhesion.law
-        potential = evaluate_law(law.kernel, law.parameters, one.gap[lost], np.zeros(np.count_nonzero(lost)))[
-            0
-        ]
-        return float(np.abs(potential * self.table.weights.ravel()[lost]).sum())
+    def energy_without_partner(self, one: FloatArray, other: FloatArray) -> tuple[float, float]:
+        """Return the energies at points that have a partner in one only of two states (size, 2).
+
+        The first is that of points off an end of the curve, the second that of points that turn away from it.
+        """
+        states = self.partners(one), self.partners(other)
+        law, last = self.adhesion.law, len(self.curve.ends) - 2
+        off, away = 0.0, 0.0
+        for has, lacks in (states, states[::-1]):
+            lost = (has.kind != NONE) & (lacks.kind == NONE)
+            gaps, areas = has.gap[lost], self.table.weights.ravel()[lost]
+            energy = np.abs(evaluate_law(law.kernel, law.parameters, gaps, np.zeros(gaps.size))[0]) * areas
+            at_end = (lacks.segment == 0) & (lacks.place == 0.0)
+            at_end |= (lacks.segment == last) & (lacks.place == 1.0)
+            off += float(energy[at_end[lost]].sum())
+            away += float(energy[~at_end[lost]].sum())
+        return off, away
 
     def respond(self, displacement: FloatArray, history: FloatArray) -> Response:
         """Return the state of all points, at coefficients (size, 2) after a history (E Q,)."""

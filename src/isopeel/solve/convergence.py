@@ -36,8 +36,8 @@ HINTS: dict[Cause, str] = {
     "held load": "make the held loads smaller, or let the drive raise one (control = force)",
     "energy without work": "use path_control = auto, which looks for the stable branch, or smaller steps",
     "lost partner": (
-        "let one side of the interface end before the end of the other one (length), or use a joint law,"
-        " whose points stay paired"
+        "let one side of the interface end before the end of the other one (length), take scheme = biased"
+        " with the shorter side first, or use a joint law, whose points stay paired"
     ),
     "instability": "follow the unstable branch by path_control = continuation, or refine the mesh",
     "long fall": "refine the mesh where the joint opens, or end the path where the body begins to come off",
