@@ -163,7 +163,7 @@ def test_a_point_that_slides_off_the_end_of_the_other_side_is_the_cause() -> Non
     slides = replace(problem, supports=supports, drive=MovedSide(Boundary("upper", "top"), 0.0, "held"))
     end = LENGTH * (1 - 1 / np.sqrt(3)) / 2
     with pytest.raises(
-        ConvergenceError, match=r"a point of upper\.bottom slides off the end of lower\.top"
+        ConvergenceError, match=r"a point of upper\.bottom slides past the end of lower\.top"
     ) as failed:
         path_of(slides, np.linspace(0.0, 2 * end, 9), "newton")
     assert failed.value.cause == "lost partner"

@@ -30,7 +30,7 @@ def with_lost_partner(path: Path, error: ConvergenceError) -> ConvergenceError:
         off, away = term.energy_without_partner(before, beyond)
         if max(off, away) > path.gain_allowed:
             own, other = boundary_names([term.adhesion.boundary, term.against])
-            what = f"slides off the end of {other}" if off > away else f"turns away from {other} in its reach"
+            what = f"slides past the end of {other}" if off > away else f"turns away from {other}"
             reason = f"a point of {own} {what}, where the energy jumps; {error.reason}"
             return ConvergenceError(reason, error.iterations, error.parameter, "lost partner")
     return error
