@@ -118,7 +118,7 @@ BAD: list[tuple[str, str, str, str]] = [
     (LAW, f"{LAW}\nboundary = 'upper.bottom'", "interface.1.boundary", "or of a boundary and a substrate"),
     (LAW, f"{LAW}\nsubstrate = {{ gap = '1 nm' }}", "interface.1.substrate", "or of a boundary and a"),
     (LAW, f"{LAW}\nsymmetric = true", "interface.1.symmetric", "there is no mirror plane"),
-    (LAW, f"{LAW}\nsliding_length = '1 nm'", "interface.1.sliding_length", "slide without friction"),
+    (LAW, f"{LAW}\nsliding_length = '1 nm'", "interface.1.sliding_length", "mixed-mode-bilinear"),
     (LAW, f"{LAW}\ntraction = 'projected'", "interface.1.traction", "between bodies it must be 'reference'"),
     ("hamaker_constant", "hamaker", "interface.1.hamaker", "hamaker_constant, equilibrium_distance"),
     (LAW, 'law = "xu-needleman"', "interface.1.hamaker_constant", "shear_strength"),

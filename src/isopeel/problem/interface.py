@@ -85,7 +85,7 @@ class Interface:
             if self.traction != "reference":
                 raise InputError("adhesion.traction", self.traction, "between bodies it must be 'reference'")
             if self.sliding_length is not None:
-                allowed = "between bodies there is none: their faces slide without friction"
+                allowed = "between bodies a joint law resists sliding, such as 'mixed-mode-bilinear'"
                 raise InputError("adhesion.sliding_length", self.sliding_length, allowed)
         if self.smoothed and (isinstance(self.law, JointLaw) or not isinstance(self.against, Boundary)):
             allowed = "it smooths the side of another body, on which a law of the gap finds closest points"
