@@ -166,6 +166,21 @@ def test_points_without_a_partner_do_not_make_a_joint_part() -> None:
     assert found.value < 0.01 * LAW.work_of_adhesion
 
 
+@pytest.mark.parametrize("gap", [0.0, 20.0])
+def test_a_note_names_faces_that_are_too_far_apart_for_their_law(gap: float) -> None:
+    """Such a run ended with forces and jumps of round-off, and no word on their cause."""
+    problem, space = two("biased"), row_space("N2", (30, 2), 2)
+    upper, lower = problem.bodies
+    away = replace(lower, shape=placed(lower.shape, (0.0, -gap), 0.0))
+    held = tuple(Support(body.side("left"), (0, 1)) for body in (upper, away))
+    problem = replace(problem, bodies=(upper, away), supports=held)
+    spaces = {"upper": space, "lower": space}
+    run = run_of(problem, spaces, steps_of(problem, spaces, np.radians([0.0, 1.0, 2.0])))
+    texts = [note.text for note in find(problem, spaces, run, None).notes]
+    # exp(-80) of the strength acts over 20 L0
+    assert any(text.startswith("upper.bottom: it carries no traction") for text in texts) == (gap > 0)
+
+
 def test_it_is_a_reading_and_a_column_of_two_bodies(tmp_path: Path) -> None:
     problem, space = two(), row_space("N2", (30, 2), 2)
     spaces = {"upper": space, "lower": space}

@@ -26,7 +26,7 @@ _PARTED = 1e-3
 #: Share of the work of adhesion that is left at the open end of a joint that has parted.
 _LEFT = 1e-2
 #: Traction over Young's modulus that is round-off.
-_NO_TRACTION = 1e-12
+NO_TRACTION = 1e-12
 #: Sine of an angle that is round-off.
 _ROUND_OFF = 1e-9
 
@@ -138,7 +138,7 @@ class Contours:
         pull = np.hypot(np.maximum(-found.normal_traction, 0.0), found.tangential_traction).ravel()
         peak = int(np.argmax(pull))
         material = self._problem.body_of(joint.boundary.body).material
-        if not pull[peak] > _NO_TRACTION * material.youngs_modulus:
+        if not pull[peak] > NO_TRACTION * material.youngs_modulus:
             return "the joint carries no traction"
         along = _opens_towards(found, peak) * whole[0].direction
         measured = [line.measured(whole[0].start, along) for line in whole]

@@ -5,10 +5,13 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from isopeel.assembly.interface import InterfacePoints
 from isopeel.assembly.spaces import SpaceOfBodies, spaces_by_name
 from isopeel.common.units import UnitSystem
+from isopeel.physics.adhesion import Contact
 from isopeel.physics.joints import JointLaw
 from isopeel.post.closed_form import Expected
+from isopeel.post.contour import NO_TRACTION
 from isopeel.post.crack import Fronts, fronts, jumps, release
 from isopeel.post.energy import balance
 from isopeel.post.fields import Depth, depths_inside
@@ -34,7 +37,7 @@ from isopeel.post.resolution_notes import oscillation_notes, peels, zone_note
 from isopeel.post.sensitivities import sensitivity_notes, sensitivity_readings
 from isopeel.post.steady_load import steady_load
 from isopeel.post.steady_part import steady_part, steady_part_of_bodies
-from isopeel.problem import Problem
+from isopeel.problem import Boundary, Problem
 from isopeel.results.curve import Curve
 from isopeel.results.notes import Note
 from isopeel.results.run_file import StoredRun
@@ -154,6 +157,7 @@ def _of_several(
             *(note for note in resolved if note is not None),
             *locking_notes(problem, space, laboratory),
             *_law_notes(problem),
+            *_idle_notes(problem, space, run),
         ],
         laboratory=laboratory,
     )
@@ -235,6 +239,25 @@ def _law_notes(problem: Problem) -> list[Note]:
     """Return a note on each joint law that may give wrong results."""
     laws = dict.fromkeys(one.law for one in problem.interfaces if isinstance(one.law, JointLaw))
     return [Note("law", f"{law.name}: {law.doubt}") for law in laws if law.doubt]
+
+
+def _idle_notes(problem: Problem, space: SpaceOfBodies, run: StoredRun) -> list[Note]:
+    """Return a note on each interface between bodies that carries no traction in any stored state.
+
+    The faces of a crack need not touch.
+    """
+    notes = []
+    for name, face in zip(problem.interface_names, problem.faces, strict=True):
+        if not isinstance(face.against, Boundary) or not (face.adheres or isinstance(face.law, Contact)):
+            continue
+        points = InterfacePoints.of_contact(problem, space, interface=name)
+        least = NO_TRACTION * problem.body_of(face.boundary.body).material.youngs_modulus
+        # a crack opens with the path, so that the first states carry most
+        states = (points.state(one.displacement, one.maximum_openings).traction for one in run.states)
+        if len(run.states) > 1 and all(np.abs(traction).max() <= least for traction in states):
+            text = f"{name}: it carries no traction in any stored state; the bodies may be too far apart"
+            notes.append(Note("reading", text))
+    return notes
 
 
 def _listed(reading: Reading | None) -> list[Reading]:

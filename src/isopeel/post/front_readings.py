@@ -64,7 +64,7 @@ def front_readings(problem: Problem, flow: FrontFlow, interface: str) -> list[Re
     of = f", {interface}" if sum(one.adheres for one in problem.interfaces) > 1 else ""
     words = "by sections of the bodies"
     if found.neglected > _NAMED * found.value:
-        words += f"; {100 * found.neglected / found.value:.2g} % more lies beyond them"
+        words += f"; {100 * found.neglected / found.value:.3g} % more lies beyond them"
     # the work of a joint law depends on the mode ratio
     flat = found.parted and not isinstance(law, JointLaw)
     readings = [

@@ -185,7 +185,7 @@ def _note(problem: Problem, overlap: Overlap, when: str, laboratory: Laboratory)
         thinner = min((problem.body_of(name) for name in overlap.bodies), key=_thickness)
         share = 100 * overlap.depth / _thickness(thinner)
         text = (
-            f"the bodies {one} and {other} overlap {when}, by up to {by}, {share:.2g} % of the thickness of"
+            f"the bodies {one} and {other} overlap {when}, by up to {by}, {share:.0f} % of the thickness of"
             f" {thinner.name}: the law of their interface gives way in compression"
         )
     else:
