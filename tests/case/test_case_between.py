@@ -192,7 +192,7 @@ TOUCH = {
     ("values", "field", "message"),
     [
         ({"body.2.on": None, "body.2.at": ["0 nm", "1.5 nm"]}, "interface.1.between", "must not overlap at"),
-        ({"body.2.gap": "1 m"}, "interface.1.between", "the smallest gap between them is 1e+09"),
+        ({"body.2.gap": "1 m"}, "interface.1.between", "the smallest gap between them is 1e+09 L0"),
         ({"body.2.at": ["50 nm", "0 nm"]}, "interface.1.between", "no point faces the other side"),
         ({"interface.1.between": ["upper.top", "lower.top"]}, "interface.1.between", "no point faces"),
         ({"interface.1.between": ["upper.top", "lower.bottom"]}, "interface.1.between", "nor one lie behind"),

@@ -101,10 +101,10 @@ def _on_the_other(spaces: Spaces, tie: Tie, number: int, points: FloatArray) -> 
     farthest = int(np.argmax(distances))
     names = " and ".join(boundary_names([tie.boundary, other]))
     if distances[farthest] > near:
-        place = "({:.4g}, {:.4g})".format(*points[farthest])
+        place = "({:.4g}, {:.4g}) L0".format(*points[farthest])
         allowed = (
             f"the first side must lie on the second one, and its point {place} is"
-            f" {distances[farthest]:.4g} away; move one of the bodies, or exchange the sides"
+            f" {distances[farthest]:.4g} L0 away; move one of the bodies, or exchange the sides"
         )
         raise InputError(f"tie.{number}.between", names, allowed)
     if beyond.max() > ROUND_OFF:

@@ -161,11 +161,11 @@ def _check_gaps(
     least = gap[nearest]
     if not least <= extent(spaces.problem):
         found = np.isfinite(least)
-        far = f"the smallest gap between them is {least:.4g}" if found else "no point faces the other side"
+        far = f"the smallest gap between them is {least:.4g} L0" if found else "no point faces the other side"
         allowed = f"the sides are nowhere near each other at the start: {far}"
         raise InputError("between", _names(interface), allowed)
     if least < -ROUND_OFF * size:
-        place = "a gap of {:.4g} at X = ({:.4g}, {:.4g})".format(least, *position[:, nearest])
+        place = "a gap of {:.4g} L0 at X = ({:.4g}, {:.4g}) L0".format(least, *position[:, nearest])
         bodies = f"{interface.boundary.body} and {_other(interface).body}"
         allowed = (
             f"the bodies {bodies} must not overlap at the start, nor one lie behind the side of the other"

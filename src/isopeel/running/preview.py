@@ -132,7 +132,7 @@ def _expected(runs: Sequence[StageRun]) -> tuple[float | None, str]:
         return None, "as there is one step only"
     mean = sum(times) / len(times)
     source = (
-        f"{total} steps of {1e3 * mean:.2g} ms, the mean of the {len(times)} steps after the first one. "
+        f"{total} steps of {1e3 * mean:.3g} ms, the mean of the {len(times)} steps after the first one. "
         "These were computed and not stored. Steps at a front that jumps take longer. The start of the "
         "program, its compilation and its figures are not included"
     )
