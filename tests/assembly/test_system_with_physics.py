@@ -56,3 +56,17 @@ def test_it_is_that_of_the_other_problem(name: str) -> None:
     assert found.energy_scale == expected.energy_scale
     if system.irreversible:
         np.testing.assert_array_equal(found.commit(u), expected.commit(u))
+
+
+def test_a_system_shares_the_tables_of_equal_shapes() -> None:
+    case = load_case("strip").with_values({"discretization.mesh": "30x2", "reading": None})
+    one = case.stages()[0].problem
+    system = System(one, case.spaces())
+    gap = case.with_values({"adhesion.equilibrium_distance": "0.41 nm"}).stages()[0].problem
+    moved = replace(gap, bodies=tuple(replace(body, shape=one.body.shape) for body in gap.bodies))
+    found, expected = System(moved, case.spaces(), like=system), System(moved, case.spaces())
+    assert found.body is system.body
+    higher = case.with_values({"body.height": "11 nm"})
+    assert System(higher.problem(), higher.spaces(), like=system).body is not system.body
+    u = 1e-3 * np.random.default_rng(1).standard_normal(system.constraints.offset.shape)
+    np.testing.assert_array_equal(found.equilibrium(u).forces, expected.equilibrium(u).forces)

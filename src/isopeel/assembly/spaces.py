@@ -2,11 +2,12 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Self
 
 import numpy as np
 
-from isopeel.common.arrays import FloatArray, IntArray
+from isopeel.common.arrays import FloatArray, IntArray, frozen
 from isopeel.common.errors import InputError
 from isopeel.problem import Boundary, Problem
 from isopeel.problem.boundary import ROUND_OFF
@@ -92,6 +93,11 @@ class Spaces:
         return self.side(boundary.body, side)[first : last + along.degree + 1]
 
     def control_points(self) -> FloatArray:
-        """Coefficients (size, 2) of the bodies as they are."""
+        """Coefficients (size, 2) of the bodies as they are; read-only."""
+        return self._control_points
+
+    @cached_property
+    def _control_points(self) -> FloatArray:
         bodies = self.problem.bodies
-        return np.concatenate([self.of[body.name].interpolate(body.shape.evaluate) for body in bodies])
+        found = [self.of[body.name].interpolate(body.shape.evaluate) for body in bodies]
+        return frozen(np.concatenate(found))

@@ -33,6 +33,7 @@ from isopeel.matrix.band import BandMatrix, Storage
 from isopeel.physics.joints import JointLaw
 from isopeel.problem import Boundary, Interface, Problem
 from isopeel.problem.boundary import boundary_names
+from isopeel.splines.nurbs import NurbsSurface
 from isopeel.splines.rows import RowSpace
 
 if TYPE_CHECKING:
@@ -82,8 +83,10 @@ class System:
     Several bodies have a space each, by their names; their functions are numbered one body after another. The
     adhesive force has `contact_points` Gauss points per element, one more than the degree by default. `base`
     are the coefficients (size, 2) of the state that the drive begins with, if it is not the bodies as they
-    are. Raises InputError where the memory does not suffice, where problem and spaces do not fit together,
-    where a body overlaps the substrate, can move as a whole without a force, or cannot without strain.
+    are. Bodies share the tables of those of the system `like` that have the very same shape; they must have
+    the same space there. Raises InputError where the memory does not suffice, where problem and spaces do not
+    fit together, where a body overlaps the substrate, can move as a whole without a force, or cannot without
+    strain.
 
     Tangents share one array per storage: each call of `linearize` overwrites the last one's.
     """
@@ -94,6 +97,7 @@ class System:
         space: SpaceOfBodies,
         contact_points: int | None = None,
         base: FloatArray | None = None,
+        like: Self | None = None,
     ) -> None:
         self.spaces: Spaces = with_contact_stiffness(Spaces.on(problem, space))
         problem = self.problem = self.spaces.problem
@@ -106,7 +110,8 @@ class System:
             raise InputError("mesh", ", ".join("{}x{}".format(*one.elements) for one in given), allowed)
         for body in problem.bodies:
             check_rigid(self.spaces.of[body.name], body.shape)
-        tables = [body_of(self.spaces, body) for body in problem.bodies]
+        known = {} if like is None or like.spaces.places != self.spaces.places else like._tables
+        tables = [known.get(body.shape) or body_of(self.spaces, body) for body in problem.bodies]
         self.bodies: tuple[BodyTerm, ...] = tuple(
             BodyTerm(body, table, self.body_loops(table))
             for body, table in zip(problem.bodies, tables, strict=True)
@@ -171,6 +176,10 @@ class System:
     def body_loops(table: BodyTable) -> Loops:
         """Return what makes the forces of a body."""
         return loops_of(table)
+
+    @property
+    def _tables(self) -> dict[NurbsSurface, BodyTable]:
+        return {term.body.shape: term.table for term in self.bodies}
 
     def _equations(self) -> Equations:
         held = self.constraints

@@ -88,7 +88,9 @@ class Differentiation:
                         other = system.with_physics_of(problem)
                     else:
                         same = _has_same_shapes(problem, one.stage.problem)
-                        other = _system(problem, one if same else replace(one, spaces=case.spaces()), moved)
+                        other = _system(
+                            problem, one if same else replace(one, spaces=case.spaces()), moved, system
+                        )
                     found.append(variant_of(system, other, shift, weight / parameter.shift))
             except InputError as error:
                 refusals.append(error)
@@ -106,9 +108,12 @@ class Differentiation:
         return self._varied[at]
 
 
-def _system(problem: Problem, one: StageRun, base: FloatArray | None) -> System:
-    """Return the system of a problem in place of that of a stage, which begins with coefficients."""
-    return System(problem, one.spaces, one.case.discretization.contact_points, base)
+def _system(problem: Problem, one: StageRun, base: FloatArray | None, like: System | None = None) -> System:
+    """Return the system of a problem in place of that of a stage, which begins with coefficients.
+
+    It shares the tables of bodies with a system like it.
+    """
+    return System(problem, one.spaces, one.case.discretization.contact_points, base, like)
 
 
 def _with_equal_shapes(problem: Problem, other: Problem) -> Problem:
