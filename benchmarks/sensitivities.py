@@ -26,6 +26,8 @@ TOLERANCE = 1e-28
 #: truncation and by kinks of the law, the smaller one by round-off: the deviation from the nearer one is
 #: printed, and their difference, which is the error of the differences.
 MULTIPLES = (1.0, 0.05)
+#: Runs whose fastest one is the cost.
+PASSES = 3
 #: Coarser meshes and shorter paths, so that each case takes some minutes.
 SHORT: dict[str, dict[str, Any]] = {
     "strip": {"discretization.mesh": "60x2", "drive.to": "30 deg", "drive.step": "1 deg", "reading": None},
@@ -142,12 +144,19 @@ def compared(
     return outcomes
 
 
+def _seconds(case: Case, keys: Sequence[str]) -> float:
+    began = process_time()
+    traced(case, keys)
+    return process_time() - began
+
+
 def main() -> None:
     """Print a line for each case, parameter and stage."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("cases", nargs="*", default=[*SHORT])
     parser.add_argument("--keys", help="only these, separated by commas")
     parser.add_argument("--whole", action="store_true", help="meshes and paths of the shipped cases")
+    parser.add_argument("--cost", action="store_true", help="print only what they cost")
     chosen = parser.parse_args()
     print(f"{'case, stage':25} {'parameter':28} {'scale':8}  deviation  of differences  steps")
     for name in chosen.cases:
@@ -162,16 +171,19 @@ def main() -> None:
                 valid[key] = [(one.shift, one.weight) for one in first.variants[0]]
             except InputError as error:
                 print(f"{name:25} {key:28} refused: {error.allowed}", flush=True)
-        traced(case)  # compiled code is made or read here
-        began = process_time()
-        traced(case)
-        plain, began = process_time() - began, process_time()
-        found = traced(case, [*valid])
-        whole = process_time() - began
+        keys = [*valid]
+        traced(case, keys)  # compiled code is made or read here
+        # in turn, as other programs slow both
+        passes = [[_seconds(case, some) for some in ([], keys[:1], keys)] for _ in range(PASSES)]
+        plain, one, every = (min(seconds) for seconds in zip(*passes, strict=True))
         print(
-            f"{name:25} {len(valid)} parameters: {whole / plain - 1:.2f} of the time of the run more",
+            f"{name:25} {plain:.2f} s; more for one parameter: {one / plain - 1:.2f} of it,"
+            f" for {len(keys)}: {every / plain - 1:.2f}",
             flush=True,
         )
+        if chosen.cost:
+            continue
+        found = traced(case, keys)
         NewtonSettings.__init__.__defaults__, usual = (
             (TOLERANCE, *(NewtonSettings.__init__.__defaults__ or ())[1:]),
             NewtonSettings.__init__.__defaults__,
