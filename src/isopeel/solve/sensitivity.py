@@ -61,7 +61,9 @@ class Rates(NamedTuple):
 def variant_of(system: System, other: System, shift: float, weight: float) -> Variant:
     """Return a system as a variant of another one. Raises InputError where their unknowns differ."""
     mine, theirs = system.constraints.unknowns, other.constraints.unknowns
-    if mine.shape != theirs.shape or ((mine == HELD) != (theirs == HELD)).any():
+    # where sides are tied, functions follow others only on meshes that do not match
+    counts_differ = system.count != other.count or mine.shape != theirs.shape
+    if counts_differ or ((mine == HELD) != (theirs == HELD)).any():
         raise InputError("mesh", None, "the mesh or its unknowns change")
     if system.maximum_openings.shape != other.maximum_openings.shape:
         raise InputError("mesh", None, "the elements of an interface change")
