@@ -108,7 +108,7 @@ def test_bad_cases_end_with_2_and_one_line(
         ),
         pytest.param(
             STRIP.replace('fields_every = "10 deg"', 'fields_every = "1e-9 deg"'),
-            "output.fields_every: '1e-09 degree' cannot be used; the displacements at its multiples need",
+            "output.fields_every: '1e-09 degrees' cannot be used; the displacements at its multiples need",
             id="fields that fill the memory",
         ),
     ],

@@ -90,7 +90,7 @@ def test_no_equilibrium_ends_with_3_and_stores_the_converged_steps(
     assert stored.failure.parameter == found["failure"]["theta_deg"] == 20.0 * len(rows)
     assert (found["completed"], found["theta_deg"]) == (False, rows[-1, 0])
     error = capsys.readouterr().err
-    reason = stored.failure.reason.replace("degree", "deg")
+    reason = stored.failure.reason.replace("degrees", "deg")
     assert f"no equilibrium at {20 * len(rows)} deg: {reason}" in error
     assert f"cause: {stored.failure.cause}; {stored.failure.hint}" in error
     assert found["failure"]["cause"] == stored.failure.cause
