@@ -104,3 +104,8 @@ def test_the_loss_of_a_process_costs_its_run_only(tmp_path: Path) -> None:
     assert "ended from outside 3 times" in found[1].cause
     # it is computed again by the same command
     assert [store.read(task) is None for task in tasks] == [False, True]
+
+
+def test_more_runs_than_wait_for_a_process(tmp_path: Path) -> None:
+    tasks = [Dying("", {"deaths": str(tmp_path / f"run{number}")}) for number in range(7)]
+    assert compute(tasks, None, InProcesses(1), _ignore) == [Outcome("completed")] * 7

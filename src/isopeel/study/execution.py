@@ -97,7 +97,7 @@ class InProcesses:
 
     def _computed(self, tasks: Mapping[int, Task]) -> Iterator[tuple[int, Outcome]]:
         """Yield the outcomes of tasks. Raises _LostError if a process is ended from outside."""
-        waiting = iter(tasks.items())
+        waiting = iter(list(tasks.items()))  # the caller removes what is done
         futures: dict[Future[Outcome], int] = {}
         try:
             with worker_pool(min(self.workers, len(tasks)), imports_script=False) as pool:
