@@ -152,7 +152,7 @@ def test_a_web_on_a_part_of_a_flange_transfers_the_force(web: tuple[int, int]) -
 @pytest.mark.parametrize(
     ("upper", "ties", "field", "words"),
     [
-        (placed(rectangle(10.0, 1.0), (0.0, 0.5), 0.0), (ACROSS,), "tie.1.between", "is 0.1 away"),
+        (placed(rectangle(10.0, 1.0), (0.0, 0.5), 0.0), (ACROSS,), "tie.1.between", "is 0.1 L0 away"),
         (placed(rectangle(12.0, 1.0), (0.0, 0.4), 0.0), (ACROSS,), "tie.1.between", "exchange the sides"),
         (
             UPPER.shape,
