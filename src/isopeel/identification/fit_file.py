@@ -18,11 +18,10 @@ from isopeel.identification.data_set import DataSet, data_set_of
 from isopeel.identification.measured import Measured, read_measured
 from isopeel.identification.parameters import Noise, Parameter
 from isopeel.identification.units import in_unit
-from isopeel.study.tables import case_of, first_error, text_of
+from isopeel.study.tables import OfCase, case_of, first_error, text_of
 
 #: Most starts of a fit.
 MOST_STARTS = 1000
-_NAME = r"^[A-Za-z0-9][A-Za-z0-9._-]{0,99}$"
 _QUANTITY = "a number, or a number and a unit, is needed"
 NOISE = "a share of the largest measured value, such as '1 %', or a value with the unit of y, is needed"
 
@@ -62,15 +61,7 @@ class _SearchTable(Section):
     profile: Annotated[str, Field(description="the key of a parameter is needed")] = ""
 
 
-class _FitTable(Section):
-    name: Annotated[
-        str, Field(pattern=_NAME, description="a name of letters, digits, '.', '_' and '-' is needed")
-    ]
-    case: Annotated[str, Field(description="a shipped case, or the path of a TOML file, is needed")]
-    set: Annotated[
-        dict[str, Any],
-        Field(default_factory=dict, description="a table of keys of the case and their values is needed"),
-    ]
+class _FitTable(OfCase):
     measured: Annotated[
         list[_MeasuredTable], Field(min_length=1, description="one table [[measured]] or more is needed")
     ]

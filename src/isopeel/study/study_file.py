@@ -16,13 +16,12 @@ from isopeel.common.units import measured_as, unit_of
 from isopeel.study.design import Method, Point, groups_of
 from isopeel.study.factors import Factor, Listed, Range
 from isopeel.study.study import Study
-from isopeel.study.tables import case_of, first_error, text_of, with_set_values
+from isopeel.study.tables import OfCase, case_of, first_error, text_of, with_set_values
 
 #: Most runs of a study: each takes a second or more.
 MOST_RUNS = 100_000
 #: Combinations with other factors that are tried for a value that the base case cannot have.
 _MOST_TRIED = 32
-_NAME = r"^[A-Za-z0-9][A-Za-z0-9._-]{0,99}$"
 _RANGE = "a factor has `values`, a list, or a range: `from`, `to` and, in a grid, `count`"
 
 
@@ -52,15 +51,7 @@ class _DesignTable(Section):
     seed: Annotated[int, Field(ge=0, strict=True, description="a whole number from 0 on is needed")] = 0
 
 
-class _StudyTable(Section):
-    name: Annotated[
-        str, Field(pattern=_NAME, description="a name of letters, digits, '.', '_' and '-' is needed")
-    ]
-    case: Annotated[str, Field(description="a shipped case, or the path of a TOML file, is needed")]
-    set: Annotated[
-        dict[str, Any],
-        Field(default_factory=dict, description="a table of keys of the case and their values is needed"),
-    ]
+class _StudyTable(OfCase):
     factor: Annotated[
         list[_FactorTable], Field(min_length=1, description="one table [[factor]] or more is needed")
     ]

@@ -2,15 +2,29 @@
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
-from pydantic import ValidationError
+from pydantic import Field, ValidationError
 
 from isopeel.case import Case, load_case, shipped_cases
 from isopeel.case.values import Section
 from isopeel.common.errors import InputError
 
 _LARGEST_FILE = 50_000  # bytes
+_NAME = r"^[A-Za-z0-9][A-Za-z0-9._-]{0,99}$"
+
+
+class OfCase(Section):
+    """The keys of each file that names a case: a name of its own, the case, and other values of its keys."""
+
+    name: Annotated[
+        str, Field(pattern=_NAME, description="a name of letters, digits, '.', '_' and '-' is needed")
+    ]
+    case: Annotated[str, Field(description="a shipped case, or the path of a TOML file, is needed")]
+    set: Annotated[
+        dict[str, Any],
+        Field(default_factory=dict, description="a table of keys of the case and their values is needed"),
+    ]
 
 
 def text_of(path: Path, field: str, what: str) -> str:
